@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import QApplication, QVBoxLayout, QWidget
 from window_kit import run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_common.low.clock import Clock
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.usb_volumes import UsbVolumes
@@ -88,7 +89,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     sheet.permittivity.setText(PERMITTIVITY)
     window.show()
     sheet.show_survey(chosen)
-    for language in Language:
+    for language in catalogue_file.languages():
         languages.use(language)
         sheet.find_button.click()
         run_until(lambda: bool(ended), "the search ends", LIMIT_S)

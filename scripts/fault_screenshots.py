@@ -19,6 +19,7 @@ from window_kit import Operator, new_window, run_events, run_until, virtual_scre
 
 from gpr20_common.catalogue import Language
 from gpr20_common.high.graph_message import message_from
+from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.low.shared_state import AdcFault
@@ -133,7 +134,7 @@ class FaultPictures:
             one.template for one in message.nested() if one.template not in self._spanish
         ]
         print(f"{case.device} {case.fault}: {message}", flush=True)
-        for language in Language:
+        for language in catalogue_file.languages():
             self._languages.use(language)
             self._interface.window.show_tab(TabName.STATUS)
             run_events(1.0)

@@ -14,6 +14,7 @@ from robot_kit import free_port, running
 from window_kit import new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages
 
@@ -30,7 +31,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     window = interface.window
     with running("rosrun", "gpr20_analysis", "replay", str(survey)):
         run_until(lambda: window.traces.live.radar.count >= SHOWN, "traces are shown", LIMIT_S)
-        for language in Language:
+        for language in catalogue_file.languages():
             languages.use(language)
             window.show_tab(TabName.STATUS)
             run_events(1.0)

@@ -14,7 +14,7 @@ from gpr20_analysis.commands.image_command import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import step_from_text
 from gpr20_analysis.report.build import report_of
 from gpr20_analysis.report.pdf_pages import pages_of
-from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import read_catalogue
 
 PERMITTIVITY = 5.0
@@ -26,7 +26,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     survey = load_survey(sample_survey())
     steps = [step_from_text(DEFAULT_STEPS[0])]
-    for language in Language:
+    for language in catalogue_file.languages():
         catalogue = read_catalogue(language)
         options = ImageOptions(permittivity=PERMITTIVITY)
         report = report_of(survey, sample_survey(), steps, options, language, catalogue)

@@ -11,6 +11,7 @@ from robot_kit import simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.views.main_window import TabName
@@ -39,7 +40,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     interface.begin()
     window = interface.window
     run_until(lambda: window.survey.snapshot.can_start, "the robot is ready", LIMIT_S)
-    for language in Language:
+    for language in catalogue_file.languages():
         languages.use(language)
         keep(window, folder / f"plan_{language.value}.png")
     operator = Operator()
@@ -51,7 +52,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     run_until(lambda: live.radar.count >= wanted, "the survey shows both targets", LIMIT_S)
     window.map.select_stop(TARGET_STOP)
     window.radar.depth_slider.setValue(SLICE_STEPS)
-    for language in Language:
+    for language in catalogue_file.languages():
         languages.use(language)
         for tab in TabName:
             window.show_tab(tab)
@@ -62,7 +63,7 @@ def take_pictures(folder: Path, data: Path, application: QApplication) -> None:
     window.show_tab(TabName.RADAR)
     window.radar.source.click()
     run_until(lambda: window.radar.presenter.image is not None, "an image is focused", LIMIT_S)
-    for language in Language:
+    for language in catalogue_file.languages():
         languages.use(language)
         keep(window, folder / f"focused_{language.value}.png")
     operator.stop()

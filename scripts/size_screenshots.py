@@ -14,6 +14,7 @@ from robot_kit import simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_common.message import verbatim
 from gpr20_msgs.msg import ControlStatus
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
@@ -49,7 +50,7 @@ class Pictures:
         """Take a picture after each opener, in each size, language and theme."""
         for size in SIZES:
             self._window.resize(*size)
-            for language in Language:
+            for language in catalogue_file.languages():
                 self._languages.use(language)
                 for theme in Theme:
                     self._window.use_look(replace(self._window.look, theme=theme))

@@ -22,6 +22,7 @@ from gpr20_analysis.viewer.views.application import utc_now
 from gpr20_analysis.viewer.views.main_window import SIZE_PX, MainWindow
 from gpr20_analysis.viewer.views.pick_desk import PickDesk
 from gpr20_common.catalogue import Language
+from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import read_catalogue
 
 LOOK_MS = 50
@@ -76,7 +77,7 @@ def main() -> None:
         # The second window draws with the programs that the first one compiled.
         QApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
         application = QApplication([])
-        for language in Language:
+        for language in catalogue_file.languages():
             take_picture(survey, language, folder / f"view_{language.value}.png")
         # Before its screen is gone.
         sip.delete(application)

@@ -34,7 +34,7 @@ def catalogues(monkeypatch):
     """Spanish of this test's own, so that it does not follow each change of the catalogue."""
 
     def read(language):
-        return Catalogue(SPANISH if language is Language.SPANISH else None)
+        return Catalogue(SPANISH if language == Language.SPANISH else None)
 
     monkeypatch.setattr(gpr20, "read_catalogue", read)
     for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES"):

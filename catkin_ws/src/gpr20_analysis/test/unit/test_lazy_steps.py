@@ -10,8 +10,9 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.processing import background
-from gpr20_analysis.processing.chain import FUNCTIONS, apply_steps, step_from_text
+from gpr20_analysis.processing.chain import apply_steps, step_from_text
 from gpr20_analysis.processing.samples import fill_missing
+from gpr20_analysis.processing.step_functions import FUNCTIONS
 
 STEPS = [
     "coupling:reference=empty.nc",

@@ -12,7 +12,6 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.processing.chain import (
-    FUNCTIONS,
     apply_steps,
     read_recipe,
     recipe_of,
@@ -20,6 +19,7 @@ from gpr20_analysis.processing.chain import (
     step_from_text,
     steps_from_recipe,
 )
+from gpr20_analysis.processing.step_functions import FUNCTIONS
 
 PLACES_MM = np.linspace(200.0, 280.0, 5)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)

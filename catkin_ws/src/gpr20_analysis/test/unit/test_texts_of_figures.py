@@ -17,14 +17,13 @@ from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.report import pdf_pages, pdf_text
 from gpr20_analysis.report.records import Report, Section
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.low.catalogue_file import languages, read_catalogue
 
 PLACES_MM = np.linspace(180.0, 300.0, 5)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
 IN_TIME = to_time(remove_background(SURVEY))
 IMAGE = image_survey(remove_background(SURVEY), ImageOptions(permittivity=4.0))
-LANGUAGES = [read_catalogue(language) for language in Language]
+LANGUAGES = [read_catalogue(language) for language in languages()]
 FIGURES = {
     "a-scan": lambda data, catalogue: scans.a_scan_figure(
         IN_TIME.assign_attrs(data), 0.24, 0.24, catalogue=catalogue

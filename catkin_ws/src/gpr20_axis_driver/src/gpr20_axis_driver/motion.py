@@ -9,6 +9,7 @@ from typing import Callable, Optional, Protocol, Sequence
 
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
@@ -126,6 +127,50 @@ class MotionReport:
     duration_s: float = 0.0
     gap_s: float = 0.0
     lateness: Lateness = field(default_factory=Lateness)
+
+
+class AxisMotions(Protocol):
+    """Carries out the motions of an axis, wherever they are made."""
+
+    @property
+    def steps(self) -> int:
+        """The position [motor steps from coordinate zero]."""
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the position is known to be that of the motor."""
+
+    @property
+    def failure(self) -> Optional[Message]:
+        """Why no motion is possible now; None if one is."""
+
+    @property
+    def endstop_pressed(self) -> Optional[bool]:
+        """Whether the endstop is pressed; None if that is not known."""
+
+    @property
+    def endstop_presses(self) -> int:
+        """How many times the endstop has closed, as far as it was read."""
+
+    @property
+    def scheduling(self) -> Message:
+        """How punctual the pulses are."""
+
+    @property
+    def unpunctual(self) -> bool:
+        """Whether the pulses are less punctual than they should be."""
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        """Carry out a motion and return when the motor is at rest."""
+
+    def place(self, steps: int) -> None:
+        """Set the position of the motor, which is at rest [motor steps]."""
+
+    def revive(self) -> None:
+        """Make motions possible again after a failure."""
+
+    def close(self) -> None:
+        """End any motion and release the hardware."""
 
 
 class MotionRunner(Protocol):

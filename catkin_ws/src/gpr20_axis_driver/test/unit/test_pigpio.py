@@ -109,7 +109,7 @@ def test_the_count_is_exact_whatever_is_stopped_when(axis):
 @settings(max_examples=30)
 def test_a_stop_takes_effect_within_its_limit_and_the_ramp(tmp_path_factory, request_s):
     axis = Axis(tmp_path_factory.mktemp("lock"))
-    axis.driver._pulses.place(0)
+    axis.driver._motions.place(0)
     axis.driver._homing_done = True
     begin_s = axis.clock.now_s()
     with contextlib.suppress(MotionStopped):

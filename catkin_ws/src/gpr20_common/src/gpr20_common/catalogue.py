@@ -2,51 +2,34 @@
 
 from __future__ import annotations
 
-import enum
-from typing import Mapping, Optional
+from dataclasses import dataclass
+from typing import ClassVar, Mapping, Optional
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
 
-class Language(enum.Enum):
-    """A language, by its ISO 639-1 code."""
+@dataclass(frozen=True)
+class Language:
+    """A language that has a catalogue; `gpr20_common.low.catalogue_file.languages` finds them.
 
-    ENGLISH = "en"
-    SPANISH = "es"
-
-    @property
-    def own_name(self) -> str:
-        """What its speakers call it."""
-        return {Language.ENGLISH: "English", Language.SPANISH: "Español"}[self]
-
-
-def language_from_code(code: object) -> Language:
-    """Return the language with a code.
-
-    Raises:
-        InvalidValueError: There is no catalogue for it.
+    Attributes:
+        value: ISO 639-1 code, with or without a country: es, pt_BR.
+        own_name: What its speakers call it.
     """
-    for language in Language:
-        if language.value == code:
-            return language
-    allowed = ", ".join(f"{one.value} ({one.own_name})" for one in Language)
-    raise InvalidValueError(
-        Message("language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed)
-    )
+
+    ENGLISH: ClassVar[Language]
+    SPANISH: ClassVar[Language]
+
+    value: str
+    own_name: str
+
+    def __str__(self) -> str:
+        return self.value
 
 
-def language_from_environment(environment: Mapping[str, str]) -> Language:
-    """Return the language that a terminal asks for, in the order of gettext's variables.
-
-    Args:
-        environment: `os.environ` or the like; a language without a catalogue gives English.
-    """
-    for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
-        if environment.get(name):
-            code = environment[name].split(":")[0].split(".")[0].split("_")[0]
-            return next((one for one in Language if one.value == code), Language.ENGLISH)
-    return Language.ENGLISH
+# The language of the templates, and the one that the project itself translates all of them into.
+Language.ENGLISH = Language("en", "English")
+Language.SPANISH = Language("es", "Español")
 
 
 class Catalogue:

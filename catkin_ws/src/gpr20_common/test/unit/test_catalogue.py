@@ -6,11 +6,16 @@ import pytest
 from gpr20_common.catalogue import (
     Catalogue,
     Language,
-    language_from_code,
-    language_from_environment,
 )
 from gpr20_common.errors import InvalidValueError, NodeSilentError
-from gpr20_common.low.catalogue_file import FOLDER, read_catalogue, read_translations
+from gpr20_common.low.catalogue_file import (
+    FOLDER,
+    language_from_code,
+    language_from_environment,
+    languages,
+    read_catalogue,
+    read_translations,
+)
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 
@@ -48,9 +53,9 @@ def test_a_catalogue_that_cannot_be_read_is_refused(tmp_path, content):
         read_translations(path)
 
 
-@pytest.mark.parametrize("language", list(Language))
+@pytest.mark.parametrize("language", languages())
 def test_a_language_is_found_by_its_code(language):
-    assert language_from_code(language.value) is language
+    assert language_from_code(language.value) == language
 
 
 @pytest.mark.parametrize("code", ["", "fr", "ES", 5])
@@ -71,7 +76,7 @@ def test_a_code_without_catalogue_is_refused(code):
     ],
 )
 def test_a_terminal_has_the_language_of_its_environment(environment, language):
-    assert language_from_environment(environment) is language
+    assert language_from_environment(environment) == language
 
 
 def test_the_number_of_an_error_of_the_system_is_a_detail():

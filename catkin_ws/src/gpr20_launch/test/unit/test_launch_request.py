@@ -137,3 +137,31 @@ def test_a_data_folder_that_cannot_be_written_is_refused(home, kind):
 def test_the_robot_part_does_not_need_the_data_folder(home):
     (home / "surveys").write_text("")
     assert "data" not in request("robot", data=str(home / "surveys")).sections(AXES)["storage"]
+
+
+OWN_AXIS = "x: {controller: 'subprocess:Popen', controller_options: {args: 'true'}}"
+OWN_ANALYZER = "analyzer: no_such_package.vna:Vna\nanalyzer_options: {port: 5025}"
+
+
+@pytest.mark.parametrize(
+    "name, text, parts, reason",
+    [
+        ("axes", OWN_AXIS, ("robot", "survey"), "x_axis: .*lacks begin_homing"),
+        ("analyzer", OWN_ANALYZER, ("server", "survey"), "vna_acquisition: .*cannot be imported"),
+    ],
+)
+def test_a_class_of_its_own_is_checked_where_it_is_used(home, name, text, parts, reason):
+    config = home / "robot"
+    config.mkdir()
+    (config / f"{name}.yaml").write_text(text)
+    for part in ("robot", "server", "survey"):
+        launch = request(part, "gpr20", str(config))
+        if part in parts:
+            with pytest.raises(Gpr20Error, match=reason):
+                launch.sections(AXES)
+        else:
+            launch.sections(AXES)
+    # The simulated robot has pins and an MS2026C.
+    simulated = request(config=str(config)).sections(AXES)
+    for section in ("x_axis", "vna_acquisition"):
+        assert not {"controller", "analyzer", "analyzer_options"} & set(simulated[section])

@@ -192,6 +192,6 @@ def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, va
 def test_another_analyzer_can_be_configured(tmp_path):
     sections = read(tmp_path, analyzer=SCIKIT_RF)
     parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
-    assert parameters.analyzer is AnalyzerKind.SCIKIT_RF
+    assert parameters.analyzer == AnalyzerKind.SCIKIT_RF.value
     assert parameters.scikit_rf_class is ScikitRfClass.PNA
     assert parameters.accepted_calibrations == (CalibrationStatus.NOT_REPORTED,)

@@ -13,7 +13,7 @@ from test_nothing_cut_off import assert_fits
 from view_kit import SURVEY
 from window_helpers import ImagingNode, application, close, new_window, show, snapshot
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
@@ -48,7 +48,7 @@ def node():
     return ImagingNode()
 
 
-@pytest.fixture(params=list(Language))
+@pytest.fixture(params=languages())
 def window(request, application, node):
     languages = Languages(application, request.param)
     window = new_window(languages, imaging=node)
@@ -218,7 +218,7 @@ def test_the_language_changes_at_once(window):
         cells(window.candidates.table)[20][-1],
         window.candidates.no_clearance.text(),
     )
-    window.languages.use(next(one for one in Language if one is not window.languages.language))
+    window.languages.use(next(one for one in languages() if one != window.languages.language))
     QTest.qWait(1)
     after = (
         cells(window.candidates.table)[20][-1],

@@ -10,7 +10,7 @@ from test_nothing_cut_off import assert_fits
 from view_kit import SURVEY
 from window_helpers import ImagingNode, application, click, close, new_window, show, snapshot
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState
@@ -44,7 +44,7 @@ def node():
     return ImagingNode()
 
 
-@pytest.fixture(params=list(Language))
+@pytest.fixture(params=languages())
 def window(request, application, node):
     languages = Languages(application, request.param)
     window = new_window(languages, imaging=node)

@@ -18,7 +18,7 @@ from window_helpers import (
     wishes,
 )
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import (
@@ -250,7 +250,9 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module", params=[(size, one) for size in SIZES for one in Language], ids=str)
+@pytest.fixture(
+    scope="module", params=[(size, one) for size in SIZES for one in languages()], ids=str
+)
 def screen(request, application):
     """One window for all tests on a screen."""
     size, language = request.param

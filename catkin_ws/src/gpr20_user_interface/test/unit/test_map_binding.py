@@ -7,7 +7,7 @@ from PyQt5.QtTest import QTest
 from view_kit import SURVEY, description, make_grid, trace_at
 from window_helpers import application, click, close, hold, new_window, show, snapshot, window
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
@@ -186,7 +186,7 @@ def test_what_belongs_to_a_survey_is_read_when_it_is_shown_and_when_one_ends(win
 
 
 @pytest.mark.parametrize("theme", list(Theme))
-@pytest.mark.parametrize("language", list(Language))
+@pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_on_map_is_cut(application, tmp_path, size, language, theme):
     languages = Languages(application, language)

@@ -6,12 +6,14 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
+from pseudo_language import PSEUDO, write_pseudo_catalogue
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
 from window_helpers import application, close, new_window, show, snapshot
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
@@ -80,19 +82,26 @@ SCREENS = [
     for size in SIZES
     for language, theme in ((Language.ENGLISH, Theme.SUN), (Language.SPANISH, Theme.NIGHT))
 ]
+# A language of somebody else's, on the robot's screen.
+SCREENS.append(((800, 480), PSEUDO, Theme.SUN))
 
 
 @pytest.fixture(scope="module", params=SCREENS, ids=lambda screen: f"{screen[0]}-{screen[1].value}")
 def screen(request, application, tmp_path_factory):
     """One window for all tests on a screen."""
     size, language, theme = request.param
-    languages = Languages(application, language)
-    window = new_window(languages, profiles=tmp_path_factory.mktemp("profiles"))
-    window.use_look(replace(window.look, theme=theme))
-    window.show()
-    window.resize(*size)
-    yield window
-    close(window)
+    own_folder = tmp_path_factory.mktemp("translations")
+    if language == PSEUDO:
+        write_pseudo_catalogue(own_folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(VARIABLE, str(own_folder))
+        languages = Languages(application, language)
+        window = new_window(languages, profiles=tmp_path_factory.mktemp("profiles"))
+        window.use_look(replace(window.look, theme=theme))
+        window.show()
+        window.resize(*size)
+        yield window
+        close(window)
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
 from window_helpers import application, close, new_window, show, snapshot
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
@@ -54,7 +54,9 @@ LONGEST = {
 }
 
 
-@pytest.fixture(scope="module", params=[(one, size) for one in Language for size in SIZES], ids=str)
+@pytest.fixture(
+    scope="module", params=[(one, size) for one in languages() for size in SIZES], ids=str
+)
 def screen(request, application, tmp_path_factory):
     """One window for all tests on a screen."""
     language, size = request.param

@@ -12,7 +12,7 @@ from PyQt5.QtWidgets import QTabBar, QToolButton
 from test_nothing_cut_off import assert_fits
 from window_helpers import application, click, hold, show, snapshot, window
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
@@ -147,7 +147,7 @@ def test_the_findings_are_listed_without_service_and_during_a_survey(service):
     assert not any("Height" in text for text in service.service.doctor.texts)
 
 
-@pytest.mark.parametrize("language", list(Language))
+@pytest.mark.parametrize("language", languages())
 def test_nothing_is_cut_off_and_every_button_is_as_large_as_a_finger(
     application, service, language
 ):

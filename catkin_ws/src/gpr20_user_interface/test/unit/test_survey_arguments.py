@@ -131,7 +131,7 @@ def test_help_and_faults_are_in_the_language_of_the_catalogue(capsys):
     ],
 )
 def test_language_is_that_of_the_command_line_or_the_terminal(line, environment, language):
-    assert terminal_language(line.split(), environment) is language
+    assert terminal_language(line.split(), environment) == language
 
 
 def test_unknown_language_is_refused(capsys):

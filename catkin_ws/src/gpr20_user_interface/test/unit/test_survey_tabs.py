@@ -9,6 +9,7 @@ from view_kit import SURVEY, make_grid, trace_at
 from window_helpers import application, close, new_window
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
@@ -51,7 +52,7 @@ class Shown:
         close(self.window)
 
 
-@pytest.fixture(params=list(Language))
+@pytest.fixture(params=languages())
 def shown(request, application):
     shown = Shown(request.param, application)
     yield shown

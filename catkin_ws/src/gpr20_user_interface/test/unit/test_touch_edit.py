@@ -6,7 +6,7 @@ import pytest
 from PyQt5.QtTest import QTest
 from window_helpers import application, click, close, new_window, open_field, show, snapshot
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.plan_form import PLAN_FIELDS
 from gpr20_user_interface.views.look import TEXT_PX
@@ -18,7 +18,7 @@ __all__ = ["application"]
 NUMBERS = 25
 
 
-@pytest.fixture(params=[(one, size) for one in Language for size in ((480, 320), (800, 480))])
+@pytest.fixture(params=[(one, size) for one in languages() for size in ((480, 320), (800, 480))])
 def shown(request, application, tmp_path):
     language, size = request.param
     window = new_window(Languages(application, language), profiles=tmp_path)

@@ -10,6 +10,7 @@ from PyQt5.QtTest import QTest
 from window_helpers import application, click, close, new_window
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_user_interface.errors import SettingsError
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.window_settings import (
@@ -26,7 +27,7 @@ __all__ = ["application"]
 
 
 def test_settings_survive_the_file():
-    for language in Language:
+    for language in languages():
         for theme in Theme:
             for minutes in DIM_CHOICES_MIN:
                 settings = WindowSettings(language, theme, minutes)

@@ -57,7 +57,7 @@ class Bench:
         self.address = self.server.address
         self.parameters = VnaParameters(
             **{
-                "analyzer": AnalyzerKind.SCIKIT_RF,
+                "analyzer": AnalyzerKind.SCIKIT_RF.value,
                 "scikit_rf_class": ScikitRfClass(name),
                 "address": self.address,
                 "maker": self.vna.maker,

@@ -14,14 +14,13 @@ from tqdm import tqdm
 from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.processing.chain import (
-    FUNCTIONS,
     Step,
     apply_steps,
-    parameters_of,
     read_recipe,
     step_from_text,
     steps_from_recipe,
 )
+from gpr20_analysis.processing.step_functions import FUNCTIONS, StepFunction, StepLibrary
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import FAULTS, LIST_ATTRIBUTES, MISSING, limited, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
@@ -119,6 +118,12 @@ def add_steps(parser: argparse.ArgumentParser) -> None:
         + "; ".join(map(_usage, FUNCTIONS)),
     )
     parser.add_argument("--recipe", type=Path, help="YAML file with a list of steps, applied first")
+    parser.add_argument(
+        "--steps-from",
+        type=Path,
+        metavar="FILE",
+        help="Python file whose functions are steps too; it is run, so name only your own",
+    )
 
 
 def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[Step]:
@@ -127,8 +132,9 @@ def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[St
     Raises:
         RecipeError: A step is malformed.
     """
-    steps = steps_from_recipe(read_recipe(chosen.recipe)) if chosen.recipe else []
-    steps += [step_from_text(text) for text in chosen.step]
+    library = StepLibrary(chosen.steps_from)
+    steps = steps_from_recipe(read_recipe(chosen.recipe), library) if chosen.recipe else []
+    steps += [step_from_text(text, library) for text in chosen.step]
     return steps or [step_from_text(text) for text in default]
 
 
@@ -137,10 +143,11 @@ def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
     named = [
         Path(step.parameters[key])
         for step in steps
-        for key, (kind, _) in parameters_of(step.name).items()
+        for key, (kind, _) in step.function.parameters.items()
         if kind is xr.Dataset
     ]
-    return [chosen.survey, *([chosen.recipe] if chosen.recipe else []), *named]
+    given = [one for one in (chosen.recipe, chosen.steps_from) if one]
+    return [chosen.survey, *given, *named]
 
 
 def process(
@@ -174,15 +181,14 @@ def require_steps(steps: Sequence[Step]) -> None:
         raise RecipeError(
             Message(
                 "no step was given; use --step or --recipe with: {steps}",
-                steps=", ".join(FUNCTIONS),
+                steps=", ".join(StepLibrary().names),
             )
         )
 
 
 def _usage(name: str) -> str:
-    parameters = ",".join(
-        f"{key}={_choice(kind)}" for key, (kind, _) in parameters_of(name).items()
-    )
+    known = StepFunction(name, FUNCTIONS[name]).parameters
+    parameters = ",".join(f"{key}={_choice(kind)}" for key, (kind, _) in known.items())
     return f"{name}:{parameters}" if parameters else name
 
 

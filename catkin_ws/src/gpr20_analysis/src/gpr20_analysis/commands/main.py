@@ -17,11 +17,14 @@ from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import (
     Catalogue,
     Language,
-    language_from_code,
-    language_from_environment,
 )
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.low.catalogue_file import (
+    language_from_code,
+    language_from_environment,
+    languages,
+    read_catalogue,
+)
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import printable
@@ -105,7 +108,7 @@ def _language_option() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument(
         "--language",
-        choices=[one.value for one in Language],
+        choices=[one.value for one in languages()],
         help="language of messages, reports and figures; default from the environment (LANG)",
     )
     return parser

@@ -11,7 +11,8 @@ from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, wrong_ending
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.low.catalogue_file import language_from_code
 
 HTML, PDF = ".html", ".pdf"
 
@@ -49,7 +50,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             chosen.survey,
             steps,
             options,
-            Language(chosen.language),
+            language_from_code(chosen.language),
             catalogue,
             progress,
         )

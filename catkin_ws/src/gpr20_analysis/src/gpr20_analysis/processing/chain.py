@@ -8,51 +8,22 @@ import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type, get_type_hints
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Type
 
 import xarray as xr
 import yaml
 
 from gpr20_analysis.errors import RecipeError
-from gpr20_analysis.processing.background import remove_background, subtract_coupling
-from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
-from gpr20_analysis.processing.display import apply_gain, envelope
-from gpr20_analysis.processing.filters import dewow, filter_dips
-from gpr20_analysis.processing.polarization import combine_polarizations, select_polarization
-from gpr20_analysis.processing.robust_pca import remove_low_rank
-from gpr20_analysis.processing.samples import fill_missing
+from gpr20_analysis.processing.step_functions import StepFunction, StepLibrary
 from gpr20_analysis.processing.surface_echo import with_surface_delay
-from gpr20_analysis.processing.sweep import apply_window, select_band
-from gpr20_analysis.processing.time_zero import correct_topography, pick_time_zero
-from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 
 Reader = Callable[[str], xr.Dataset]
 
-FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
-    "coupling": subtract_coupling,
-    "background": remove_background,
-    "rpca": remove_low_rank,
-    "fk": filter_dips,
-    "dewow": dewow,
-    "band": select_band,
-    "window": apply_window,
-    "delay": remove_delay,
-    "time_zero": set_time_zero,
-    "pick_time_zero": pick_time_zero,
-    "topography": correct_topography,
-    "fill": fill_missing,
-    "combine": combine_polarizations,
-    "polarization": select_polarization,
-    "time": to_time,
-    "frequency": to_frequency,
-    "gain": apply_gain,
-    "envelope": envelope,
-}
-"""The steps by name; the arguments after the survey are the parameters of a step."""
-
+ORIGIN = "origin"
+"""Key of a step in a recipe: where its function comes from, if not from this package."""
 PROCESSING = "processing"
 """Attribute: the steps by which a Dataset was made, as JSON; a recipe."""
 
@@ -62,15 +33,25 @@ class Step:
     """One step of a chain.
 
     Attributes:
-        name: A key of `FUNCTIONS`.
+        function: Its function.
         parameters: Values by name, numbers and texts. A Dataset is given as its path.
     """
 
-    name: str
+    function: StepFunction
     parameters: Mapping[str, Any]
 
+    @property
+    def name(self) -> str:
+        """How recipes and the command line name it."""
+        return self.function.name
 
-def step_from_text(text: str) -> Step:
+    def recorded(self) -> Dict[str, Any]:
+        """Return the step as an item of a recipe."""
+        origin = {ORIGIN: self.function.origin} if self.function.origin else {}
+        return {"step": self.name, **origin, **self.parameters}
+
+
+def step_from_text(text: str, library: Optional[StepLibrary] = None) -> Step:
     """Return the step of a text such as `background:method=svd,rank=2`.
 
     Raises:
@@ -89,14 +70,15 @@ def step_from_text(text: str) -> Step:
                 )
             )
         parameters[key.strip()] = value.strip()
-    return checked(name.strip(), parameters)
+    return checked(name.strip(), parameters, library)
 
 
-def steps_from_recipe(recipe: object) -> List[Step]:
+def steps_from_recipe(recipe: object, library: Optional[StepLibrary] = None) -> List[Step]:
     """Return the steps of a recipe: a list of mappings with `step` and its parameters.
 
     Raises:
-        RecipeError: It is not such a list, or a step or parameter is unknown.
+        RecipeError: It is not such a list, a step or parameter is unknown, or a step was made by
+            another version of its package.
     """
     if not isinstance(recipe, list) or not recipe:
         raise RecipeError(
@@ -112,24 +94,44 @@ def steps_from_recipe(recipe: object) -> List[Step]:
                     item=repr(item),
                 )
             )
-        parameters = {str(key): value for key, value in item.items() if key != "step"}
-        steps.append(checked(item["step"], parameters))
+        known = ("step", ORIGIN)
+        parameters = {str(key): value for key, value in item.items() if key not in known}
+        step = checked(item["step"], parameters, library)
+        _check_origin(step, item.get(ORIGIN))
+        steps.append(step)
     return steps
 
 
-def checked(name: str, parameters: Mapping[str, Any]) -> Step:
+def _check_origin(step: Step, recorded: object) -> None:
+    if recorded is not None and recorded != step.function.origin:
+        raise RecipeError(
+            Message(
+                "the recipe has step '{step}' of {recorded}; now it is of {origin}. Install that "
+                "version, or remove the line '{key}' from the recipe",
+                step=step.name,
+                recorded=str(recorded),
+                origin=step.function.origin or "gpr20_analysis",
+                key=ORIGIN,
+            )
+        )
+
+
+def checked(
+    name: str, parameters: Mapping[str, Any], library: Optional[StepLibrary] = None
+) -> Step:
     """Return a step after a check of its name and parameters.
+
+    Args:
+        name: Name of the step.
+        parameters: Values by name, as texts or numbers.
+        library: Where its function is looked for; without it among the steps of this package and
+            of installed packages.
 
     Raises:
         RecipeError: The step or a parameter is unknown, or a value has the wrong type.
     """
-    if name not in FUNCTIONS:
-        raise RecipeError(
-            Message(
-                "unknown step '{step}'; steps are {steps}", step=name, steps=", ".join(FUNCTIONS)
-            )
-        )
-    known = parameters_of(name)
+    function = (library or StepLibrary()).find(name)
+    known = function.parameters
     for key in parameters:
         if key not in known:
             raise RecipeError(
@@ -150,15 +152,7 @@ def checked(name: str, parameters: Mapping[str, Any]) -> Step:
             )
         else:
             values[key] = default.value if isinstance(default, enum.Enum) else default
-    return Step(name, values)
-
-
-def parameters_of(name: str) -> Dict[str, Tuple[type, Any]]:
-    """Return (type, default) of each parameter of a step."""
-    function = FUNCTIONS[name]
-    hints = get_type_hints(function)
-    parameters = list(inspect.signature(function).parameters.values())[1:]
-    return {one.name: (hints[one.name], one.default) for one in parameters}
+    return Step(function, values)
 
 
 def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.Dataset:
@@ -177,10 +171,10 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
     for step in steps:
         arguments = {
             key: _argument(kind, step.parameters[key], read)
-            for key, (kind, _) in parameters_of(step.name).items()
+            for key, (kind, _) in step.function.parameters.items()
         }
-        recorded = recipe_of(survey) + [{"step": step.name, **step.parameters}]
-        survey = FUNCTIONS[step.name](survey, **arguments)
+        recorded = recipe_of(survey) + [step.recorded()]
+        survey = step.function.apply(survey, **arguments)
         survey = survey.assign_attrs({PROCESSING: json.dumps(recorded)})
     return survey
 
@@ -215,6 +209,8 @@ def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
             return str(Path(str(value)).resolve())
         if issubclass(kind, enum.Enum):
             return kind(value).value
+        if kind is str:
+            return str(value)
         number = float(value)
         if not math.isfinite(number) or (kind is int and number != int(number)):
             raise ValueError("not finite, or not whole")

@@ -12,19 +12,15 @@ from std_msgs.msg import Bool
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goals import ClientContact, GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.pulse_client import PulseClient
-from gpr20_axis_driver.mid.robot_hardware import RobotHardware
-from gpr20_axis_driver.motion import AxisHardware
-from gpr20_common.errors import InvalidValueError
+from gpr20_axis_driver.motion import AxisMotions
 from gpr20_common.high import diagnostics
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.graph_message import message_fields
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
+from gpr20_common.mid.hardware import Hardware
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
@@ -48,11 +44,16 @@ class AxisNode:
     """
 
     def __init__(
-        self, axis_id: AxisId, driver: AxisDriver, pulses: PulseClient, hardware: AxisHardware
+        self,
+        axis_id: AxisId,
+        parameters: AxisParameters,
+        driver: AxisDriver,
+        motions: AxisMotions,
+        hardware: Hardware,
     ) -> None:
         self._driver = driver
-        self._pulses = pulses
-        self._unit = hardware.parameters.unit
+        self._motions = motions
+        self._unit = parameters.unit
         self._stops = 0
         self._last_error: Optional[Message] = None
         self._ticks = 0
@@ -61,10 +62,10 @@ class AxisNode:
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
         self._presses = driver.endstop_presses
         self._endstop_publisher: Optional[rospy.Publisher] = None
-        if hardware.parameters.sensor_pin is not None:
+        if parameters.finds_zero:
             self._endstop_publisher = rospy.Publisher("endstop", Bool, queue_size=1)
         self._server = GoalServer("axis", AxisAction, self._execute)
-        self._diagnostics = diagnostics.Diagnostics(hardware.description.name, self._health)
+        self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
         self._periodic = Periodic(RESTING_PERIOD_S, self._tick)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
@@ -72,12 +73,12 @@ class AxisNode:
             advertise("homing", Command, self._home),
             advertise("stop", Command, self._stop),
         ]
-        if hardware.parameters.sensor_pin is None:
+        if not parameters.finds_zero:
             self._services.append(advertise("set_zero", Command, self._set_zero))
         self._description = publish_description(
             f"{axis_id.value}_axis/{rospy.get_name().rsplit('/', 1)[-1]}",
-            hardware.description,
-            hardware.parameters,
+            hardware,
+            parameters,
         )
 
     def _execute(self, goal: AxisGoal) -> None:
@@ -207,7 +208,7 @@ class AxisNode:
             "moving": self._driver.moving,
             "endstop": _endstop_state(self._driver.endstop_pressed),
             "last error": self._last_error or "",
-            "pulses": self._pulses.scheduling,
+            "pulses": self._motions.scheduling,
             "last motion [s]": f"{self._driver.last_motion.duration_s:.6f}",
             "lateness median [us]": round(lateness.median_s * 1e6),
             "lateness 99 % [us]": round(lateness.p99_s * 1e6),
@@ -223,8 +224,8 @@ class AxisNode:
             return diagnostics.ERROR, error
         if not self._driver.homing_done:
             return diagnostics.WARN, Message("not homed")
-        if self._pulses.unpunctual:
-            homed = Message("homed; {scheduling}", scheduling=self._pulses.scheduling)
+        if self._motions.unpunctual:
+            homed = Message("homed; {scheduling}", scheduling=self._motions.scheduling)
             return diagnostics.WARN, homed
         lateness = self._driver.last_motion.lateness
         if lateness.slowed:
@@ -247,52 +248,3 @@ def _endstop_state(pressed: Optional[bool]) -> str:
     if pressed is None:
         return ""
     return "pressed" if pressed else "open"
-
-
-def own_axis() -> AxisId:
-    """Return the axis of this node: its namespace, such as x_axis, says which.
-
-    Raises:
-        InvalidValueError: The namespace is not that of an axis.
-    """
-    group = rospy.get_namespace().rstrip("/").rsplit("/", 1)[-1]
-    for axis_id in AxisId:
-        if group == f"{axis_id.value}_axis":
-            return axis_id
-    raise InvalidValueError(
-        Message(
-            "the namespace of {node} does not name an axis; start it in x_axis, y_axis or z_axis",
-            node=rospy.get_name(),
-        )
-    )
-
-
-def run_axis(hardware: Callable[[AxisParameters], AxisHardware]) -> None:
-    """Run one axis until ROS shuts down.
-
-    Args:
-        hardware: Makes what the axis is wired to.
-    """
-
-    def build() -> AxisNode:
-        parameters = read_parameters(AxisParameters, f"{own_axis().value}_axis")
-        return build_axis_node(own_axis(), hardware(parameters))
-
-    run_node("axis_driver", build)
-
-
-def build_axis_node(axis_id: AxisId, hardware: AxisHardware) -> AxisNode:
-    """Build the node of an axis and everything below it.
-
-    Raises:
-        Gpr20Error: The pulse process cannot be started, or the pins cannot be used.
-    """
-    pulses = PulseClient(hardware)
-    if pulses.unpunctual:
-        rospy.logwarn(str(pulses.scheduling))
-    return AxisNode(axis_id, AxisDriver(hardware.parameters, pulses), pulses, hardware)
-
-
-def main() -> None:
-    """Run one axis of the real robot."""
-    run_axis(RobotHardware)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import Iterator, Optional
+from typing import Callable, Iterator, Optional
 
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
@@ -16,8 +16,14 @@ from gpr20_axis_driver.axis_exceptions import (
     ZeroUnknownError,
 )
 from gpr20_axis_driver.mid.homing import Homing
-from gpr20_axis_driver.mid.pulse_client import PulseClient
-from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, never
+from gpr20_axis_driver.motion import (
+    AxisMotions,
+    Ending,
+    Motion,
+    MotionReport,
+    StopRequested,
+    never,
+)
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
@@ -33,9 +39,22 @@ class AxisDriver:
     Nothing is known about the position until the axis has been homed.
     """
 
-    def __init__(self, parameters: AxisParameters, pulses: PulseClient) -> None:
+    def __init__(
+        self,
+        parameters: AxisParameters,
+        motions: AxisMotions,
+        own_homing: Optional[Callable[[StopRequested], None]] = None,
+    ) -> None:
+        """Make the driver of an axis that is not homed.
+
+        Args:
+            parameters: The parameters of the axis.
+            motions: Carries out its motions.
+            own_homing: How its hardware finds the zero by itself; without it the driver does.
+        """
         self._parameters = parameters
-        self._pulses = pulses
+        self._motions = motions
+        self._own_homing = own_homing
         self._ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
         self._motion = threading.Lock()
         self._homing_done = False
@@ -44,12 +63,12 @@ class AxisDriver:
     @property
     def current_coord(self) -> float:
         """Where the axis is [mm or deg]; meaningful only if `homing_done`."""
-        return self._parameters.coordinate_of(self._pulses.steps)
+        return self._parameters.coordinate_of(self._motions.steps)
 
     @property
     def homing_done(self) -> bool:
         """Whether the coordinate refers to the axis's zero."""
-        return self._homing_done and not self._pulses.failure
+        return self._homing_done and not self._motions.failure
 
     @property
     def moving(self) -> bool:
@@ -59,17 +78,17 @@ class AxisDriver:
     @property
     def endstop_pressed(self) -> Optional[bool]:
         """Whether the endstop is pressed; None if there is none, or it cannot be read."""
-        return self._pulses.endstop_pressed
+        return self._motions.endstop_pressed
 
     @property
     def endstop_presses(self) -> int:
         """How many times the endstop has closed, as far as it was read."""
-        return self._pulses.endstop_presses
+        return self._motions.endstop_presses
 
     @property
     def failure(self) -> Optional[Message]:
         """Why no motion is possible now; None if one is."""
-        return self._pulses.failure
+        return self._motions.failure
 
     @property
     def last_motion(self) -> MotionReport:
@@ -91,6 +110,7 @@ class AxisDriver:
             EndstopError: The endstop was pressed; the axis must be homed again.
             PositionLostError: Steps may have been lost; the axis must be homed again.
             PulseProcessError: The pulse process ended; the axis must be homed again.
+            ControllerError: The controller failed; the axis must be homed again.
             NodeHungError: This node hung; the coordinate is exact.
         """
         with self._exclusive_motion():
@@ -109,15 +129,18 @@ class AxisDriver:
             ZeroUnknownError: There is no endstop and no stored position; nothing moved.
             MotionStopped: A stop was requested; the axis is not homed.
             PulseProcessError: The pulse process ended or cannot start; the axis is not homed.
+            ControllerError: The controller failed or cannot be reached; the axis is not homed.
         """
         with self._exclusive_motion():
             self._homing_done = False
-            self._pulses.revive()
-            if self._parameters.sensor_pin is None:
+            self._motions.revive()
+            if self._own_homing is not None:
+                self._own_homing(stop_requested)
+            elif self._parameters.sensor_pin is None:
                 self._turn_to_stored_zero(stop_requested)
             else:
                 Homing(self._parameters, self._run).run(stop_requested)
-                self._pulses.place(self._parameters.distance_steps(self._parameters.min_coord))
+                self._motions.place(self._parameters.distance_steps(self._parameters.min_coord))
             self._homing_done = True
 
     def set_zero(self) -> None:
@@ -128,13 +151,13 @@ class AxisDriver:
             EndstopError: The axis has an endstop, which determines its zero.
             PulseProcessError: The pulse process cannot start.
         """
-        if self._parameters.sensor_pin is not None:
+        if self._parameters.finds_zero:
             raise EndstopError(
                 Message("the endstop determines the zero of this axis; home the axis")
             )
         with self._exclusive_motion():
-            self._pulses.revive()
-            self._pulses.place(0)
+            self._motions.revive()
+            self._motions.place(0)
             self._homing_done = True
 
     def close(self, timeout_s: float) -> None:
@@ -145,7 +168,7 @@ class AxisDriver:
         """
         # Never released: every request for a motion from now on is refused as busy.
         self._motion.acquire(timeout=timeout_s)
-        self._pulses.close()
+        self._motions.close()
 
     @contextmanager
     def _exclusive_motion(self) -> Iterator[None]:
@@ -174,7 +197,7 @@ class AxisDriver:
         return self._parameters.distance_steps(target)
 
     def _turn_to_stored_zero(self, stop_requested: StopRequested) -> None:
-        if not self._pulses.trusted:
+        if not self._motions.trusted:
             raise ZeroUnknownError(
                 Message(
                     "the zero of this axis is unknown: it has no endstop, and its last position "
@@ -185,11 +208,11 @@ class AxisDriver:
         self._go_to(0, stop_requested)
 
     def _go_to(self, target_steps: int, stop_requested: StopRequested) -> None:
-        distance = target_steps - self._pulses.steps
+        distance = target_steps - self._motions.steps
         if distance == 0:
             return
         # Either way: a switch that closes on the way away from it is as broken as its cable.
-        guarded = self._parameters.sensor_pin is not None
+        guarded = self._parameters.finds_zero
         motion = Motion(distance > 0, abs(distance), self._ramp, guarded=guarded)
         ending = self._run(motion, stop_requested).ending
         unit = self._parameters.unit
@@ -214,7 +237,7 @@ class AxisDriver:
             )
 
     def _run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        report = self._pulses.run(motion, stop_requested)
+        report = self._motions.run(motion, stop_requested)
         if motion.steps > 0:
             self._last_motion = report
         if report.ending is Ending.GAP:
@@ -233,6 +256,6 @@ class AxisDriver:
         return report
 
     def _advice_after_lost_steps(self) -> Message:
-        if self._parameters.sensor_pin is not None:
+        if self._parameters.finds_zero:
             return Message("reduce this computer's load and home the axis")
         return SET_ZERO

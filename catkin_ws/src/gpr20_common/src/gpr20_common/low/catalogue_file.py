@@ -1,10 +1,18 @@
-"""The gettext catalogue of every sentence that people read, read as its source (.po)."""
+"""The languages, and the gettext catalogue of each: its source (.po) in one of two folders.
+
+The folder of this package has the catalogues of the project. The folder that the environment
+variable GPR20_TRANSLATIONS names, by default ~/.gpr20/translations, has those of this computer:
+more languages, and other words for one that exists.
+"""
 
 from __future__ import annotations
 
 import functools
+import os
+import re
 from pathlib import Path
-from typing import Mapping
+from string import Formatter
+from typing import Dict, List, Mapping, Tuple
 
 import polib
 
@@ -13,24 +21,98 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
 FOLDER = Path(__file__).resolve().parent.parent / "translations"
+VARIABLE = "GPR20_TRANSLATIONS"
+OWN_FOLDER = "~/.gpr20/translations"
+_CODE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
+# The name is in the header; reading all of a catalogue takes longer than opening a window.
+_NAME = re.compile(r'^"X-Language-Name: *([^"\\]{1,40}?) *\\n"', re.MULTILINE)
+HEADER_CHARACTERS = 4000
+
+
+def catalogue_folders() -> Tuple[Path, ...]:
+    """Return the folders of catalogues; a translation of the last one counts."""
+    own = os.environ.get(VARIABLE) or OWN_FOLDER
+    return FOLDER, Path(own).expanduser()
+
+
+def languages() -> List[Language]:
+    """Return English and every language that has a catalogue, by their codes."""
+    return list(_languages(catalogue_folders()))
 
 
 @functools.lru_cache(maxsize=None)
+def _languages(folders: Tuple[Path, ...]) -> Tuple[Language, ...]:
+    found: Dict[str, Language] = {}
+    for path in (path for folder in folders for path in sorted(folder.glob("*.po"))):
+        if path.is_file() and _CODE.fullmatch(path.stem) and path.stem not in found:
+            found[path.stem] = Language(path.stem, _own_name(path))
+    found[Language.ENGLISH.value] = Language.ENGLISH
+    return tuple(found[code] for code in sorted(found))
+
+
+def _own_name(path: Path) -> str:
+    with path.open(encoding="utf-8", errors="replace") as file:
+        name = _NAME.search(file.read(HEADER_CHARACTERS))
+    return name.group(1) if name else path.stem
+
+
+def language_from_code(code: object) -> Language:
+    """Return the language with a code.
+
+    Raises:
+        InvalidValueError: There is no catalogue for it.
+    """
+    known = languages()
+    for language in known:
+        if language.value == code:
+            return language
+    allowed = ", ".join(f"{one.value} ({one.own_name})" for one in known)
+    raise InvalidValueError(
+        Message("language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed)
+    )
+
+
+def language_from_environment(environment: Mapping[str, str]) -> Language:
+    """Return the language that a terminal asks for, in the order of gettext's variables.
+
+    Args:
+        environment: `os.environ` or the like; a language without a catalogue gives English.
+    """
+    for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
+        if environment.get(name):
+            code = environment[name].split(":")[0].split(".")[0]
+            known = {one.value: one for one in languages()}
+            return known.get(code) or known.get(code.split("_")[0]) or Language.ENGLISH
+    return Language.ENGLISH
+
+
 def read_catalogue(language: Language) -> Catalogue:
     """Return the catalogue of a language; the templates themselves are the English one.
 
-    Its file is read once: reading it takes longer than opening a window.
+    Its files are read once: reading them takes longer than opening a window.
 
     Raises:
-        InvalidValueError: The file is missing or is no catalogue.
+        InvalidValueError: A file is no catalogue, or there is none.
     """
-    if language is Language.ENGLISH:
+    if language == Language.ENGLISH:
         return Catalogue()
-    return Catalogue(read_translations(FOLDER / f"{language.value}.po"))
+    return _catalogue(language.value, catalogue_folders())
+
+
+@functools.lru_cache(maxsize=None)
+def _catalogue(code: str, folders: Tuple[Path, ...]) -> Catalogue:
+    paths = [folder / f"{code}.po" for folder in folders]
+    translations: Dict[str, str] = {}
+    # Without any, the first is named.
+    for path in [path for path in paths if path.exists()] or paths[:1]:
+        translations.update(read_translations(path))
+    return Catalogue(translations)
 
 
 def read_translations(path: Path) -> Mapping[str, str]:
     """Return the finished translations of a catalogue by their English templates.
+
+    One that has other fields than its template is left out: the template is shown instead.
 
     Raises:
         InvalidValueError: The file is missing or is no catalogue.
@@ -41,4 +123,16 @@ def read_translations(path: Path) -> Mapping[str, str]:
         raise InvalidValueError(
             Message("the translations {path} cannot be read", path=path, details=error)
         ) from error
-    return {entry.msgid: entry.msgstr for entry in catalogue.translated_entries()}
+    return {
+        entry.msgid: entry.msgstr
+        for entry in catalogue.translated_entries()
+        if "{" not in entry.msgid + entry.msgstr or _fields(entry.msgid) == _fields(entry.msgstr)
+    }
+
+
+def _fields(text: str) -> List[Tuple[str, str]]:
+    try:
+        parts = Formatter().parse(text)
+        return sorted((name, form or "") for _text, name, form, _kind in parts if name is not None)
+    except ValueError:
+        return [("", text)]

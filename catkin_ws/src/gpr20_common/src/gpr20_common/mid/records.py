@@ -95,6 +95,9 @@ def _value(place: str, value: Any, hint: Any, field: dataclasses.Field) -> Any:
         hint = next(one for one in typing.get_args(hint) if one is not type(None))
     if typing.get_origin(hint) is tuple:
         return _items(place, value, typing.get_args(hint)[0], field)
+    if typing.get_origin(hint) is dict:
+        # The values belong to a class that this software does not know.
+        hint = dict
     if isinstance(hint, type) and issubclass(hint, enum.Enum):
         return _member(place, value, hint)
     if hint in (int, float):

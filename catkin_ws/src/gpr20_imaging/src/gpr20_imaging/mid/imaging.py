@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message, verbatim
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.analysis_command import AnalysisCommand
@@ -21,7 +22,6 @@ from gpr20_imaging.mid.job_queue import JobQueue
 from gpr20_survey.folder.survey_search import find_survey
 
 LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 100.0
-LANGUAGES = ("en", "es")
 MOST_ID_CHARACTERS = 64
 FOCUS_LIMIT_S = 300.0
 SEARCH_LIMIT_S = 1800.0
@@ -251,11 +251,12 @@ def _permittivity(value: float) -> Optional[float]:
 
 
 def _check_language(language: str) -> None:
-    if language not in LANGUAGES:
+    known = [one.value for one in languages()]
+    if language not in known:
         raise ImagingError(
             Message(
                 "the language is {language}; allowed: {languages}",
                 language=repr(language[:16]),
-                languages=", ".join(LANGUAGES),
+                languages=", ".join(known),
             )
         )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Dict, Iterator, Tuple
 
+from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
+from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
@@ -16,7 +19,10 @@ from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configur
 from gpr20_simulator.mid.scene import read_scene
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind
+from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 SIMULATED, REAL = "simulated", "gpr20"
@@ -27,6 +33,7 @@ LOOPBACK = "127.0.0.1"
 # The simulated robot stores no rotation; that of the real one outlives the power.
 ROTATION_FILE = "~/.gpr20/z_axis_steps"
 _AXES = tuple(f"{axis_id.value}_axis/axis_driver" for axis_id in AxisId)
+_OF_ANALYZER = ("maker", "model", "accepted_calibrations")
 _SERVER_NODES = ("vna_acquisition", "vna_processing", "imaging", "main_control")
 
 
@@ -99,13 +106,32 @@ class LaunchRequest:
         sections = read_configuration(self._folder(), built_axes)
         if self.robot == SIMULATED:
             self._simulate(sections)
-        elif not sections["z_axis"].get("sensor_pin"):
-            rotation_file = str(Path(ROTATION_FILE).expanduser())
-            sections["z_axis"].setdefault("memory_file", rotation_file)
+        else:
+            self._complete_axes(sections)
+            self._check_analyzer(sections)
         if self.part in (SERVER, SURVEY):
             sections["storage"]["data"] = str(self._data_folder(sections))
             sections["imaging"] = {"data": sections["storage"]["data"]}
         return sections
+
+    def _complete_axes(self, sections: Sections) -> None:
+        for axis_id in AxisId:
+            section = f"{axis_id.value}_axis"
+            parameters = record_from(AxisParameters, sections[section], section)
+            # Its package is installed where the axes are.
+            if parameters.controller and self.part in (ROBOT, SURVEY):
+                with _refusing(section):
+                    check_controller(parameters)
+            if axis_id is AxisId.Z and not parameters.finds_zero:
+                rotation_file = str(Path(ROTATION_FILE).expanduser())
+                sections[section].setdefault("memory_file", rotation_file)
+
+    def _check_analyzer(self, sections: Sections) -> None:
+        parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
+        # Its package is installed where the analyzer's node runs.
+        if is_extension(parameters.analyzer) and self.part in (SERVER, SURVEY):
+            with _refusing("vna_acquisition"):
+                load_analyzer(parameters)
 
     def _folder(self) -> Path:
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
@@ -131,10 +157,14 @@ class LaunchRequest:
         except Gpr20Error as error:
             raise LaunchRefusedError(error.message) from error
         sections["simulator"] = {**simulator, "scene": str(scene)}
+        # Its carriage has motors with pins.
+        for axis_id in AxisId:
+            for key in ("controller", "controller_options"):
+                sections[f"{axis_id.value}_axis"].pop(key, None)
         # The instrument of the configuration is a real one, perhaps of another kind.
         analyzer = sections["vna_acquisition"]
         if analyzer.get("analyzer", SIMULATED_ANALYZER) != SIMULATED_ANALYZER:
-            for key in ("analyzer", "maker", "model", "accepted_calibrations"):
+            for key in ("analyzer", "analyzer_options", *_OF_ANALYZER):
                 analyzer.pop(key, None)
         analyzer["address"] = LOOPBACK
 
@@ -154,3 +184,13 @@ class LaunchRequest:
                 )
             ) from error
         return folder
+
+
+@contextmanager
+def _refusing(section: str) -> Iterator[None]:
+    try:
+        yield
+    except Gpr20Error as error:
+        raise LaunchRefusedError(
+            Message("{section}: {reason}", section=section, reason=error.message)
+        ) from error

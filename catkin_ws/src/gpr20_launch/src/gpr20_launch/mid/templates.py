@@ -54,7 +54,7 @@ def _axes_template(built_axes: Path) -> str:
     optional = {
         field.name: _default(field)
         for field in dataclasses.fields(AxisParameters)
-        if field.default is not dataclasses.MISSING
+        if _has_default(field)
     }
     for axis, values in built.items():
         lines += ["", f"{axis}:"]
@@ -94,7 +94,14 @@ def _commented(name: str, value: Any) -> str:
     return f"#{name}: {text.splitlines()[0]}"  # a plain value is followed by a line of dots
 
 
+def _has_default(field: dataclasses.Field) -> bool:
+    missing = dataclasses.MISSING
+    return field.default is not missing or field.default_factory is not missing
+
+
 def _default(field: dataclasses.Field) -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
     return _plain(field.default)
 
 

@@ -119,7 +119,7 @@ class AxisService:
             raise StopRequested(self._stopped(move.axis, positioner)) from error
 
     def _set_zero(self, axis_id: AxisId, parameters: AxisParameters) -> Message:
-        if parameters.sensor_pin is not None:
+        if parameters.finds_zero:
             raise RequestRefusedError(
                 Message(
                     "the endstop determines the zero of the {axis} axis; home it instead",
@@ -192,7 +192,7 @@ def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -
 
 
 def _not_homed(axis_id: AxisId, parameters: AxisParameters) -> Message:
-    if parameters.sensor_pin is None:
+    if not parameters.finds_zero:
         return Message(
             "the angle of the {axis} axis is unknown; home it, or set its zero", axis=axis_id.value
         )

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import PurePosixPath
-from typing import Optional, Type
+from typing import Any, Dict, Optional, Type
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.extension import is_extension
 
 # Pins of the 40-pin header that carry a GPIO line, in BOARD numbering (Raspberry Pi 4).
 BOARD_PINS = frozenset(
@@ -70,6 +71,10 @@ class AxisParameters:
         memory_file: Where the step count of an axis without endstop outlives the power;
             empty: it outlives the node, but not the power.
         backend: rpi_gpio or pigpio; the simulated robot uses neither.
+        controller: Class outside this software that moves the axis instead of the pins, such as
+            my_robot.grbl:GrblController (docs/extend/axis_controller.md); empty: the pins. The
+            simulated robot does not use it.
+        controller_options: Arguments of that class, by name.
     """
 
     dir_pin: int
@@ -87,6 +92,9 @@ class AxisParameters:
     gap_limit_s: float = 0.05
     memory_file: str = ""
     backend: str = Backend.RPI_GPIO.value
+    controller: str = ""
+    # A dict has no hash; two axes that differ in nothing else may have the same one.
+    controller_options: Dict[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         self._check_pins()
@@ -131,7 +139,7 @@ class AxisParameters:
                     unit=self.unit,
                 )
             )
-        if self.sensor_pin is None and self.type == AxisType.LINEAR.value:
+        if not self.finds_zero and self.type == AxisType.LINEAR.value:
             raise InvalidValueError(
                 Message(
                     "sensor_pin is missing; a linear axis needs an endstop to find its zero: set "
@@ -152,6 +160,19 @@ class AxisParameters:
         number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
         if self.backend not in {one.value for one in Backend}:
             raise InvalidValueError(_not_one_of("backend", self.backend, Backend))
+        if self.controller and not is_extension(self.controller):
+            raise InvalidValueError(
+                Message(
+                    "{key} is {name}; it must have the form {example}",
+                    key="controller",
+                    name=repr(self.controller[:200]),
+                    example="package.module:Class",
+                )
+            )
+        if self.controller_options and not self.controller:
+            raise InvalidValueError(
+                Message("controller_options are given, but no controller; name its class")
+            )
         if self.memory_file and self.sensor_pin is not None:
             raise InvalidValueError(
                 Message(
@@ -172,6 +193,11 @@ class AxisParameters:
     def unit(self) -> str:
         """Unit of the coordinates: mm or deg."""
         return "mm" if self.type == AxisType.LINEAR.value else "deg"
+
+    @property
+    def finds_zero(self) -> bool:
+        """Whether homing finds the zero, with an endstop or a controller; else people set it."""
+        return self.sensor_pin is not None or bool(self.controller)
 
     def distance_steps(self, distance: float) -> int:
         """Return the whole number of steps nearest to a distance."""

@@ -15,10 +15,11 @@ import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_common.catalogue import Language, language_from_code
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.catalogue import Language
+from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
+from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_user_interface.errors import DisplayUnavailableError, MasterUnavailableError
@@ -289,7 +290,15 @@ def _plan_file(namespace: str) -> str:
 
 def _language(remembered: Language) -> Language:
     code = rospy.get_param("~language", REMEMBERED)
-    return remembered if code == REMEMBERED else language_from_code(code)
+    if code != REMEMBERED:
+        return language_from_code(code)
+    try:
+        read_catalogue(remembered)
+    except InvalidValueError as error:
+        # It was damaged since: a window in English is better than none.
+        _log(error.message)
+        return Language.ENGLISH
+    return remembered
 
 
 def _path(parameter: str, default: str) -> Path:

@@ -8,8 +8,9 @@ import math
 from dataclasses import dataclass
 from typing import List, Mapping, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue, Language, language_from_environment
+from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.catalogue_file import language_from_environment, languages
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -88,7 +89,7 @@ def terminal_language(arguments: Sequence[str], environment: Mapping[str, str]) 
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--language", nargs="?")
     code = parser.parse_known_args(arguments)[0].language
-    named = (language for language in Language if language.value == code)
+    named = (language for language in languages() if language.value == code)
     return next(named, language_from_environment(environment))
 
 
@@ -253,7 +254,7 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
     )
     group.add_argument(
         "--language",
-        choices=[language.value for language in Language],
+        choices=[language.value for language in languages()],
         help=tr("language of the messages (default: that of the terminal)"),
     )
 

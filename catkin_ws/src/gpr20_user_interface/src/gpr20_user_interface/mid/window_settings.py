@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Callable, Dict, Mapping, Optional, Protocol
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.message import Message
 from gpr20_user_interface.errors import SettingsError
 
@@ -77,7 +78,7 @@ def settings_from(values: Mapping[str, Any]) -> WindowSettings:
         if isinstance(minutes, bool) or minutes not in DIM_CHOICES_MIN:
             raise ValueError(DIM_AFTER)
         return WindowSettings(
-            Language(values.get(LANGUAGE, default.language.value)),
+            language_from_code(values.get(LANGUAGE, default.language.value)),
             Theme(values.get(THEME, default.theme.value)),
             minutes,
         )

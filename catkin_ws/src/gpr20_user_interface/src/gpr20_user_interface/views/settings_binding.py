@@ -8,6 +8,7 @@ from typing import Callable, Sequence
 from PyQt5.QtWidgets import QPushButton, QWidget
 
 from gpr20_common.catalogue import Language
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.dimming import Dimming
@@ -17,7 +18,7 @@ from gpr20_user_interface.views.binding import Binding
 from gpr20_user_interface.views.dim_cover import DimCover
 from gpr20_user_interface.views.gear_button import GearButton
 from gpr20_user_interface.views.settings_sheet import SettingsSheet
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.views.translation import Languages, shown_text
 
 # These wait for the operator.
 AWAKE = (SurveyState.PAUSED, SurveyState.FAILED)
@@ -73,13 +74,22 @@ class SettingsBinding(Binding):
         self.cover.refresh()
 
     def _open(self) -> None:
+        self._show_settings()
+        self.sheet.open()
+
+    def _show_settings(self) -> None:
         settings = self._memory.settings
         # A launch may have set another language than the one that is remembered.
         self.sheet.show_settings(replace(settings, language=self._languages.language))
-        self.sheet.open()
 
     def _use_language(self, language: Language) -> None:
-        self._languages.use(language)
+        try:
+            self._languages.use(language)
+        except InvalidValueError as error:
+            # A catalogue of this computer that is damaged; the window keeps its language.
+            self._show_settings()
+            self.sheet.hint.setText(shown_text(error.message))
+            return
         self._memory.change(language=language)
 
     def _use_theme(self, theme: Theme) -> None:

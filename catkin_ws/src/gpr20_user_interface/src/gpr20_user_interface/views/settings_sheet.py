@@ -9,6 +9,7 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QButtonGroup, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_user_interface.mid.window_settings import DIM_CHOICES_MIN, Theme, WindowSettings
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.overlay import Overlay
@@ -39,7 +40,7 @@ class SettingsSheet(Overlay):
         self.languages: Dict[Language, QPushButton] = {}
         self.themes: Dict[Theme, QPushButton] = {}
         self.dim_choices: Dict[int, QPushButton] = {}
-        for language in Language:
+        for language in languages():
             self.languages[language] = _choice(partial(self.language_chosen.emit, language))
         for theme in Theme:
             self.themes[theme] = _choice(partial(self.theme_chosen.emit, theme))

@@ -6,7 +6,7 @@ import enum
 
 
 class AnalyzerKind(enum.Enum):
-    """Which implementation of `Analyzer` the robot uses."""
+    """The implementations of `Analyzer` in this package."""
 
     MS2026C = "ms2026c"
     SCIKIT_RF = "scikit_rf"

@@ -8,6 +8,7 @@ from gpr20_vna_acquisition.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind
 from gpr20_vna_acquisition.mid.exchanges import Transport
+from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.scikit_rf_analyzer import ScikitRfAnalyzer
@@ -27,9 +28,12 @@ def make_analyzer(
 
     Raises:
         VnaLibraryError: A library that it needs is not installed.
+        InvalidValueError: A class outside this software cannot be used.
     """
-    if parameters.analyzer is AnalyzerKind.SCIKIT_RF:
+    if parameters.analyzer == AnalyzerKind.SCIKIT_RF.value:
         return _scikit_rf_analyzer(parameters, deadline)
+    if parameters.analyzer != AnalyzerKind.MS2026C.value:
+        return make_foreign_analyzer(parameters, deadline)
     return Ms2026c(connect_vxi11, parameters, deadline)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Optional, Tuple
+from dataclasses import dataclass, field
+from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
+from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import bounded
 from gpr20_survey.plan.antenna_delay import ANTENNA_DELAYS_NS
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -43,8 +44,10 @@ class VnaParameters:
     """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
-        analyzer: The kind of analyzer: ms2026c, or scikit_rf for those that the Python library
-            scikit-rf can control (docs/another_analyzer.md).
+        analyzer: The kind of analyzer: ms2026c; scikit_rf for those that the Python library
+            scikit-rf can control; or a class outside this software, such as
+            my_robot.my_vna:MyAnalyzer (docs/extend/analyzer.md).
+        analyzer_options: Only for a class outside this software: its arguments, by name.
         scikit_rf_class: Only for scikit_rf: which of its classes controls the instrument.
         visa_library: Only for scikit_rf: VISA library of PyVISA: "@py" is PyVISA-py, "@ivi" that
             of the instrument's maker.
@@ -52,7 +55,7 @@ class VnaParameters:
             its calibration corrects the data, otherwise with 0. Empty: its calibration is not
             reported (status 5).
         address: Address of the instrument, which clients offer as the default: four numbers for
-            ms2026c, the name of a VISA resource for scikit_rf.
+            ms2026c, the name of a VISA resource for scikit_rf, either of the two for a class.
         maker: First field of the identification.
         model: Second field of the identification, without the options after its slash.
         vxi11_port: Only for ms2026c: TCP port of the VXI-11 core channel; 0 asks the portmapper.
@@ -91,7 +94,8 @@ class VnaParameters:
             `gpr20 delay` fits it to a survey.
     """
 
-    analyzer: AnalyzerKind = AnalyzerKind.MS2026C
+    analyzer: str = AnalyzerKind.MS2026C.value
+    analyzer_options: Dict[str, Any] = field(default_factory=dict, hash=False)
     scikit_rf_class: Optional[ScikitRfClass] = None
     visa_library: str = "@py"
     correction_query: str = ""
@@ -125,10 +129,7 @@ class VnaParameters:
     antenna_delay_ns: float = bounded(*ANTENNA_DELAYS_NS, 0.0)
 
     def __post_init__(self) -> None:
-        if self.analyzer is AnalyzerKind.SCIKIT_RF:
-            self._check_scikit_rf()
-        else:
-            ipv4_address("address", self.address)
+        self._check_analyzer()
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(
@@ -156,6 +157,28 @@ class VnaParameters:
                         unit=unit,
                     )
                 )
+
+    def _check_analyzer(self) -> None:
+        if self.analyzer_options and not is_extension(self.analyzer):
+            raise InvalidValueError(
+                Message("analyzer_options are given, but analyzer does not name their class")
+            )
+        if self.analyzer == AnalyzerKind.SCIKIT_RF.value:
+            self._check_scikit_rf()
+        elif self.analyzer == AnalyzerKind.MS2026C.value or "::" not in self.address:
+            ipv4_address("address", self.address)
+        else:
+            visa_resource_name("address", self.address)
+        kinds = [one.value for one in AnalyzerKind]
+        if self.analyzer not in kinds and not is_extension(self.analyzer):
+            raise InvalidValueError(
+                Message(
+                    "{place} is {value}; it must be one of {allowed}",
+                    place="analyzer",
+                    value=repr(self.analyzer[:200]),
+                    allowed=", ".join((*kinds, "package.module:Class")),
+                )
+            )
 
     def _check_scikit_rf(self) -> None:
         if self.scikit_rf_class is None:
@@ -201,7 +224,7 @@ class VnaParameters:
             MIN_FREQUENCY_POINTS,
             MAX_FREQUENCY_POINTS,
         )
-        if self.analyzer is AnalyzerKind.MS2026C:
+        if self.analyzer == AnalyzerKind.MS2026C.value:
             self._check_analyzer_settings(settings.analyzer)
         if not start_hz < stop_hz:
             raise InvalidValueError(

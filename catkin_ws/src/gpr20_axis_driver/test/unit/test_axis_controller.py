@@ -1,0 +1,261 @@
+"""The tutorial docs/extend/axis_controller.md, and the contract that pins and controllers keep."""
+
+import dataclasses
+import os
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+from axis_machine import X_PARAMETERS
+from grbl_board import GrblBoard
+from tutorial_code import code_blocks
+
+from gpr20_axis_driver.axis_exceptions import MotionStopped
+from gpr20_axis_driver.contract import AxisContract
+from gpr20_axis_driver.controller import ControllerError, ControllerState
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.controller_motions import ControllerMotions
+from gpr20_axis_driver.mid.controllers import (
+    check_controller,
+    controller_driver,
+    open_controller,
+)
+from gpr20_axis_driver.mid.pulse_client import PulseClient
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
+from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
+from gpr20_simulator.mid.axis_hardware import SimulatedHardware
+from gpr20_simulator.mid.scene import X_AXIS
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+
+PAGE = Path(__file__).parents[5] / "docs/extend/axis_controller.md"
+FAULTS = {True: EndstopFault.STUCK_CLOSED, False: EndstopFault.STUCK_OPEN}
+SHORT = dataclasses.replace(X_PARAMETERS, max_coord=20.0)
+
+# The modules of the page, importable as a package of their own would be.
+_folder = tempfile.TemporaryDirectory()
+for _name, _code in code_blocks(PAGE, "python").items():
+    Path(_folder.name, _name).write_text(_code)
+sys.path.insert(0, _folder.name)
+
+from test_grbl_axis import TestGrblController  # noqa: E402, F401
+
+
+class TestPins(AxisContract):
+    """The axis that has pins keeps the same contract."""
+
+    parameters = SHORT
+
+    @classmethod
+    def setup_class(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        path = Path(cls.folder.name, "world")
+        cls.world = open_shared_state(path, {AxisId.X: 500})
+        hardware = SimulatedHardware(SHORT, path, AxisId.X, X_AXIS, 30.0, 500)
+        cls.pulses = PulseClient(hardware)
+
+    @classmethod
+    def teardown_class(cls):
+        cls.pulses.close()
+        cls.folder.cleanup()
+
+    def open_axis(self):
+        return AxisDriver(SHORT, self.pulses)
+
+    def close_axis(self):
+        assert not self.axis.moving
+
+    def true_steps(self):
+        return self.world.steps(AxisId.X)
+
+    def jam_endstop(self, pressed):
+        self.world.set_endstop_fault(AxisId.X, FAULTS[pressed])
+
+    def break_contact(self):
+        os.kill(self.pulses.process_id, signal.SIGKILL)
+
+    def restore_contact(self):
+        self.world.set_endstop_fault(AxisId.X, EndstopFault.NONE)
+
+
+def test_the_class_of_the_page_is_as_short_as_it_says():
+    code = code_blocks(PAGE, "python")["grbl_axis.py"]
+    assert len([line for line in code.splitlines() if line.strip()]) <= 90
+    assert "90 lines" in PAGE.read_text()
+
+
+def test_the_configuration_of_the_page_is_accepted():
+    own = yaml.safe_load(code_blocks(PAGE, "yaml")["axes.yaml"])["x"]
+    parameters = record_from(AxisParameters, {**dataclasses.asdict(X_PARAMETERS), **own}, "x")
+    assert check_controller(parameters).__name__ == "GrblController"
+
+
+@pytest.mark.parametrize(
+    "controller, options, error",
+    [
+        ("no_such_module:Axis", {}, "no_such_module cannot be imported: ModuleNotFoundError"),
+        ("grbl_axis:NoSuchClass", {"host": "x"}, "grbl_axis has no class NoSuchClass"),
+        (
+            "subprocess:Popen",
+            {"args": "true"},
+            "not usable as AxisController: it lacks begin_homing",
+        ),
+        ("grbl_axis:GrblController", {}, "controller_options do not suit .* 'host'"),
+        ("grbl_axis:GrblController", {"host": "x", "baud": 9600}, "unexpected .* 'baud'"),
+    ],
+)
+def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller, options, error):
+    parameters = dataclasses.replace(
+        X_PARAMETERS, controller=controller, controller_options=options
+    )
+    with pytest.raises(InvalidValueError, match=error):
+        open_controller(parameters)
+
+
+@pytest.mark.parametrize("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
+def test_a_controller_must_be_named_as_module_and_class(name):
+    with pytest.raises(InvalidValueError, match="it must have the form package.module:Class"):
+        dataclasses.replace(X_PARAMETERS, controller=name)
+
+
+def test_a_board_that_does_not_answer_is_an_error_at_the_start():
+    board = GrblBoard()
+    board.close()
+    options = {"host": "127.0.0.1", "port": board.port}
+    parameters = dataclasses.replace(
+        X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
+    )
+    with pytest.raises(ControllerError, match="does not answer"):
+        open_controller(parameters)
+
+
+def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
+    board = GrblBoard()
+    options = {"host": "127.0.0.1", "port": board.port}
+    parameters = dataclasses.replace(
+        X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
+    )
+    controller = check_controller(parameters)(parameters, **options)
+    controller.begin_homing()
+    _until(lambda: not controller.read().moving)
+    controller.begin_move(60000)
+    _until(lambda: controller.read().steps > 50)
+    # What was sent in advance takes half a second; the rest of the move would take minutes.
+    time.sleep(1.5)
+    rest = board.true_steps
+    time.sleep(0.2)
+    assert rest == board.true_steps < 1000
+    controller.close()
+    board.close()
+
+
+class ScriptedController:
+    """Does what a test says."""
+
+    name = "scripted"
+
+    def __init__(self, _parameters):
+        self.state = ControllerState(0, moving=False, homed=False)
+        self.states = []
+        self.closed = False
+        self.stopped = 0
+
+    def read(self):
+        if self.states:
+            self.state = self.states.pop(0)
+        if isinstance(self.state, Exception):
+            raise self.state
+        return self.state
+
+    def begin_homing(self):
+        self.states = [ControllerState(0, True, False), ControllerState(0, False, True)]
+
+    def begin_move(self, steps):
+        self.states = [ControllerState(steps // 2, True, True), ControllerState(steps, False, True)]
+
+    def stop(self):
+        self.stopped += 1
+        self.states = []
+        self.state = ControllerState(self.state.steps, False, self.state.homed)
+
+    def close(self):
+        self.closed = True
+        raise OSError("the link is broken")
+
+
+@pytest.fixture
+def scripted():
+    made = []
+
+    def make(parameters):
+        made.append(ScriptedController(parameters))
+        return made[-1]
+
+    motions = ControllerMotions(SHORT, make)
+    driver = controller_driver(SHORT, motions)
+    yield driver, made
+    driver.close(1.0)
+
+
+def test_a_controller_that_rests_elsewhere_than_it_should_must_be_homed(scripted):
+    driver, made = scripted
+    driver.homing()
+    made[0].begin_move = lambda steps: setattr(
+        made[0],
+        "states",
+        [ControllerState(steps - 1, True, True), ControllerState(steps - 1, False, True)],
+    )
+    with pytest.raises(Exception, match="ended a move to 5 mm at 4.99 mm; home the axis"):
+        driver.move_to_coordinate(5.0)
+    assert not driver.homing_done
+    driver.homing()
+    assert driver.homing_done and len(made) == 2
+
+
+def test_a_controller_that_was_restarted_at_rest_must_be_homed(scripted):
+    driver, made = scripted
+    driver.homing()
+    made[0].state = ControllerState(0, False, False)
+    _until(lambda: not driver.homing_done)
+    assert "has lost the zero" in str(driver.failure)
+
+
+def test_an_error_of_any_kind_in_the_class_of_a_controller_is_reported(scripted):
+    driver, made = scripted
+    driver.homing()
+    made[0].state = ZeroDivisionError("in a class that is not ours")
+    _until(lambda: driver.failure is not None)
+    assert "the controller of this axis failed" in str(driver.failure)
+    assert "ZeroDivisionError" in str(driver.failure)
+
+
+def test_homing_that_the_controller_reports_as_done_outside_the_travel_is_refused(scripted):
+    driver, made = scripted
+    made[0].begin_homing = lambda: setattr(
+        made[0], "states", [ControllerState(0, True, False), ControllerState(-500, False, True)]
+    )
+    with pytest.raises(Exception, match="did not find the zero"):
+        driver.homing()
+
+
+def test_a_stop_is_passed_on_once(scripted):
+    driver, made = scripted
+    driver.homing()
+    made[0].begin_move = lambda steps: setattr(
+        made[0], "states", [ControllerState(100, True, True)] * 50
+    )
+    with pytest.raises(MotionStopped, match="stopped at 1 mm, before the target 5 mm"):
+        driver.move_to_coordinate(5.0, lambda: True)
+    assert made[0].stopped == 1 and driver.homing_done
+
+
+def _until(condition):
+    deadline_s = time.monotonic() + 10.0
+    while not condition():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)

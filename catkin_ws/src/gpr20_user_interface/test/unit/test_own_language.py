@@ -1,0 +1,130 @@
+"""A language of somebody else's: the tutorial docs/extend/language.md, and a pseudo-language."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("PyQt5")
+
+from pseudo_language import PSEUDO, write_pseudo_catalogue
+from PyQt5.QtTest import QTest
+from tutorial_code import code_blocks
+from window_helpers import application, click, close, new_window
+
+from gpr20_analysis.commands import main as gpr20
+from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.low.catalogue_file import VARIABLE, languages, read_catalogue
+from gpr20_common.message import Message
+from gpr20_user_interface.low.settings_file import SettingsFile
+from gpr20_user_interface.mid.survey_arguments import parse_arguments, terminal_language
+from gpr20_user_interface.mid.window_settings import WindowMemory
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application"]
+
+ROOT = Path(__file__).parents[5]
+PAGE = ROOT / "docs/extend/language.md"
+TRANSLATIONS = ROOT / "scripts/translations.sh"
+PORTUGUESE = Language("pt", "Português")
+LEFT_OUT = "Colours"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The catalogues of this computer."""
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    (tmp_path / "pt.po").write_text(code_blocks(PAGE, "po")["pt.po"], encoding="utf-8")
+    write_pseudo_catalogue(tmp_path, leave_out=LEFT_OUT)
+    return tmp_path
+
+
+def test_the_languages_are_the_catalogues_found(folder):
+    assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE, PSEUDO]
+    (folder / "es.po").write_text('msgid "START"\nmsgstr "¡YA!"\n')
+    spanish = read_catalogue(Language.SPANISH)
+    # Other words on this computer; the rest is that of the project.
+    assert (spanish.template("START"), spanish.template("Settings")) == ("¡YA!", "Ajustes")
+
+
+def test_the_catalogue_of_the_page_translates_and_what_it_lacks_is_english(folder, capsys):
+    portuguese = read_catalogue(PORTUGUESE)
+    assert portuguese.template("START") == "INICIAR"
+    assert portuguese.template("Colours") == "Colours"
+    assert gpr20.main(["info", "/nowhere", "--language", "pt"]) == 3
+    assert "/nowhere não existe" in capsys.readouterr().err
+
+
+def test_a_translation_with_other_values_than_its_template_is_not_used(folder):
+    entries = {
+        "one {a}": "um {b}",
+        "two {a:.3f}": "dois {a}",
+        "three {a}": "três {a} {a}",
+        "four {a}": "quatro {",
+        "five {a} {b}": "cinco {b} {a}",
+    }
+    lines = [f'msgid "{template}"\nmsgstr "{text}"\n' for template, text in entries.items()]
+    (folder / "pt.po").write_text("\n".join(lines))
+    catalogue = read_catalogue(Language("pt", "Português"))
+    used = {template for template in entries if catalogue.template(template) != template}
+    assert used == {"five {a} {b}"}
+    assert catalogue.text(Message("one {a}", a=1)) == "one 1"
+
+
+def test_the_window_offers_and_uses_it_and_remembers_it(application, folder, tmp_path):
+    memory = WindowMemory(SettingsFile(tmp_path / "window.yaml"))
+    window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
+    window.resize(800, 480)
+    window.show()
+    click(window.settings.button)
+    sheet = window.settings.sheet
+    assert sheet.languages[PSEUDO].text() == PSEUDO.own_name
+    click(sheet.languages[PSEUDO])
+    QTest.qWait(1)  # the change of language is an event
+    assert sheet.title.text().startswith("Séttîñgš")
+    assert sheet.theme_label.text() == LEFT_OUT
+    assert memory.close(10.0)
+    close(window)
+    assert WindowMemory(SettingsFile(tmp_path / "window.yaml")).settings.language == PSEUDO
+
+
+def test_a_damaged_catalogue_is_named_and_the_window_keeps_its_language(application, folder):
+    (folder / "pt.po").write_text('msgid "START"\nmsgstr\n')
+    memory = WindowMemory()
+    window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
+    window.show()
+    click(window.settings.button)
+    sheet = window.settings.sheet
+    click(next(button for one, button in sheet.languages.items() if one.value == "pt"))
+    assert f"{folder}/pt.po cannot be read" in sheet.hint.text()
+    assert sheet.languages[Language.ENGLISH].isChecked()
+    assert memory.settings.language == Language.ENGLISH
+    close(window)
+
+
+def test_run_survey_offers_and_uses_it(folder, capsys):
+    assert terminal_language([], {"LANG": "pt_BR.UTF-8"}) == PORTUGUESE
+    assert terminal_language(["--language", PSEUDO.value], {}) == PSEUDO
+    with pytest.raises(SystemExit):
+        parse_arguments(["--help"], read_catalogue(PSEUDO))
+    assert "{en,es,pt,qps}" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        parse_arguments(["--language", "fr"], Catalogue())
+
+
+def test_the_commands_of_the_page_begin_check_and_update_a_catalogue(tmp_path):
+    path = tmp_path / "fr.po"
+
+    def run(*arguments):
+        command = [str(TRANSLATIONS), *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert run("--new", path, "Français").returncode == 0
+    assert "X-Language-Name: Français" in path.read_text()
+    assert run("--new", path, "Français").returncode != 0
+    with path.open("a") as file:
+        file.write('\nmsgid "no program has this"\nmsgstr "rien"\n')
+    checked = run("--check", path)
+    assert checked.returncode != 0 and "not used" in checked.stderr
+    assert run(path).returncode == 0
+    assert "no program has this" not in path.read_text()

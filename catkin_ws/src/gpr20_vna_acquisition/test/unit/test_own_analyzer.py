@@ -1,0 +1,90 @@
+"""The tutorial docs/extend/analyzer.md: a class outside this repository."""
+
+import sys
+import tempfile
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+import yaml
+from tutorial_code import code_blocks
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import Clock
+from gpr20_common.mid.records import record_from
+from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.mid.foreign_analyzer import (
+    ForeignAnalyzer,
+    load_analyzer,
+    make_foreign_analyzer,
+)
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+PAGE = Path(__file__).parents[5] / "docs/extend/analyzer.md"
+CODE = code_blocks(PAGE, "python")
+
+# The modules of the page, importable as those of an installed package are.
+_folder = tempfile.TemporaryDirectory()
+for _name, _code in CODE.items():
+    Path(_folder.name, _name).write_text(_code)
+sys.path.insert(0, _folder.name)
+
+from test_socket_vna import *  # noqa: E402, F403
+
+
+def test_the_class_of_the_page_is_as_short_as_it_says():
+    lines = [line for line in CODE["socket_vna.py"].splitlines() if line.strip()]
+    assert len(lines) < 110 and f"about {len(lines) // 10 * 10} lines" in PAGE.read_text()
+
+
+def test_the_configuration_of_the_page_is_accepted():
+    own = yaml.safe_load(code_blocks(PAGE, "yaml")["analyzer.yaml"])
+    parameters = record_from(VnaParameters, own, "vna_acquisition")
+    assert load_analyzer(parameters).__name__ == "SocketVna"
+    assert asdict(parameters)["analyzer_options"] == {"port": 5025}
+
+
+@pytest.mark.parametrize(
+    "analyzer, options, error",
+    [
+        ("no_such_module:Vna", {}, "no_such_module cannot be imported"),
+        ("subprocess:Popen", {}, "not usable as Analyzer: it lacks calibration"),
+        ("socket_vna:SocketVna", {"baud": 1}, "analyzer_options do not suit SocketVna"),
+    ],
+)
+def test_a_class_that_cannot_be_used_is_refused_with_the_reason(analyzer, options, error):
+    parameters = VnaParameters(analyzer=analyzer, analyzer_options=options)
+    with pytest.raises(InvalidValueError, match=error):
+        make_foreign_analyzer(parameters, RequestDeadline(Clock()))
+
+
+@pytest.mark.parametrize("analyzer", ["", "ms2027c", "os.system", "a:b:c"])
+def test_an_analyzer_of_no_kind_is_refused_with_what_is_allowed(analyzer):
+    with pytest.raises(InvalidValueError, match="ms2026c, scikit_rf, package.module:Class"):
+        VnaParameters(analyzer=analyzer)
+    with pytest.raises(InvalidValueError, match="does not name their class"):
+        replace(VnaParameters(), analyzer_options={"port": 1})
+
+
+class BrokenAnalyzer:
+    """Raises what no analyzer should."""
+
+    trace_duration_s, remarks = None, ()
+
+    def fail(self, *_arguments):
+        raise ZeroDivisionError
+
+    connect = identify = configure = sweep = confirm = calibration = release = disconnect = fail
+
+
+def test_an_exception_of_any_kind_counts_as_a_broken_link():
+    deadline = RequestDeadline(Clock())
+    deadline.begin(10.0)
+    analyzer = ForeignAnalyzer(BrokenAnalyzer(), deadline)
+    for action in (analyzer.identify, analyzer.sweep, analyzer.confirm, analyzer.calibration):
+        with pytest.raises(VnaConnectionError, match="check its power") as error:
+            action()
+        assert "ZeroDivisionError" in str(error.value)
+    analyzer.release()
+    analyzer.disconnect()
