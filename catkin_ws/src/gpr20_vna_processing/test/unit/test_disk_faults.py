@@ -26,8 +26,6 @@ LIMITS = Limits(timeout_s=20.0, period_s=0.05, disk_reserve_bytes=0)
 @pytest.fixture
 def small_disk(tmp_path):
     """A file system of one megabyte."""
-    if os.geteuid() != 0:
-        pytest.skip("mounting a small tmpfs needs root")
     place = tmp_path / "disk"
     place.mkdir()
     mounted = subprocess.run(

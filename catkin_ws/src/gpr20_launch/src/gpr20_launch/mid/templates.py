@@ -71,7 +71,7 @@ def _comment(kind: Type, name: str, before: str = "") -> List[str]:
 def _group_comments(kind: Type, name: str) -> List[str]:
     """Return a comment for each key of the groups of a list; none for any other value."""
     item = (*typing.get_args(typing.get_type_hints(kind)[name]), None)[0]
-    if not dataclasses.is_dataclass(item):
+    if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
         return []
     lines: List[str] = []
     for field in dataclasses.fields(item):
