@@ -2,6 +2,7 @@ import pytest
 
 pytest.importorskip("PyQt5")
 
+from fake_clock import FakeClock
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
 from window_helpers import application, click, show, snapshot, window
@@ -15,7 +16,12 @@ from gpr20_user_interface.mid.events import (
     Progress,
     TargetPosition,
 )
-from gpr20_user_interface.mid.robot_health import EXPECTED_NODES, SIMULATOR, HealthReport
+from gpr20_user_interface.mid.robot_health import (
+    EXPECTED_NODES,
+    SIMULATOR,
+    HealthReport,
+    HealthTracker,
+)
 from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 
@@ -90,6 +96,26 @@ def test_health_of_every_node_is_shown_in_its_own_words(window):
 def test_unknown_disk_and_calibration_are_said_to_be_unknown(window):
     show(window, snapshot(SurveyState.IDLE))
     assert (window.status.facts.disk, window.status.facts.calibration) == ("—", "—")
+
+
+def test_other_sensors_have_tiles_below_the_nodes(window):
+    clock = FakeClock()
+    tracker = HealthTracker(clock)
+    for name in ("sensors/soil", "somebody_else", *(f"sensors/s{n:02}" for n in range(40))):
+        tracker.note(
+            NodeHealth(name, HealthLevel.OK, verbatim("0.25 m3/m3, received 0.2 s ago"), {})
+        )
+    names = [node.name for node in tracker.report().nodes]
+    assert names[: len(EXPECTED_NODES)] == list(EXPECTED_NODES)
+    assert len(names) == len(EXPECTED_NODES) + 32
+    assert "somebody_else" not in names
+    show(window, snapshot(SurveyState.IDLE, health=tracker.report()))
+    tile = window.status.health.tile("sensors/soil")
+    assert tile.name.whole == "Sensor soil"
+    assert window.status.health.texts("sensors/soil") == "GOOD: 0.25 m3/m3, received 0.2 s ago"
+    assert window.minimumSizeHint().height() <= 480
+    clock.advance(5.0)
+    assert tracker.report().node("sensors/soil").level is HealthLevel.STALE
 
 
 def test_every_part_is_a_tile_for_a_gloved_finger(window):

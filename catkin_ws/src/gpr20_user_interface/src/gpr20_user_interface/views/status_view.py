@@ -8,11 +8,13 @@ from typing import Dict, Optional, Tuple
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import (
+    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QPlainTextEdit,
     QProgressBar,
+    QScrollArea,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -271,6 +273,17 @@ class FactsPanel(TranslatedWidget):
         self._calibration.show_text(texts.get(status, status or UNKNOWN))
 
 
+def _scrolled(panel: QWidget) -> QScrollArea:
+    """Return an area that scrolls where a panel is higher, as with many sensors."""
+    area = QScrollArea()
+    area.setWidget(panel)
+    area.setWidgetResizable(True)
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    return area
+
+
 class StatusView(TranslatedWidget):
     """Two pages: what the robot does, and the health of its parts."""
 
@@ -291,7 +304,7 @@ class StatusView(TranslatedWidget):
             column.addWidget(panel)
         self._pages = QStackedWidget()
         self._pages.addWidget(robot)
-        self._pages.addWidget(self.health)
+        self._pages.addWidget(_scrolled(self.health))
         side = QVBoxLayout()
         for button in (self.robot_button, self.parts_button):
             button.setCheckable(True)

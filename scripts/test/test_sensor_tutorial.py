@@ -1,0 +1,129 @@
+"""The tutorial on sensors: its files, as they are on the page, on a simulated robot."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from robot_kit import LaunchedRobot, end
+from tutorial_code import code_blocks
+
+pytestmark = [pytest.mark.real_time, pytest.mark.takes(25)]
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/extend/sensor.md"
+LIMIT_S = 120.0
+NAMES = ("soil_moisture", "soil_temperature")
+
+
+@pytest.fixture
+def config(tmp_path):
+    """A configuration with the sensors of the page."""
+    folder = tmp_path / "config"
+    folder.mkdir()
+    for name, text in code_blocks(PAGE, "yaml").items():
+        (folder / name).write_text(text)
+    return folder
+
+
+def run(*command, status=0):
+    """Run a command; return what it printed."""
+    ended = subprocess.run(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert ended.returncode == status, ended.stdout
+    return ended.stdout
+
+
+def test_the_page_counts_the_lines_of_its_files():
+    (node,) = code_blocks(PAGE, "python").values()
+    (configuration,) = code_blocks(PAGE, "yaml").values()
+    counted = (
+        f"{len(node.splitlines())} lines of Python and {len(configuration.splitlines())} lines"
+    )
+    assert counted in " ".join(PAGE.read_text().split())
+    assert len(node.splitlines()) < 40
+
+
+def test_the_sensors_of_the_page_are_in_traces_recordings_status_and_exports(
+    tmp_path, config, monkeypatch
+):
+    monkeypatch.setenv("ROS_MASTER_URI", "")
+    robot = LaunchedRobot(tmp_path, f"config:={config}", "time_scale:=20")
+    node = tmp_path / "soil_probe.py"
+    node.write_text(code_blocks(PAGE, "python")[node.name])
+    probe = None
+    try:
+        robot.start()
+        probe = robot.run([sys.executable, str(node)])
+        wait_for_values()
+        assert robot.client("--x-points", "3", "--y-points", "3").wait(LIMIT_S) == 0
+    finally:
+        if probe is not None:
+            end(probe, 2)
+        robot.stop()
+    (folder,) = (path.parent for path in robot.data.glob("*/survey.json"))
+    assert_recorded(folder)
+    assert_exported(folder, tmp_path)
+
+
+def wait_for_values():
+    """Return when /diagnostics, and so STATUS, shows a value of each sensor."""
+    deadline_s = time.monotonic() + LIMIT_S
+    wanted = {f"sensors/{name}: value" for name in NAMES}
+    while wanted:
+        assert time.monotonic() < deadline_s, wanted
+        shown = run("rostopic", "echo", "-n", "8", "/diagnostics")
+        good = [one for one in shown.split("level: ") if one.startswith("0")]
+        wanted = {one for one in wanted if not any(one in text for text in good)}
+
+
+def assert_recorded(folder):
+    traces = [json.loads(path.read_text()) for path in sorted((folder / "traces").iterdir())]
+    assert len(traces) == 18
+    for trace in traces:
+        moisture, temperature = trace["aux"]
+        assert (moisture["name"], moisture["unit"]) == ("soil_moisture", "m3/m3")
+        assert 0.2 <= moisture["value"] <= 0.3
+        assert (temperature["name"], temperature["value"]) == ("soil_temperature", 18.5)
+        assert moisture["stamp"] <= trace["sweep_ended"]
+        assert trace["quality"] == []
+    assert len({trace["aux"][0]["value"] for trace in traces}) > 1
+    described = json.loads((folder / "survey.json").read_text())
+    assert [one["name"] for one in described["sensors"]] == list(NAMES)
+    topics = run("rosbag", "info", "-y", "-k", "topics", str(folder / "survey.bag"))
+    assert "/soil_probe/moisture" in topics
+    assert "/soil_probe/temperature" in topics
+    assert "complete and intact" in run("gpr20", "verify", str(folder))
+
+
+def assert_exported(folder, tmp_path):
+    table = tmp_path / "survey.csv"
+    run("gpr20", "export", str(folder), str(table), "--format", "csv")
+    with table.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["aux_soil_temperature [degC]"] for row in rows} == {"18.5"}
+
+
+def test_a_wrong_field_stops_the_launch_and_those_that_exist_are_named(config):
+    path = config / "sensors.yaml"
+    path.write_text(path.read_text().replace("field: data", "field: value"))
+    said = run(
+        "rosrun", "gpr20_launch", "check_launch", "--part", "survey", "--robot", "simulated",
+        "--scene", str(ROOT / "catkin_ws/src/gpr20_simulator/scenes/two_targets.yaml"),
+        "--config", str(config), "--data", str(config.parent / "data"), status=1,
+    )  # fmt: skip
+    assert (
+        "sensors.yaml, sensor soil_moisture on the topic soil_probe/moisture: std_msgs/Float64 has "
+        "no field value; its fields are: data (float64)"
+    ) in " ".join(said.split())
