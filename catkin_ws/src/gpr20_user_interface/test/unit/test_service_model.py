@@ -5,16 +5,10 @@ import random
 import pytest
 
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface.mid.events import (
-    AxisLimits,
-    ControlState,
-    CurrentPosition,
-    HealthLevel,
-    NodeHealth,
-    Request,
-)
+from gpr20_user_interface.mid.events import AxisLimits, ControlState, CurrentPosition, Request
 from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (

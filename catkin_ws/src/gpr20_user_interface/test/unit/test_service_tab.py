@@ -14,9 +14,10 @@ from window_helpers import application, click, hold, show, snapshot, window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import CurrentPosition, HealthLevel, NodeHealth
+from gpr20_user_interface.mid.events import CurrentPosition
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
     AnalyzerTested,
