@@ -47,6 +47,7 @@ SUMMARIES: Dict[str, str] = {
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",
     "sample": "write a copy of a small simulated survey, to try the other commands on",
+    "doctor": "find what is wrong with the robot and this computer",
     "replay": "publish a recorded survey on its ROS topics",
 }
 """Name and summary of each subcommand; its module is `<name>_command`."""

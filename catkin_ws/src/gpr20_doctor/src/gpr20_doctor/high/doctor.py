@@ -6,6 +6,7 @@ import argparse
 import os
 import signal
 import socket
+import sys
 import threading
 from pathlib import Path
 from typing import List, Mapping, Optional, Sequence, Tuple
@@ -58,6 +59,10 @@ def main() -> int:
     try:
         return run(given, read_catalogue(language))
     except KeyboardInterrupt:
+        return REFUSED
+    except BrokenPipeError:
+        # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
 
 

@@ -13,8 +13,8 @@ class Level(enum.IntEnum):
     """How a check ended; the higher, the worse."""
 
     OK = 0
-    # The check does not apply, for example to the hardware of a simulated robot.
-    SKIPPED = 1
+    # Neither good nor bad: a check that is not needed, or what the next survey does by itself.
+    NOTE = 1
     # Nothing could be found out, so it may be good or bad.
     UNKNOWN = 2
     WARNING = 3
@@ -28,7 +28,7 @@ class Level(enum.IntEnum):
 
 _TITLES: Dict[Level, Message] = {
     Level.OK: Message("GOOD"),
-    Level.SKIPPED: Message("SKIPPED"),
+    Level.NOTE: Message("NOTE"),
     Level.UNKNOWN: Message("UNKNOWN"),
     Level.WARNING: Message("WARNING"),
     Level.FAULT: Message("FAULT"),

@@ -28,13 +28,9 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tu
     if machine is not None:
         for machine_check in machine_checks.CHECKS:
             found.extend(machine_check(machine))
-    return worst_first(found)
-
-
-def worst_first(found: Iterable[Finding]) -> Tuple[Finding, ...]:
-    """Return findings by their level; those of one level keep their order."""
-    by_badness = {Level.SKIPPED: -1}
-    return tuple(sorted(found, key=lambda one: by_badness.get(one.level, one.level), reverse=True))
+    if any(one.check == "disk" and one.level is not Level.UNKNOWN for one in found):
+        found = [one for one in found if one.check != "data_disk"]
+    return tuple(sorted(found, key=lambda one: one.level, reverse=True))
 
 
 def exit_status(found: Iterable[Finding]) -> int:
@@ -49,10 +45,10 @@ def summary(found: Tuple[Finding, ...]) -> Message:
     """Return how many findings have each level."""
     levels = [one.level for one in found]
     return Message(
-        "{faults} faults, {warnings} warnings, {unknown} unknown, {good} good, {skipped} skipped",
+        "{faults} faults, {warnings} warnings, {unknown} unknown, {notes} notes, {good} good",
         faults=levels.count(Level.FAULT),
         warnings=levels.count(Level.WARNING),
         unknown=levels.count(Level.UNKNOWN),
         good=levels.count(Level.OK),
-        skipped=levels.count(Level.SKIPPED),
+        notes=levels.count(Level.NOTE),
     )

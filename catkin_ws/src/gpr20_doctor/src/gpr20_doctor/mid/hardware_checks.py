@@ -38,7 +38,7 @@ INSTALL = Message("Run scripts/install_robot.sh, then restart the computer.")
 def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
     """Judge everything that the drivers of axes and height sensor need."""
     if facts.hardware is not HardwareUse.NEEDED:
-        yield Finding("hardware", Level.SKIPPED, SKIPPED[facts.hardware])
+        yield Finding("hardware", Level.NOTE, SKIPPED[facts.hardware])
         return
     yield from _groups(facts.groups)
     yield _spi(facts.spi)

@@ -48,6 +48,10 @@ def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
 def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
     """Judge the temperature of the processor."""
     temperature_c = facts.temperature_c
+    if temperature_c is None:
+        text = Message("Temperature of the processor: not measured here.")
+        yield Finding("temperature", Level.NOTE, text)
+        return
     if isinstance(temperature_c, Unknown) or not math.isfinite(temperature_c):
         yield not_known("temperature", Message("the processor's temperature"), temperature_c)
         return
@@ -63,7 +67,7 @@ def check_power(facts: MachineFacts) -> Iterator[Finding]:
     """Judge the supply of a Raspberry Pi."""
     power = facts.power
     if power is None:
-        yield Finding("power", Level.SKIPPED, Message("Supply voltage: not measured here."))
+        yield Finding("power", Level.NOTE, Message("Supply voltage: not measured here."))
     elif not isinstance(power, PowerFacts):
         yield not_known("power", Message("the supply voltage"), power)
     elif power.low_now:
@@ -92,7 +96,7 @@ def check_disk(facts: MachineFacts) -> Iterator[Finding]:
     disk = facts.disk
     if disk is None:
         text = Message("Disk of the surveys: not on this computer.")
-        yield Finding("data_disk", Level.SKIPPED, text)
+        yield Finding("data_disk", Level.NOTE, text)
         return
     if not isinstance(disk, DiskFacts):
         yield not_known("data_disk", Message("the disk of the surveys"), disk)
@@ -107,7 +111,7 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
     clock = facts.clock
     two = isinstance(facts.addresses, AddressFacts) and bool(facts.addresses.robot)
     if not two:
-        yield Finding("clock", Level.SKIPPED, Message("Clock offset: there is one computer."))
+        yield Finding("clock", Level.NOTE, Message("Clock offset: there is one computer."))
     elif not isinstance(clock, ClockFacts):
         yield not_known("clock", Message("the offset of the clock"), clock)
     elif not clock.synchronized:
@@ -133,10 +137,11 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
     """Judge whether the VNA can be reached from here."""
     vna = facts.vna
     if vna is None:
-        text = Message("Network of the VNA: not needed here, or in use by a survey.")
-        yield Finding("vna_port", Level.SKIPPED, text)
+        text = Message("Network of the VNA: not checked now.")
+        yield Finding("vna_port", Level.NOTE, text)
     elif not isinstance(vna, PortFacts):
-        yield not_known("vna_port", Message("the network of the VNA"), vna)
+        remedy = Message("Write the address of the VNA into analyzer.yaml.")
+        yield not_known("vna_port", Message("the network of the VNA"), vna, remedy)
     elif vna.failure is not None:
         yield Finding(
             "vna_port",

@@ -171,8 +171,8 @@ class MachineFacts:
     Attributes:
         hardware: Whether it drives the hardware of a robot.
         addresses: Of the two machines.
-        temperature_c: Of the processor [°C].
         software: What is installed here.
+        temperature_c: Of the processor [°C].
         groups: Of the user.
         spi: Device of the SPI bus.
         gpio: Access to the pins.
@@ -185,8 +185,8 @@ class MachineFacts:
 
     hardware: HardwareUse
     addresses: Union[AddressFacts, Unknown]
-    temperature_c: Union[float, Unknown]
     software: NodeSoftware
+    temperature_c: Union[float, Unknown, None] = None
     groups: Union[GroupFacts, Unknown, None] = None
     spi: Union[DeviceFile, Unknown, None] = None
     gpio: Union[GpioFacts, Unknown, None] = None

@@ -6,7 +6,7 @@ Each check is a function from the facts to findings. To add one, write it and li
 from __future__ import annotations
 
 import math
-from typing import Callable, Iterable, Iterator, Optional, Tuple
+from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.analyzer_checks import check_analyzer
@@ -100,7 +100,7 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
     if facts.simulated:
         yield Finding(
             "simulated",
-            Level.SKIPPED,
+            Level.NOTE,
             Message("The robot is simulated: its data show no real ground."),
             Message("For the real robot launch with robot:=gpr20."),
         )
@@ -242,14 +242,14 @@ def _part(node: NodeHealth, listening_s: float) -> Finding:
 
 
 def _warned_part(node: NodeHealth, text: Message) -> Finding:
-    remedy: Optional[Message] = None
     if node.message == NOT_HOMED:
         remedy = Message("A survey homes it; or home it on SERVICE.")
-    elif node.name == ANALYZER and node.message == NOT_CONNECTED:
+        return Finding(node.name, Level.NOTE, text, remedy)
+    if node.name == ANALYZER and node.message == NOT_CONNECTED:
         remedy = Message("A survey connects it; or test the VNA on SERVICE.")
-    elif node.message == NO_HEIGHT:
+        return Finding(node.name, Level.NOTE, text, remedy)
+    if node.message == NO_HEIGHT:
         remedy = Message("A survey measures it; or measure it on SERVICE.")
-    if remedy is not None:
         return Finding(node.name, Level.UNKNOWN, text, remedy)
     return Finding(node.name, Level.WARNING, text, find_remedy(node.message) or LOOK)
 

@@ -14,7 +14,7 @@ from gpr20_user_interface.views.widgets import set_look
 
 LOOKS: Dict[Level, str] = {
     Level.OK: "good",
-    Level.SKIPPED: "",
+    Level.NOTE: "",
     Level.UNKNOWN: "",
     Level.WARNING: "doubtful",
     Level.FAULT: "bad",
