@@ -40,6 +40,9 @@ class Requests:
     def test_analyzer(self):
         self.asked.append("analyzer")
 
+    def examine(self, nodes, surveying, thorough):
+        self.asked.append(("examine", thorough))
+
 
 def snapshot(code=SurveyState.FINISHED, **other):
     values = {
@@ -131,7 +134,7 @@ def test_service_does_not_end_during_a_long_motion(model, clock):
 def test_service_ends_with_its_tab(model, requests):
     model.set_watched(True)
     model.set_watched(False)
-    assert requests.asked == [("watch", True), ("watch", False)]
+    assert requests.asked == [("watch", True), ("examine", False), ("watch", False)]
     assert not model.state.entered
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import importlib.util
-from typing import FrozenSet
+from typing import FrozenSet, Mapping
 
-# By the names of the configuration.
-LIBRARIES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
 DAEMON_PORT = 8888
 
 
-def installed() -> FrozenSet[str]:
-    """Return which libraries this interpreter finds, without loading them."""
-    return frozenset(name for name, module in LIBRARIES.items() if _is_found(module))
+def installed(modules: Mapping[str, str]) -> FrozenSet[str]:
+    """Return which libraries this interpreter finds, without loading them.
+
+    Args:
+        modules: The module of each library.
+    """
+    return frozenset(name for name, module in modules.items() if _is_found(module))
 
 
 def _is_found(module: str) -> bool:

@@ -23,7 +23,7 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tu
     """
     found: List[Finding] = []
     if robot is not None:
-        for check in robot_checks.CHECKS if robot.nodes else robot_checks.UNHEARD:
+        for check in robot_checks.UNHEARD if robot.unheard else robot_checks.CHECKS:
             found.extend(check(robot))
     if machine is not None:
         for machine_check in machine_checks.CHECKS:

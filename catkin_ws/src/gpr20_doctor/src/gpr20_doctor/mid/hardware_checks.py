@@ -7,6 +7,7 @@ from typing import Dict, Iterator
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine_facts import (
+    PIN_MODULES,
     DeviceFile,
     GpioFacts,
     GroupFacts,
@@ -111,7 +112,7 @@ def _gpio(gpio: object) -> Finding:
             Level.FAULT,
             Message(
                 "The library {library} for the pins is not installed.",
-                library=wanted or "RPi.GPIO",
+                library=PIN_MODULES.get(wanted, "RPi.GPIO"),
             ),
             Message("Run: scripts/setup.sh --robot"),
         )

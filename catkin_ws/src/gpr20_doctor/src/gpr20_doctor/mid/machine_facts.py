@@ -11,6 +11,9 @@ from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
 
+# The libraries of the pins: the module of each name of the configuration.
+PIN_MODULES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
+
 
 class HardwareUse(enum.Enum):
     """Whether this computer drives the pins and the bus of a robot."""

@@ -23,6 +23,7 @@ from gpr20_doctor.low import (
 )
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import (
+    PIN_MODULES,
     AddressFacts,
     ClockFacts,
     DeviceFile,
@@ -119,7 +120,7 @@ def _device(path: Path) -> DeviceFile:
 def _gpio(request: MachineRequest) -> GpioFacts:
     return GpioFacts(
         devices=tuple(_device(path) for path in device_files.gpio_devices(request.root)),
-        libraries=pin_libraries.installed(),
+        libraries=pin_libraries.installed(PIN_MODULES),
         wanted=request.pin_library,
         daemon=_is_open(LOOPBACK, pin_libraries.DAEMON_PORT),
     )

@@ -59,7 +59,7 @@ def check_contact(facts: RobotFacts) -> Iterator[Finding]:
         )
     elif facts.control_alive:
         yield Finding("master", Level.OK, Message("Contact with the robot"))
-    if not facts.control_alive and facts.nodes:
+    if not facts.control_alive and not facts.unheard:
         yield Finding(
             "control",
             Level.FAULT,

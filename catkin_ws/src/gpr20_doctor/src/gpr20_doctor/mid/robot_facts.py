@@ -74,6 +74,11 @@ class RobotFacts:
     endstops: Mapping[AxisId, EndstopSeen] = field(default_factory=dict)
     analyzer: Optional[AnalyzerFacts] = None
 
+    @property
+    def unheard(self) -> bool:
+        """Whether nothing at all is known about the robot."""
+        return not self.master_alive and not self.nodes
+
     def node(self, name: str) -> Optional[NodeHealth]:
         """Return the health of a node that reports; None if it does not."""
         found = next((node for node in self.nodes if node.name == name), None)
