@@ -116,7 +116,10 @@ class DoctorTest(unittest.TestCase):
             NodeDescription(
                 node=node, configuration_json="{}", version="0.1.0", revision=revision, host=host
             )
-            for node, revision, host in (("main_control", "a1", "pc"), ("height_sensor", "b2", "pi"))
+            for node, revision, host in (
+                ("main_control", "a1", "pc"),
+                ("height_sensor", "b2", "pi"),
+            )
         ]
         latched = {"queue_size": 1, "latch": True}
         configuration = rospy.Publisher("/mixed/robot_configuration", RobotConfiguration, **latched)

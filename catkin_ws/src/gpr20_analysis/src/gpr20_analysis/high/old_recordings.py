@@ -5,7 +5,15 @@ from __future__ import annotations
 import dataclasses
 from typing import Dict, Tuple
 
-from gpr20_msgs.msg import AxisActionResult, ControlStatus, SurveyCoverage, Trace
+from gpr20_analysis.high import old_configuration
+from gpr20_msgs.msg import (
+    AxisActionResult,
+    ControlStatus,
+    NodeDescription,
+    RobotConfiguration,
+    SurveyCoverage,
+    Trace,
+)
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
 
@@ -18,9 +26,13 @@ ADDED: Dict[str, Tuple[type, int]] = {
     "7b530785257ca423f317a80d75c5dad5": (ControlStatus, EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
     "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, EMPTY),
+    "590625d6ef1577da2231acdc855d35aa": (NodeDescription, 3 * EMPTY),
     trace_message.FORMER_MD5SUM: (Trace, FLOAT64 + INT32 + EMPTY),
 }
-PRESENT = {kind._md5sum for kind, _length in ADDED.values()}  # type: ignore[attr-defined]
+PRESENT = {
+    RobotConfiguration._md5sum,
+    *(kind._md5sum for kind, _length in ADDED.values()),  # type: ignore[attr-defined]
+}
 
 
 def completed(message: RecordedMessage) -> RecordedMessage:
@@ -41,9 +53,25 @@ def completed(message: RecordedMessage) -> RecordedMessage:
             definition=kind._full_text,  # type: ignore[attr-defined]
             data=message.data + bytes(length),
         )
+    if message.md5sum == old_configuration.FORMER_MD5SUM:
+        return _completed_configuration(message)
     if message.md5sum in PRESENT:
         return dataclasses.replace(message, topic=_own_topic(message))
     return message
+
+
+def _completed_configuration(message: RecordedMessage) -> RecordedMessage:
+    try:
+        data = old_configuration.completed_configuration(message.data)
+    except ValueError:
+        return message  # no subscriber takes it, and the replay continues
+    return dataclasses.replace(
+        message,
+        topic=_own_topic(message),
+        md5sum=RobotConfiguration._md5sum,
+        definition=RobotConfiguration._full_text,
+        data=data,
+    )
 
 
 def _own_topic(message: RecordedMessage) -> str:

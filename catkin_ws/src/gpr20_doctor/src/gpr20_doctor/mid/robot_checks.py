@@ -151,7 +151,7 @@ def check_height(facts: RobotFacts) -> Iterator[Finding]:
         "height",
         Level.WARNING,
         Message(
-            "The height of the antennas is {height_m:.3f} m; usual are {lowest_m:g} to "
+            "The height of the antennas is {height_m:.3f} m; expected {lowest_m:g} to "
             "{highest_m:g} m.",
             height_m=height_m,
             lowest_m=lowest_m,
