@@ -122,7 +122,7 @@ class ReplayTest(unittest.TestCase):
         old_robot = old_message(RobotConfiguration, *added)
         self.assertEqual(old_robot._md5sum, old_configuration.FORMER_MD5SUM)
         nodes = [
-            old_description(node=node, hardware="DRV8825", time_scale=2.0, configuration_json="{}")
+            old_description(node=node, hardware="DRV8825", time_scale=2.0)
             for node in ("x_axis/axis_driver", "height_sensor")
         ]
         recording = self.data / "old.mcap"
