@@ -20,6 +20,7 @@ from mcap.writer import Writer
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 
+from gpr20_analysis.high import old_configuration
 from gpr20_msgs.msg import (
     ControlStatus,
     NodeDescription,
