@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_robot_checks import SAME, facts
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
@@ -121,9 +122,15 @@ def test_each_fault_is_found(changes, level, words):
     assert fault.remedy is not None
 
 
-def test_the_free_space_is_listed_once():
-    from test_robot_checks import facts
+def test_a_robot_that_was_not_restarted_after_an_update_is_found():
+    assert exit_status(findings(facts(), replace(HEALTHY, software=SAME))) == GOOD
+    updated = replace(SAME, revision="new", host="")
+    (found, *_others) = findings(facts(), replace(HEALTHY, software=updated))
+    assert found.level is Level.WARNING
+    assert "runs the software 0.1.0 (abc), but 0.1.0 (new) is installed" in str(found.text)
 
+
+def test_the_free_space_is_listed_once():
     found = findings(facts(), HEALTHY)
     assert sum("GB free" in str(one.text) for one in found) == 1
 

@@ -26,6 +26,8 @@ class Command:
     """Declares the arguments."""
     run: Callable[[argparse.Namespace, Catalogue], int]
     """Runs the subcommand, with texts in the language of the catalogue; returns the exit status."""
+    exit_status: str = EXIT_STATUS
+    """What the exit status means, for --help."""
 
 
 MODULES = "gpr20_analysis.commands"

@@ -9,22 +9,28 @@ from gpr20_analysis.errors import MissingLibraryError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 
-STATUS = "its exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault"
+STATUS = (
+    "exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault, 3 the doctor "
+    "itself could not work"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments, which are those of the doctor."""
     try:
-        from gpr20_doctor.high import doctor
+        from gpr20_doctor.mid import arguments
     except ImportError as error:
+        # Installed with pip, without the workspace.
         raise _needs_workspace(error) from error
-    doctor.add_arguments(parser)
+    arguments.add_arguments(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check everything and print it; return the exit status."""
-    from gpr20_doctor.high import doctor
-
+    try:
+        from gpr20_doctor.high import doctor
+    except ImportError as error:
+        raise _needs_workspace(error) from error
     return doctor.run(chosen, catalogue)
 
 
@@ -37,4 +43,9 @@ def _needs_workspace(error: ImportError) -> MissingLibraryError:
     )
 
 
-COMMAND = Command(f"Find what is wrong with robot and computer; {STATUS}.", add_arguments, run)
+COMMAND = Command(
+    "Find what is wrong with the robot and this computer. Needs ROS and the workspace.",
+    add_arguments,
+    run,
+    STATUS,
+)

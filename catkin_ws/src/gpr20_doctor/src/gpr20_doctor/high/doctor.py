@@ -8,7 +8,6 @@ import signal
 import socket
 import sys
 import threading
-from pathlib import Path
 from typing import List, Mapping, Optional, Sequence, Tuple
 
 import rosgraph
@@ -21,16 +20,15 @@ from gpr20_common.catalogue import (
 )
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_doctor.high.graph import Graph, master_answers
+from gpr20_doctor.mid.arguments import add_arguments
 from gpr20_doctor.mid.findings import exit_status, findings
 from gpr20_doctor.mid.listener import without_master
 from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import AUTOMATIC, REAL, SIMULATED, ThisMachine
+from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_doctor.mid.output import as_json, lines
 from gpr20_doctor.mid.robot_facts import AnalyzerFacts, RobotFacts
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, NodeDescription
 
-DEFAULT_WAIT_S = 4.0
-LONGEST_WAIT_S = 600.0
 HEIGHT_LIMIT_S = 5.0
 ANALYZER_LIMIT_S = 8.0
 REPORT_LIMIT_S = 2.5
@@ -64,35 +62,6 @@ def main() -> int:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
-        "--quick",
-        action="store_true",
-        help="without what takes longer: speed of the disk, chrony, tests of VNA and height",
-    )
-    parser.add_argument(
-        "--wait",
-        type=_seconds,
-        default=DEFAULT_WAIT_S,
-        metavar="S",
-        help="wait at most this long until every part of the robot has reported [s]",
-    )
-    parser.add_argument(
-        "--robot",
-        choices=(AUTOMATIC, REAL, SIMULATED),
-        default=AUTOMATIC,
-        help="whether to check hardware; auto: as the robot that runs, else on a Raspberry Pi",
-    )
-    parser.add_argument(
-        "--ns", default=rosgraph.names.get_ros_namespace(), help="namespace of the robot"
-    )
-    parser.add_argument(
-        "--config", type=Path, help="folder of the robot's configuration, if no robot runs"
-    )
 
 
 def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -135,10 +104,3 @@ def _test(graph: Graph) -> Optional[AnalyzerFacts]:
     analyzer.join()
     graph.listener.wait_for_next((ANALYZER, HEIGHT_SENSOR), REPORT_LIMIT_S)
     return found[0] if found else None
-
-
-def _seconds(text: str) -> float:
-    seconds = float(text)
-    if not 0.0 <= seconds <= LONGEST_WAIT_S:
-        raise argparse.ArgumentTypeError(f"give 0 to {LONGEST_WAIT_S:g} s")
-    return seconds

@@ -9,6 +9,7 @@ from gpr20_doctor.mid import machine_checks, robot_checks
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.robot_facts import RobotFacts
+from gpr20_doctor.mid.version_checks import check_installed
 
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
@@ -28,6 +29,8 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tu
     if machine is not None:
         for machine_check in machine_checks.CHECKS:
             found.extend(machine_check(machine))
+    if robot is not None and machine is not None:
+        found.extend(check_installed(robot, machine.software))
     if any(one.check == "disk" and one.level is not Level.UNKNOWN for one in found):
         found = [one for one in found if one.check != "data_disk"]
     return tuple(sorted(found, key=lambda one: one.level, reverse=True))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Iterator
 
 from gpr20_common.message import Message
-from gpr20_common.mid.node_software import software_difference
+from gpr20_common.mid.node_software import NodeSoftware, software_difference
 from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.node_health import MAIN_CONTROL
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_doctor.mid.titles import node_title
 
@@ -36,3 +37,20 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
         name = next(iter(facts.software.values())).name
         text = Message("Software {software} on every part", software=name)
         yield Finding("versions", Level.OK, text)
+
+
+def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Finding]:
+    """Compare the software of this computer with that of the main control, which runs."""
+    running = facts.software.get(MAIN_CONTROL)
+    if running is None or not running.version or running.name == installed.name:
+        return
+    yield Finding(
+        "installed",
+        Level.WARNING,
+        Message(
+            "The robot runs the software {running}, but {installed} is installed here.",
+            running=running.name,
+            installed=installed.name,
+        ),
+        UPDATE,
+    )
