@@ -79,5 +79,7 @@ def test_without_nodes_the_computer_and_its_configuration_decide(root):
     request = machine(root, GPR20_DATA="/data").request({})
     assert request.hardware is HardwareUse.NEEDED
     assert (request.vna, request.data) == ("10.1.1.1", Path("/data"))
+    (root / "config/height.yaml").write_text("spi_device: 1\n")
+    assert machine(root).request({}).spi == (0, 1)
     (root / "config/analyzer.yaml").write_text("address: GPIB0::16::INSTR\n")
     assert machine(root).request({}).vna is None

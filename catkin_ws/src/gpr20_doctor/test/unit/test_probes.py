@@ -52,7 +52,7 @@ def test_devices_are_found_and_tried(tmp_path):
     tree(tmp_path, dev__gpiomem="", dev__gpiochip0="")
     assert [one.name for one in device_files.gpio_devices(tmp_path)] == ["gpiomem", "gpiochip0"]
     assert device_files.can_be_used(tmp_path / "dev/gpiomem")
-    assert not device_files.can_be_used(tmp_path / device_files.SPI_FILE)
+    assert not device_files.can_be_used(device_files.spi_device(tmp_path, 0, 1))
 
 
 def test_the_hottest_zone_counts(tmp_path):

@@ -7,7 +7,11 @@ from pathlib import Path
 from typing import Tuple
 
 GPIO_FILES = ("dev/gpiomem", "dev/gpiochip*")
-SPI_FILE = "dev/spidev0.0"
+
+
+def spi_device(root: Path, bus: int, device: int) -> Path:
+    """Return the file of a device on an SPI bus."""
+    return root / f"dev/spidev{bus}.{device}"
 
 
 def can_be_used(path: Path) -> bool:

@@ -64,7 +64,9 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         software=own_software(),
         temperature_c=_known(lambda: _temperature_c(request.root, pi)),
         groups=_known(lambda: _groups(request.root)) if needed else None,
-        spi=_known(lambda: _device(request.root / device_files.SPI_FILE)) if needed else None,
+        spi=_known(lambda: _device(device_files.spi_device(request.root, *request.spi)))
+        if needed
+        else None,
         gpio=_known(lambda: _gpio(request)) if needed else None,
         realtime=_known(_realtime) if needed else None,
         power=_known(lambda: _power(request.root)) if pi else None,

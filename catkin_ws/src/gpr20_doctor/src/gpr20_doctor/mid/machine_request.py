@@ -14,10 +14,11 @@ from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.node_health import axis_node
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.robot_description import ANALYZER, STORAGE, NodeDescription
+from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE, NodeDescription
 
 ROOT = Path("/")
 DEFAULT_CONFIGURATION = "~/.gpr20/robot"
+DEFAULT_SPI = (0, 0)
 DEFAULT_DATA = "~/gpr20_data"
 REAL, SIMULATED, AUTOMATIC = "gpr20", "simulated", "auto"
 # Of a description: "DRV8825 on rpi_gpio".
@@ -32,6 +33,7 @@ class MachineRequest:
         hardware: Whether this computer drives the hardware of a robot.
         environment: The environment variables.
         pin_library: Library of the pins in the configuration; empty: not known.
+        spi: Bus and device of the height sensor's converter.
         data: Folder of the surveys; None: not on this computer.
         vna: Address of the VNA; None: not to be checked.
         thorough: Whether to do what takes longer: speed of the disk, VNA, chrony.
@@ -41,6 +43,7 @@ class MachineRequest:
     hardware: HardwareUse
     environment: Mapping[str, str]
     pin_library: str = ""
+    spi: Tuple[int, int] = DEFAULT_SPI
     data: Optional[Path] = None
     vna: Union[str, Unknown, None] = None
     thorough: bool = True
@@ -85,6 +88,7 @@ class ThisMachine:
             hardware=self._hardware(robot, axis),
             environment=self.environment,
             pin_library=_pin_library(axis),
+            spi=self._spi(nodes.get(HEIGHT_SENSOR)),
             data=self._data(nodes.get(STORAGE)),
             vna=None if surveying or robot == SIMULATED else self._vna(nodes.get(ANALYZER)),
             thorough=thorough,
@@ -99,6 +103,15 @@ class ThisMachine:
         if robot == REAL or self._is("GPR20_ROBOT") or pi_sensors.is_raspberry_pi(self.root):
             return HardwareUse.NEEDED
         return HardwareUse.NO_PI
+
+    def _spi(self, sensor: Optional[NodeDescription]) -> Tuple[int, int]:
+        numbers = []
+        for key, default in zip(("spi_bus", "spi_device"), DEFAULT_SPI):
+            number = None if sensor is None else sensor.configuration.get(key)
+            if number is None:
+                number = config_files.configured(self._config, "height.yaml", key)
+            numbers.append(number if isinstance(number, int) else default)
+        return numbers[0], numbers[1]
 
     def _data(self, storage: Optional[NodeDescription]) -> Optional[Path]:
         if self._is("GPR20_ROBOT") or (storage is not None and storage.software.host != self.host):

@@ -34,12 +34,14 @@ def machine_warnings(
     if request.robot != REAL:
         return ()
     elsewhere = request.part == SERVER
+    sensor = sections.get("height_sensor", {})
     data = sections.get("storage", {}).get("data")
     facts = probe_machine(
         MachineRequest(
             hardware=HardwareUse.ELSEWHERE if elsewhere else HardwareUse.NEEDED,
             environment=environment,
             pin_library=str(sections["x_axis"].get("backend", Backend.RPI_GPIO.value)),
+            spi=(sensor.get("spi_bus", 0), sensor.get("spi_device", 0)),
             data=Path(str(data)) if data else None,
             thorough=False,
             root=root,
