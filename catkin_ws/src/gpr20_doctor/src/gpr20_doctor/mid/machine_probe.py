@@ -57,6 +57,7 @@ Fact = TypeVar("Fact")
 def probe_machine(request: MachineRequest) -> MachineFacts:
     """Return what is known about this computer; what fails is `Unknown`."""
     needed = request.hardware is HardwareUse.NEEDED
+    spi = device_files.spi_device(request.root, *request.spi)
     pi = pi_sensors.is_raspberry_pi(request.root)
     return MachineFacts(
         hardware=request.hardware,
@@ -64,9 +65,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         software=own_software(),
         temperature_c=_known(lambda: _temperature_c(request.root, pi)),
         groups=_known(lambda: _groups(request.root)) if needed else None,
-        spi=_known(lambda: _device(device_files.spi_device(request.root, *request.spi)))
-        if needed
-        else None,
+        spi=_known(lambda: _device(spi)) if needed else None,
         gpio=_known(lambda: _gpio(request)) if needed else None,
         realtime=_known(_realtime) if needed else None,
         power=_known(lambda: _power(request.root)) if pi else None,
