@@ -74,10 +74,12 @@ def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener
     for offset_s in (3.0, -0.2, 1.0):
         health = NodeHealth("height_sensor", HealthLevel.OK, verbatim(""), {})
         listener.note_node(health, offset_s)
-    listener.note_node(NodeHealth("foreign", HealthLevel.ERROR, verbatim(""), {}), 9.0)
+    for name in ("foreign", "sensors/gnss"):
+        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim(""), {}), 0.1)
     facts = listener.facts()
+    assert [one.name for one in facts.nodes] == [*EXPECTED_NODES, "sensors/gnss"]
     assert facts.endstops[AxisId.X].changes == 2
-    assert facts.clock_offsets_s == {"height_sensor": -0.2}
+    assert facts.clock_offsets_s == {"height_sensor": -0.2, "sensors/gnss": 0.1}
 
 
 def test_the_next_reports_are_waited_for_within_a_limit(listener, clock):

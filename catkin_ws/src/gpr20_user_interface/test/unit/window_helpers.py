@@ -27,6 +27,7 @@ from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
 from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.robots import Robots
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_preview import preview
@@ -197,7 +198,14 @@ def window(application, tmp_path):
 
 
 def new_window(
-    languages, survey=None, storage=None, profiles=None, imaging=None, clock=None, memory=None
+    languages,
+    survey=None,
+    storage=None,
+    profiles=None,
+    imaging=None,
+    clock=None,
+    memory=None,
+    robots=None,
 ):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
@@ -210,6 +218,7 @@ def new_window(
             ServiceModel(tools, clock or Clock()),
             Profiles(ProfileFolder(profiles)),
             PlanMemory(settings_in(profiles), problems.append),
+            robots or Robots("/"),
         ),
         languages,
         memory,

@@ -9,7 +9,13 @@ from typing import Dict, Iterable, List, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import (
+    EXPECTED_NODES,
+    MAX_SENSORS,
+    SENSOR_PREFIX,
+    HealthLevel,
+    NodeHealth,
+)
 from gpr20_doctor.mid.robot_facts import AnalyzerFacts, EndstopSeen, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
@@ -46,7 +52,7 @@ class Listener:
     def note_node(self, health: NodeHealth, offset_s: float) -> None:
         """Take a node's report, and how far its clock is behind this one [s]."""
         with self._lock:
-            if health.name in EXPECTED_NODES or health.name == SIMULATOR:
+            if health.name in EXPECTED_NODES or self._is_listed(health.name):
                 self._nodes[health.name] = health
                 self._reports[health.name] = self._reports.get(health.name, 0) + 1
                 known_s = self._offsets_s.get(health.name, math.inf)
@@ -108,9 +114,8 @@ class Listener:
             analyzer: Result of a test of the VNA; None: it was not tested.
         """
         with self._lock:
-            names: List[str] = [*EXPECTED_NODES]
-            if SIMULATOR in self._nodes:
-                names.append(SIMULATOR)
+            further = sorted(name for name in self._nodes if name not in EXPECTED_NODES)
+            names: List[str] = [*EXPECTED_NODES, *further]
             silent = NodeHealth("", HealthLevel.STALE, verbatim(""), {})
             return RobotFacts(
                 master_alive=True,
@@ -127,6 +132,11 @@ class Listener:
                 endstops=dict(self._endstops),
                 analyzer=analyzer,
             )
+
+    def _is_listed(self, name: str) -> bool:
+        sensors = sum(one.startswith(SENSOR_PREFIX) for one in self._nodes)
+        known = name in self._nodes or sensors < MAX_SENSORS
+        return name == SIMULATOR or (name.startswith(SENSOR_PREFIX) and known)
 
     def _is_complete(self) -> bool:
         with self._lock:

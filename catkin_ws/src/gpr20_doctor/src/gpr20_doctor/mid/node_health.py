@@ -30,6 +30,11 @@ EXPECTED_NODES = (
 )
 
 
+# Other sensors beside the radar report below this name, and are listed once they have.
+SENSOR_PREFIX = "sensors/"
+MAX_SENSORS = 32
+
+
 class HealthLevel(enum.IntEnum):
     """Health of a part of the robot; the values are those of diagnostic_msgs/DiagnosticStatus."""
 

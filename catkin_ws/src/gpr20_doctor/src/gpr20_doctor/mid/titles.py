@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Dict
 
 from gpr20_common.message import Message, verbatim
-from gpr20_doctor.mid.node_health import HealthLevel
+from gpr20_doctor.mid.node_health import SENSOR_PREFIX, HealthLevel
 
 _LEVELS: Dict[HealthLevel, Message] = {
     HealthLevel.OK: Message("GOOD"),
@@ -34,4 +34,6 @@ def level_title(level: HealthLevel) -> Message:
 
 def node_title(name: str) -> Message:
     """Return what the operator calls a node; one without a title keeps its name."""
+    if name.startswith(SENSOR_PREFIX):
+        return Message("Sensor {name}", name=name[len(SENSOR_PREFIX) :])
     return _NODES.get(name) or verbatim(name)
