@@ -33,6 +33,7 @@ SECTIONS = {
     "gpr20_vna_processing": "Storage",
     "gpr20_survey": "Plan, files and traces",
     "gpr20_common": "Connections and nodes",
+    "gpr20_doctor": "Doctor",
     "gpr20_launch": "Configuration and launch",
     "gpr20_imaging": "Focused images and export",
     "gpr20_simulator": "Simulated robot",
