@@ -16,7 +16,7 @@ import polib
 from fault_templates import fault_templates, filled
 from value_names import NAMES, shown_name
 
-from gpr20_user_interface.mid.remedies import find_remedy
+from gpr20_doctor.mid.remedies import find_remedy
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/messages.md"
@@ -33,6 +33,7 @@ SECTIONS = {
     "gpr20_vna_processing": "Storage",
     "gpr20_survey": "Plan, files and traces",
     "gpr20_common": "Connections and nodes",
+    "gpr20_doctor": "Doctor",
     "gpr20_launch": "Configuration and launch",
     "gpr20_imaging": "Focused images and export",
     "gpr20_simulator": "Simulated robot",

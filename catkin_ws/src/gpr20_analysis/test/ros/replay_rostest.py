@@ -20,7 +20,15 @@ from mcap.writer import Writer
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Header, String
 
-from gpr20_msgs.msg import AuxValue, ControlStatus, SurveyCoverage, Trace
+from gpr20_analysis.high import old_configuration
+from gpr20_msgs.msg import (
+    AuxValue,
+    ControlStatus,
+    NodeDescription,
+    RobotConfiguration,
+    SurveyCoverage,
+    Trace,
+)
 from gpr20_survey.trace import trace_message
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
@@ -120,6 +128,39 @@ class ReplayTest(unittest.TestCase):
         self.assertEqual((third.sample_id, third.aux), ("2", aux))
         for trace in (second, third, last):
             self.assertEqual({name: getattr(trace, name) for name in settings}, settings)
+
+    def test_the_configuration_of_an_older_robot_arrives_as_that_of_today(self) -> None:
+        added = ("string version", "string revision", "string host")
+        old_description = old_message(NodeDescription, *added)
+        old_robot = old_message(RobotConfiguration, *added)
+        self.assertEqual(old_robot._md5sum, old_configuration.FORMER_MD5SUM)
+        nodes = [
+            old_description(node=node, hardware="DRV8825", time_scale=2.0)
+            for node in ("x_axis/axis_driver", "height_sensor")
+        ]
+        recording = self.data / "old.mcap"
+        write_latched(
+            recording,
+            ("/height_sensor/description", nodes[1]),
+            ("/robot_configuration", old_robot(known=True, nodes=nodes, site_json="{1}")),
+        )
+        received = []
+        for topic, kind in (
+            ("/height_sensor/description", NodeDescription),
+            ("/robot_configuration", RobotConfiguration),
+        ):
+            self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
+        self.run_node(recording, "--rate", "1")
+        deadline_s = time.monotonic() + TIME_LIMIT_S
+        while len(received) < 2 and time.monotonic() < deadline_s:
+            time.sleep(0.01)
+        description, configuration = sorted(received, key=lambda one: one._type)
+        self.assertEqual((description.node, description.version), ("height_sensor", ""))
+        self.assertEqual((configuration.known, configuration.site_json), (True, "{1}"))
+        self.assertEqual(
+            [(one.node, one.hardware, one.time_scale, one.host) for one in configuration.nodes],
+            [(one.node, "DRV8825", 2.0, "") for one in nodes],
+        )
 
     def test_messages_of_an_older_version_arrive_as_those_of_today(self) -> None:
         old_status = old_message(ControlStatus, "string message_json")

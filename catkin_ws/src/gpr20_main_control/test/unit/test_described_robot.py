@@ -1,6 +1,7 @@
 """What the nodes say about themselves decides whether a robot is simulated."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from fake_robot import Bench, described_robot
@@ -10,6 +11,7 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.time_limits import TimeLimits
@@ -112,3 +114,25 @@ def test_the_configuration_and_the_nodes_are_recorded():
     assert recorded["time_limits"]["storage_limit_s"] == TimeLimits().storage_limit_s
     assert [one["name"] for one in recorded["nodes"]] == sorted(PLAIN_NAMES)
     assert all(one["simulated"] and one["time_scale"] == 20.0 for one in recorded["nodes"])
+
+
+def test_different_software_is_found_but_no_obstacle():
+    robot = described_robot()
+    assert robot.software_difference() is None
+    for node, revision in (("height_sensor", "abc"), ("vna_acquisition", "def")):
+        one = replace(robot.nodes[node], software=NodeSoftware("0.1.0", revision, "pc"))
+        robot.note(one)
+    assert "0.1.0 (abc) on pc; 0.1.0 (def) on pc" in str(robot.software_difference())
+    assert robot.problem() is None
+
+
+def test_a_survey_with_different_software_runs_and_says_so():
+    bench = Bench()
+    for node, revision in (("height_sensor", "abc"), ("vna_acquisition", "def")):
+        one = replace(bench.description.nodes[node], software=NodeSoftware("0.1.0", revision, "pc"))
+        bench.description.note(one)
+    bench.start()
+    bench.complete()
+    assert bench.board.status.state is SurveyState.FINISHED
+    (warning,) = bench.storage.reports[-1]["warnings"]
+    assert "run different software" in warning["warning"]

@@ -15,12 +15,13 @@ from gpr20_common.high.diagnostics import MESSAGE_JSON
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.high.node_reports import node_healths
+from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadSurveyResponse, ReadTracesResponse
 from gpr20_survey.plan.annotation import EMPTY, from_fields
 from gpr20_user_interface.high import conversions
-from gpr20_user_interface.mid.events import HealthLevel
 from gpr20_user_interface.mid.trace_events import AnnotationFailed, AnnotationRead
 
 FULL = Message("the disk is full", details="errno 28")
@@ -47,7 +48,7 @@ def test_report_of_a_node_has_its_template_which_is_no_value_of_its_own():
         message=str(FULL),
         values=[KeyValue(key, value) for key, value in values.items()],
     )
-    (health,) = conversions.node_healths(DiagnosticArray(status=[status]), "/robot1/")
+    (health,) = node_healths(DiagnosticArray(status=[status]), "/robot1/")
     assert (health.name, health.level) == ("vna_processing", HealthLevel.ERROR)
     assert health.message == FULL
     assert health.values == {"free disk [MB]": "0.0"}

@@ -20,21 +20,14 @@ from window_helpers import (
 
 from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.mid.events import (
-    Answer,
-    ControlState,
-    HealthLevel,
-    NodeHealth,
-    Progress,
-    Request,
-    TargetPosition,
-)
+from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, TargetPosition
 from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import fault_notice
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
-from gpr20_user_interface.mid.robot_health import EXPECTED_NODES, Alarm, AlarmKind, HealthReport
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
 from gpr20_user_interface.mid.survey_name import survey_name
 from gpr20_user_interface.mid.trace_events import SurveyDescribed
 from gpr20_user_interface.views.elided_label import ElidedLabel

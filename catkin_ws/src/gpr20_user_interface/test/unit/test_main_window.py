@@ -7,8 +7,9 @@ from PyQt5.QtWidgets import QPushButton
 from window_helpers import application, click, show, snapshot, window, wishes
 
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth, Progress, Request
+from gpr20_user_interface.mid.events import ControlState, Progress, Request
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport

@@ -15,17 +15,11 @@ from window_helpers import application, close, new_window, show, snapshot
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import (
-    ControlState,
-    CurrentPosition,
-    HealthLevel,
-    NodeHealth,
-    Progress,
-    TargetPosition,
-)
+from gpr20_user_interface.mid.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_user_interface.mid.notices import (
     Refused,
     analyzer_notice,

@@ -40,8 +40,11 @@ FOLDER = "20261121T051000_7c9e6679"
 KEPT = {f"field {number}.yaml" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
 HARMLESS = {"stop", "pause", "pause replay"}
-# Of SERVICE: whether its tab is looked at.
-LOOKED = {("watch", True), ("watch", False)}
+# Of SERVICE: whether its tab is looked at, and what CHECK ALL asks for.
+LOOKED = {
+    *(("watch", True), ("watch", False), ("examine", False), ("examine", True)),
+    *("height", "analyzer"),
+}
 STATES = (
     *(SurveyState.IDLE, SurveyState.CONFIGURED, SurveyState.SURVEYING, SurveyState.PAUSED),
     *(SurveyState.STOPPED, SurveyState.FAILED, SurveyState.FINISHED),

@@ -4,12 +4,12 @@ import pytest
 from fault_templates import fault_templates, filled
 
 from gpr20_common.message import Message, in_a_row, verbatim
+from gpr20_doctor.mid import remedies
+from gpr20_doctor.mid.remedies import find_remedy
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid import remedies
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.fault_messages import FaultWatch, is_fault
 from gpr20_user_interface.mid.notices import fault_notice
-from gpr20_user_interface.mid.remedies import find_remedy
 
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
 

@@ -5,16 +5,10 @@ import random
 import pytest
 
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface.mid.events import (
-    AxisLimits,
-    ControlState,
-    CurrentPosition,
-    HealthLevel,
-    NodeHealth,
-    Request,
-)
+from gpr20_user_interface.mid.events import AxisLimits, ControlState, CurrentPosition, Request
 from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
@@ -45,6 +39,9 @@ class Requests:
 
     def test_analyzer(self):
         self.asked.append("analyzer")
+
+    def examine(self, nodes, surveying, thorough):
+        self.asked.append(("examine", thorough))
 
 
 def snapshot(code=SurveyState.FINISHED, **other):
@@ -137,7 +134,7 @@ def test_service_does_not_end_during_a_long_motion(model, clock):
 def test_service_ends_with_its_tab(model, requests):
     model.set_watched(True)
     model.set_watched(False)
-    assert requests.asked == [("watch", True), ("watch", False)]
+    assert requests.asked == [("watch", True), ("examine", False), ("watch", False)]
     assert not model.state.entered
 
 

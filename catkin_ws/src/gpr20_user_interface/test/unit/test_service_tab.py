@@ -14,15 +14,20 @@ from window_helpers import application, click, hold, show, snapshot, window
 
 from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.mid.finding import Unknown
+from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import CurrentPosition, HealthLevel, NodeHealth
+from gpr20_user_interface.mid.events import CurrentPosition
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
     AnalyzerTested,
     AxisMoved,
     EndstopState,
     HeightTested,
+    MachineExamined,
 )
 from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
@@ -141,10 +146,35 @@ def test_the_findings_are_listed_without_service_and_during_a_survey(service):
     report = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
     show(service, snapshot(SurveyState.SURVEYING, health=HealthReport((report,))))
     service.draw()
-    assert service.service.doctor.texts[0] == "FAULT: Height sensor: stuck"
+    assert service.service.doctor.texts[0].startswith("FAULT: Height sensor: stuck\n")
     show(service, snapshot(SurveyState.SURVEYING))
     service.draw()
     assert not any("Height" in text for text in service.service.doctor.texts)
+
+
+def test_a_touch_checks_everything_and_the_findings_are_listed(service):
+    click(service.service.check_button)
+    assert service.tools.asked == [("examine", True), "height", "analyzer"]
+    assert not service.service.check_button.isEnabled()
+    click(service.service.check_button)
+    facts = MachineFacts(HardwareUse.NO_PI, Unknown(verbatim("x")), NodeSoftware(), 85.0)
+    service.on_event(MachineExamined(facts))
+    service.on_event(HeightTested(0.2, 0.001, 1.2))
+    lost = Message("no connection to the VNA")
+    service.on_event(AnalyzerTested("10.0.0.1", "", "", 0, 0.0, 0.0, lost))
+    service.refresh()
+    service.draw()
+    assert len(service.tools.asked) == 3
+    assert service.service.check_button.isEnabled()
+    listed = "\n".join(service.service.doctor.texts)
+    assert "FAULT: Temperature of the processor: 85 °C" in listed
+    assert "FAULT: Test of the VNA: no connection" in listed
+
+
+def test_instruments_are_not_tested_beside_a_survey(service):
+    show(service, snapshot(SurveyState.SURVEYING))
+    click(service.service.check_button)
+    assert service.tools.asked == [("examine", True)]
 
 
 @pytest.mark.parametrize("language", languages())

@@ -6,16 +6,9 @@ import random
 import pytest
 
 from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface.mid.events import (
-    Answer,
-    AxisLimits,
-    ControlState,
-    HealthLevel,
-    NodeHealth,
-    Progress,
-    Request,
-)
+from gpr20_user_interface.mid.events import Answer, AxisLimits, ControlState, Progress, Request
 from gpr20_user_interface.mid.message_source import MessageSources, Received, SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
 from gpr20_user_interface.mid.shown_model import ROBOT_LIMIT_S, ShownModel

@@ -8,20 +8,10 @@ from PyQt5.QtWidgets import QLabel
 from window_helpers import application, click, show, snapshot, window
 
 from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import (
-    CurrentPosition,
-    HealthLevel,
-    NodeHealth,
-    Progress,
-    TargetPosition,
-)
-from gpr20_user_interface.mid.robot_health import (
-    EXPECTED_NODES,
-    SIMULATOR,
-    HealthReport,
-    HealthTracker,
-)
+from gpr20_user_interface.mid.events import CurrentPosition, Progress, TargetPosition
+from gpr20_user_interface.mid.robot_health import SIMULATOR, HealthReport, HealthTracker
 from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 

@@ -2,8 +2,9 @@ import pytest
 from test_job import snapshot
 
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Answer, ControlState, HealthLevel, NodeHealth, Request
+from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.stop_confirmation import ANSWER_S, AXIS_NODES, StopConfirmation
 

@@ -3,6 +3,7 @@ import math
 import pytest
 
 from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import (
     Answer,
@@ -10,9 +11,7 @@ from gpr20_user_interface.mid.events import (
     ControlParameters,
     ControlState,
     CurrentPosition,
-    HealthLevel,
     MeasuredHeight,
-    NodeHealth,
     Progress,
     Request,
     TargetPosition,

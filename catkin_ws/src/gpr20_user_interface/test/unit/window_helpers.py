@@ -138,6 +138,9 @@ class ServiceTools:
     def test_analyzer(self):
         self.asked.append("analyzer")
 
+    def examine(self, nodes, surveying, thorough):
+        self.asked.append(("examine", thorough))
+
 
 class ImagingNode:
     """In place of the imaging node: answers nothing, remembers what it was asked."""

@@ -26,6 +26,8 @@ class Command:
     """Declares the arguments."""
     run: Callable[[argparse.Namespace, Catalogue], int]
     """Runs the subcommand, with texts in the language of the catalogue; returns the exit status."""
+    exit_status: str = EXIT_STATUS
+    """What the exit status means, for --help."""
 
 
 MODULES = "gpr20_analysis.commands"
@@ -47,6 +49,7 @@ SUMMARIES: Dict[str, str] = {
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",
     "sample": "write a copy of a small simulated survey, to try the other commands on",
+    "doctor": "find what is wrong with the robot and this computer",
     "replay": "publish a recorded survey on its ROS topics",
 }
 """Name and summary of each subcommand; its module is `<name>_command`."""

@@ -131,7 +131,7 @@ def _parser(given: List[str]) -> argparse.ArgumentParser:
                 name,
                 help=summary,
                 description=chosen.description,
-                epilog=EXIT_STATUS,
+                epilog=chosen.exit_status,
                 parents=[_language_option()],
             )
             chosen.add_arguments(own)

@@ -5,7 +5,15 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Dict, Tuple
 
-from gpr20_msgs.msg import AxisActionResult, ControlStatus, SurveyCoverage, Trace
+from gpr20_analysis.high import old_configuration
+from gpr20_msgs.msg import (
+    AxisActionResult,
+    ControlStatus,
+    NodeDescription,
+    RobotConfiguration,
+    SurveyCoverage,
+    Trace,
+)
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
 
@@ -17,9 +25,11 @@ ADDED: Dict[str, Tuple[type, int]] = {
     "7b530785257ca423f317a80d75c5dad5": (ControlStatus, EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
     "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, EMPTY),
+    "590625d6ef1577da2231acdc855d35aa": (NodeDescription, 3 * EMPTY),
 }
 PRESENT = {
     trace_message.MD5SUM,
+    RobotConfiguration._md5sum,
     *(kind._md5sum for kind, _length in ADDED.values()),  # type: ignore[attr-defined]
 }
 
@@ -38,9 +48,19 @@ def completed(message: RecordedMessage) -> RecordedMessage:
         return _of_type(kind, message, message.data + bytes(length))
     if message.md5sum in trace_message.FORMER_MD5SUMS:
         return _of_type(Trace, message, trace_message.completed(message.data, message.md5sum))
+    if message.md5sum == old_configuration.FORMER_MD5SUM:
+        return _completed_configuration(message)
     if message.md5sum in PRESENT:
         return dataclasses.replace(message, topic=_own_topic(message))
     return message
+
+
+def _completed_configuration(message: RecordedMessage) -> RecordedMessage:
+    try:
+        data = old_configuration.completed_configuration(message.data)
+    except ValueError:
+        return message  # no subscriber takes it, and the replay continues
+    return _of_type(RobotConfiguration, message, data)
 
 
 def _of_type(kind: Any, message: RecordedMessage, data: bytes) -> RecordedMessage:

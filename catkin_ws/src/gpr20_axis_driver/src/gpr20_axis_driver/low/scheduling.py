@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import List
 
 from gpr20_common.message import Message
+from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
-# Below the kernel's own real-time threads (50 and 99), above everything else.
-PRIORITY = 45
 # From <sys/mman.h> and <sys/prctl.h> of Linux.
 MCL_CURRENT, MCL_FUTURE = 1, 2
 PR_SET_TIMERSLACK = 29
@@ -47,7 +46,7 @@ def realtime_scheduling() -> Scheduling:
     gc.disable()
     refused: List[str] = []
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PULSE_PRIORITY))
     except OSError as error:
         refused.append(f"SCHED_FIFO ({error.strerror})")
     library = ctypes.CDLL(None, use_errno=True)
@@ -62,5 +61,5 @@ def realtime_scheduling() -> Scheduling:
             details=f"refused: {', '.join(refused)}",
         )
         return Scheduling(False, without)
-    granted = Message("real-time scheduling", details=f"SCHED_FIFO {PRIORITY}, memory locked")
+    granted = Message("real-time scheduling", details=f"SCHED_FIFO {PULSE_PRIORITY}, memory locked")
     return Scheduling(True, granted)

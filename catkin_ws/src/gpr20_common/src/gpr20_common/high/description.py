@@ -1,4 +1,4 @@
-"""What a node says about itself: its hardware and the configuration with which it started."""
+"""What a node says about itself: its hardware, its software, the configuration of its start."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import rospy
 
 from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_software import own_software
 from gpr20_msgs.msg import NodeDescription
 
 TOPIC = "description"
@@ -31,6 +32,7 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
             simulated=hardware.simulated,
             time_scale=hardware.time_scale,
             configuration_json=json.dumps(dataclasses.asdict(parameters), default=_plain),
+            **dataclasses.asdict(own_software()),
         )
     )
     return publisher

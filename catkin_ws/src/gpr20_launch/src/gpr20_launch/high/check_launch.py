@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Optional, Sequence
@@ -19,9 +20,11 @@ from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
+from gpr20_doctor.mid.finding import Finding
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import ROBOT, SERVER, SURVEY, LaunchRequest
+from gpr20_launch.mid.machine_warnings import machine_warnings
 from gpr20_launch.mid.robot_files import Sections
 from gpr20_launch.mid.running_robot import RunningNode, refusal
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
@@ -52,6 +55,7 @@ def main() -> int:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
         print(f"\nThis robot cannot be launched: {error}\n", file=sys.stderr)
         return 1
+    _print_warnings(machine_warnings(request, sections, os.environ))
     print(json.dumps(sections))
     return 0
 
@@ -82,6 +86,13 @@ def _simulator(given: argparse.Namespace) -> SimulatorParameters:
         medium=given.medium,
         capture_dir=given.capture_dir,
     )
+
+
+def _print_warnings(found: Sequence[Finding]) -> None:
+    # The standard output is the configuration.
+    for one in found:
+        remedy = "" if one.remedy is None else f" {one.remedy}"
+        print(f"{one.level.title}: {one.text}{remedy}", file=sys.stderr)
 
 
 def _number(name: str, text: str) -> float:

@@ -18,6 +18,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_software import own_software
 from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
@@ -212,7 +213,7 @@ def build_main_control_node() -> MainControlNode:
     )
     node = MainControlNode(control, robot, status, topics, sensors)
     own = {**asdict(settings), **asdict(limits)}
-    description.note(NodeDescription(NODE, NO_HARDWARE, own))
+    description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
     descriptions.listen(description.note)
     return node
 

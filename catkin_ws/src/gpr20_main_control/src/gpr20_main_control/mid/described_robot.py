@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.node_software import software_difference
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.plan.robot_config import RobotConfig
@@ -97,6 +98,10 @@ class DescribedRobot:
         except InvalidValueError as error:
             return error.message
         return None
+
+    def software_difference(self) -> Optional[Message]:
+        """Return which nodes run which software; None if all run the same."""
+        return software_difference({name: one.software for name, one in self.nodes.items()})
 
     def check(self, config: RobotConfig) -> None:
         """Return if the robot is still the one with which a survey began.

@@ -62,13 +62,14 @@ class SurveyEngine:
             SurveyError: The report of the survey that is resumed cannot be read.
         """
         self._status = status
+        self._robot = robot
         self._positioner = positioner
         self._interruption = interruption
         self._analyzers = AnalyzerRecord(plan.analyzers)
         self._analyzers.accept = accept_analyzer
         archive = SurveyArchive(plan, robot, status, interruption.clock, self._analyzers)
         self._archive = archive
-        self._clock_steps = ClockSteps(interruption.clock, plan.last, self._note_clock_step)
+        self._clock_steps = ClockSteps(interruption.clock, plan.last, self._note_warning)
         limit_s = plan.settings.return_limit_s
         self._recovery = Recovery(positioner, status, interruption, limit_s)
         self._plan = plan
@@ -105,6 +106,9 @@ class SurveyEngine:
 
     def run(self) -> None:
         """Execute the survey; it always ends in a final state with a message."""
+        difference = self._robot.description.software_difference()
+        if difference is not None:
+            self._note_warning(difference)
         try:
             self._run()
         finally:
@@ -197,7 +201,7 @@ class SurveyEngine:
     def _all_stored(self) -> bool:
         return self._progress.all_confirmed and not self._archive.queue.waiting
 
-    def _note_clock_step(self, warning: Message) -> None:
+    def _note_warning(self, warning: Message) -> None:
         self._archive.note_warning(warning)
         self._status.set_warning(warning)
 

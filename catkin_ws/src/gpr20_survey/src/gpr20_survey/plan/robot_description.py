@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Mapping, Protocol, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
 from gpr20_common.mid.records import record_from
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -40,6 +41,9 @@ class DescriptionFields(Protocol):
     simulated: bool
     time_scale: float
     configuration_json: str
+    version: str
+    revision: str
+    host: str
 
 
 @dataclass(frozen=True)
@@ -50,11 +54,13 @@ class NodeDescription:
         node: Name of the node below the robot's namespace.
         hardware: What it drives; its name is empty for a node without hardware.
         configuration: The parameters with which it started.
+        software: What it runs, and where.
     """
 
     node: str
     hardware: Hardware
     configuration: Mapping[str, Any]
+    software: NodeSoftware = UNKNOWN_SOFTWARE
 
     @classmethod
     def from_fields(cls, fields: DescriptionFields) -> NodeDescription:
@@ -64,7 +70,8 @@ class NodeDescription:
             ValueError: Its configuration is not JSON.
         """
         hardware = Hardware(fields.hardware, fields.simulated, fields.time_scale)
-        return cls(fields.node, hardware, json.loads(fields.configuration_json))
+        software = NodeSoftware(fields.version, fields.revision, fields.host)
+        return cls(fields.node, hardware, json.loads(fields.configuration_json), software)
 
     def fields(self) -> Dict[str, Any]:
         """Return the fields of the ROS message."""
@@ -74,6 +81,7 @@ class NodeDescription:
             "simulated": self.hardware.simulated,
             "time_scale": self.hardware.time_scale,
             "configuration_json": json.dumps(dict(self.configuration)),
+            **asdict(self.software),
         }
 
 

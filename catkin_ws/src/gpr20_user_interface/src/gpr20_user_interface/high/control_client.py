@@ -15,6 +15,7 @@ from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
+from gpr20_doctor.high.node_reports import node_healths
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
@@ -276,7 +277,7 @@ class ControlClient(RosEvents):
         in_background(lambda: self._emit(_answer(request, ask)))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for health in conversions.node_healths(message, rospy.get_namespace()):
+        for health in node_healths(message, rospy.get_namespace()):
             self._emit_received(message, health)
 
     def _on_replay(self, message: Replay) -> None:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, Optional, Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.diagnostics import MESSAGE_JSON
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.message import Message, received_message
@@ -34,9 +32,7 @@ from gpr20_user_interface.mid.events import (
     ControlParameters,
     ControlState,
     CurrentPosition,
-    HealthLevel,
     MeasuredHeight,
-    NodeHealth,
     Progress,
     TargetPosition,
 )
@@ -94,33 +90,6 @@ def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
     code = SurveyState(message.code)
     return ControlState(code, message_from(message), message.survey_id, message.simulated)
-
-
-def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
-    """Convert the reports on `/diagnostics` of the nodes of one namespace.
-
-    Args:
-        message: Of any nodes; robots that share a master share the topic.
-        namespace: The robot's, with slashes at both ends or alone.
-    """
-    prefix = namespace.strip("/")
-    found = []
-    for status in message.status:
-        # diagnostic_updater writes "node: task", with the node's full name.
-        name = status.name.split(":")[0].strip("/")
-        if prefix and not name.startswith(f"{prefix}/"):
-            continue
-        values = {pair.key: pair.value for pair in status.values}
-        level = HealthLevel(_level_number(status.level))
-        own_name = name[len(prefix) :].strip("/")
-        text = received_message(status.message, values.pop(MESSAGE_JSON, ""))
-        found.append(NodeHealth(own_name, level, text, values))
-    return found
-
-
-def _level_number(level: Any) -> int:
-    # The type byte is an int in ROS 1's Python messages, and bytes in some builds of them.
-    return level[0] if isinstance(level, bytes) else int(level)
 
 
 def progress(message: SurveyData) -> Progress:

@@ -10,6 +10,7 @@ from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
+from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import RobotConfiguration
 from gpr20_survey.plan.robot_description import ANALYZER, NodeDescription, robot_config
 from gpr20_survey.plan.site import Site
@@ -22,16 +23,17 @@ UNKNOWN = Message("the limits of the axes are not known")
 
 def axis_limits(message: RobotConfiguration) -> AxisLimits:
     """Return the limits of the three axes and the figures of the robot, or why they are unknown."""
+    nodes = descriptions(message)
     if not message.known:
-        return AxisLimits(None, message_from(message))
+        return AxisLimits(None, message_from(message), nodes=nodes)
     try:
-        nodes = {one.node: NodeDescription.from_fields(one) for one in message.nodes}
         config = robot_config(nodes)
         settings = _record(SurveySettings, nodes[CONTROL].configuration)
         defaults = _defaults(nodes, message.site_json)
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
         return AxisLimits(None, Message("the limits of the axes are not known", details=error))
-    return AxisLimits(config.travel, figures=RobotFigures(config, settings), defaults=defaults)
+    figures = RobotFigures(config, settings)
+    return AxisLimits(config.travel, figures=figures, defaults=defaults, nodes=nodes)
 
 
 def _defaults(nodes: Mapping[str, NodeDescription], site_json: str) -> RobotDefaults:

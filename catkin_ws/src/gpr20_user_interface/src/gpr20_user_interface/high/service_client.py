@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
+import socket
 import threading
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Mapping
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -13,9 +15,13 @@ from std_msgs.msg import Bool
 from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
+from gpr20_doctor.high.node_reports import node_healths
+from gpr20_doctor.mid.machine_probe import probe_machine
+from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_msgs.msg import ServiceStatus
 from gpr20_msgs.srv import GetHeight, ServiceMove, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.service_events import (
@@ -25,6 +31,7 @@ from gpr20_user_interface.mid.service_events import (
     ClockOffset,
     EndstopState,
     HeightTested,
+    MachineExamined,
 )
 
 # At the lowest speed an axis of 800 mm takes 800 s to its endstop. The motion can be stopped
@@ -124,12 +131,24 @@ class ServiceToolsClient(RosEvents):
 
         in_background(lambda: self._emit(ask()))
 
+    def examine(
+        self, nodes: Mapping[str, NodeDescription], surveying: bool, thorough: bool
+    ) -> None:
+        """Ask what is known about this computer; the answer is an event."""
+
+        def look() -> MachineExamined:
+            machine = ThisMachine(socket.gethostname(), os.environ)
+            request = machine.request(nodes, surveying, thorough=thorough)
+            return MachineExamined(probe_machine(request))
+
+        in_background(lambda: self._emit(look()))
+
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
         self._emit_received(message, EndstopState(axis, message.data))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
-        for health in conversions.node_healths(message, rospy.get_namespace()):
+        for health in node_healths(message, rospy.get_namespace()):
             self._emit_received(message, ClockOffset(health.name, offset_s))
 
 

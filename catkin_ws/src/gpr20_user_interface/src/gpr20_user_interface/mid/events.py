@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Mapping, Optional, Union
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
@@ -126,6 +128,7 @@ class AxisLimits:
         figures: Everything else about the robot; None if it is not known.
         defaults: What the robot's configuration proposes; None if it is not known.
         master_alive: Whether the ROS master answered.
+        nodes: What the nodes say they are.
     """
 
     travel: Optional[RobotTravel]
@@ -133,6 +136,7 @@ class AxisLimits:
     figures: Optional[RobotFigures] = None
     defaults: Optional[RobotDefaults] = None
     master_alive: bool = True
+    nodes: Mapping[str, NodeDescription] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -140,25 +144,6 @@ class ControlParameters:
     """The parameters of the survey that runs, or of the next one."""
 
     parameters: SurveyParameters
-
-
-class HealthLevel(enum.IntEnum):
-    """Health of a part of the robot; the values are those of diagnostic_msgs/DiagnosticStatus."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
-    STALE = 3
-
-
-@dataclass(frozen=True)
-class NodeHealth:
-    """What a node reports about itself on /diagnostics, once a second."""
-
-    name: str
-    level: HealthLevel
-    message: Message
-    values: Mapping[str, str]
 
 
 class Request(enum.Enum):

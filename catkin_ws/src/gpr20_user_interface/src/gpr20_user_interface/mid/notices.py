@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.remedies import CHECK_STATUS, find_remedy
+from gpr20_doctor.mid.titles import level_title, node_title
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState, HealthLevel, NodeHealth
+from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.fault_messages import reason_of
-from gpr20_user_interface.mid.remedies import CHECK_STATUS, find_remedy
-from gpr20_user_interface.mid.titles import level_title, node_title
 
 NO_REPORT = Message("no report")
 

@@ -8,26 +8,18 @@ from typing import Dict, List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import (
+    EXPECTED_NODES,
+    MAX_SENSORS,
+    SENSOR_PREFIX,
+    HealthLevel,
+    NodeHealth,
+)
 
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
 STALE_S = 4.0
-# In the order in which the window lists them.
-EXPECTED_NODES = (
-    "main_control",
-    "vna_acquisition",
-    "vna_processing",
-    "imaging",
-    "x_axis/axis_driver",
-    "y_axis/axis_driver",
-    "z_axis/axis_driver",
-    "height_sensor",
-)
 # Listed once it has reported.
 SIMULATOR = "simulator"
-# Other sensors beside the radar report below this name, and are listed once they have.
-SENSOR_PREFIX = "sensors/"
-MAX_SENSORS = 32
 ANALYZER = "vna_acquisition"
 STORAGE = "vna_processing"
 # Names of values in the nodes' reports.

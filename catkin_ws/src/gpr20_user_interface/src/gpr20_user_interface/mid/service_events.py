@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_survey.axes.axis_id import AxisId
 
 
@@ -39,6 +40,13 @@ class ClockOffset:
 
     node: str
     offset_s: float
+
+
+@dataclass(frozen=True)
+class MachineExamined:
+    """What is known about the window's computer."""
+
+    machine: MachineFacts
 
 
 @dataclass(frozen=True)

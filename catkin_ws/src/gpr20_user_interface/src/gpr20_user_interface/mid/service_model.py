@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
-from typing import Deque, Dict, Optional, Protocol, Tuple
+from typing import Dict, Optional, Protocol, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_user_interface.mid.doctor import Facts, Finding, findings
-from gpr20_user_interface.mid.events import AxisLimits, HealthLevel, Position, Request
+from gpr20_user_interface.mid.events import Position, Request
 from gpr20_user_interface.mid.message_source import Received
+from gpr20_user_interface.mid.robot_examination import ExaminationRequests, RobotExamination
 from gpr20_user_interface.mid.service_events import (
     AnalyzerTested,
     AxisAction,
     AxisMoved,
-    ClockOffset,
     EndstopState,
     HeightTested,
 )
@@ -28,12 +28,10 @@ IDLE_LIMIT_S = 120.0
 ENDSTOP_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
-# The smallest of this many offsets has the least delay in it.
-OFFSETS = 5
 STEPS = (1, 10, 100)
 
 
-class ServiceRequests(Protocol):
+class ServiceRequests(ExaminationRequests, Protocol):
     """Requests for SERVICE, without waiting; the answers come as events."""
 
     def set_watched(self, watched: bool) -> None:
@@ -41,12 +39,6 @@ class ServiceRequests(Protocol):
 
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero."""
-
-    def measure_height(self) -> None:
-        """Ask for one height."""
-
-    def test_analyzer(self) -> None:
-        """Ask for a test of the VNA."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +71,7 @@ class ServiceState:
         axes: X, Y and Z.
         height: The last height; None: none was measured.
         analyzer: The last test of the VNA; None: there was none.
+        examining: Whether everything is being checked.
     """
 
     entered: bool
@@ -89,6 +82,7 @@ class ServiceState:
     axes: Tuple[AxisState, ...]
     height: Optional[HeightTested]
     analyzer: Optional[AnalyzerTested]
+    examining: bool = False
 
 
 class ServiceModel:
@@ -100,27 +94,20 @@ class ServiceModel:
         self._snapshot: Optional[Snapshot] = None
         self._entered = False
         self._touched_s = 0.0
-        self._begun_s = clock.now_s()
         self._pending = False
         self._answer: Optional[AxisMoved] = None
         self._height: Optional[HeightTested] = None
         self._analyzer: Optional[AnalyzerTested] = None
         self._endstops: Dict[AxisId, _Lamp] = {}
-        self._offsets_s: Dict[str, Deque[float]] = {}
-        self._configuration_problem: Optional[Message] = None
+        self._examination = RobotExamination(requests, clock)
 
     def on_event(self, event: object) -> None:
         """Take an event."""
         content = event.event if isinstance(event, Received) else event
+        self._examination.on_event(content)
         if isinstance(content, EndstopState):
             lamp = self._endstops.setdefault(content.axis, _Lamp(self._clock))
             lamp.note(content.pressed)
-        elif isinstance(content, ClockOffset):
-            offsets_s = self._offsets_s.setdefault(content.node, deque(maxlen=OFFSETS))
-            offsets_s.append(content.offset_s)
-        elif isinstance(content, AxisLimits):
-            if content.master_alive:
-                self._configuration_problem = content.reason
         elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTested)):
             self._note_answer(content)
 
@@ -167,23 +154,28 @@ class ServiceModel:
             axes=tuple(self._axis(axis) for axis in AxisId),
             height=self._height,
             analyzer=self._analyzer,
+            examining=self._examination.in_progress,
         )
 
     def findings(self) -> Tuple[Finding, ...]:
         """Return what is wrong with the robot, the worst first."""
         if self._snapshot is None:
             return ()
-        offsets_s = {node: min(few, key=abs) for node, few in self._offsets_s.items()}
-        listening_s = self._clock.now_s() - self._begun_s
-        facts = Facts(self._snapshot, self._configuration_problem, offsets_s, listening_s)
-        return findings(facts)
+        return self._examination.findings(self._snapshot)
+
+    def check_everything(self) -> None:
+        """Check everything, also what takes longer; instruments only outside a survey."""
+        running = self._snapshot is not None and self._snapshot.running
+        self._examination.check_everything(running, self.obstacle is None and not self._busy)
 
     def set_watched(self, watched: bool) -> None:
         """Note whether SERVICE is in front; service ends when it is not."""
         self._requests.set_watched(watched)
-        if not watched:
+        if watched:
+            self._examination.begin(self._snapshot is not None and self._snapshot.running)
+        else:
             self.leave()
-            self._offsets_s.clear()
+            self._examination.end()
 
     def enter(self) -> None:
         """Begin the service, unless there is an obstacle."""

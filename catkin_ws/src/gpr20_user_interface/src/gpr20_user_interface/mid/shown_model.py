@@ -6,21 +6,20 @@ from dataclasses import replace
 from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_user_interface.mid.events import (
     ControlParameters,
     ControlState,
     CurrentPosition,
-    HealthLevel,
     MeasuredHeight,
-    NodeHealth,
     Progress,
     Request,
     TargetPosition,
 )
 from gpr20_user_interface.mid.message_source import MessageSources, Received, SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
-from gpr20_user_interface.mid.robot_health import EXPECTED_NODES, SIMULATOR, HealthReport
+from gpr20_user_interface.mid.robot_health import SIMULATOR, HealthReport
 from gpr20_user_interface.mid.service_events import ServiceActivity
 from gpr20_user_interface.mid.survey_model import Refusal, Snapshot, SurveyModel
 

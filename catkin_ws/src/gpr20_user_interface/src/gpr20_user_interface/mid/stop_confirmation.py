@@ -7,8 +7,9 @@ from typing import Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.mid.events import Answer, HealthLevel, Request
+from gpr20_user_interface.mid.events import Answer, Request
 from gpr20_user_interface.mid.fault_messages import axis_may_move
 from gpr20_user_interface.mid.survey_model import Snapshot
 

@@ -8,6 +8,7 @@ from typing import FrozenSet, Generic, Optional, Set, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import (
@@ -17,7 +18,6 @@ from gpr20_user_interface.mid.events import (
     ControlState,
     CurrentPosition,
     MeasuredHeight,
-    NodeHealth,
     Progress,
     Request,
     RobotDefaults,

@@ -7,17 +7,17 @@ from typing import Dict, List, Tuple
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from gpr20_user_interface.mid.doctor import Finding
-from gpr20_user_interface.mid.events import HealthLevel
-from gpr20_user_interface.mid.titles import level_title
+from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_user_interface.views.look import GAP_PX
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.views.widgets import set_look
 
-LOOKS: Dict[HealthLevel, str] = {
-    HealthLevel.OK: "good",
-    HealthLevel.WARN: "doubtful",
-    HealthLevel.ERROR: "bad",
+LOOKS: Dict[Level, str] = {
+    Level.OK: "good",
+    Level.NOTE: "",
+    Level.UNKNOWN: "",
+    Level.WARNING: "doubtful",
+    Level.FAULT: "bad",
 }
 
 
@@ -81,6 +81,6 @@ class DoctorList(TranslatedWidget):
     def _show(finding: Finding, level: QLabel, text: QLabel) -> None:
         # First: the width of the text counts with the padding of its look.
         set_look(level, "level", LOOKS[finding.level])
-        level.setText(shown_text(level_title(finding.level)))
+        level.setText(shown_text(finding.level.title))
         lines = [finding.text] if finding.remedy is None else [finding.text, finding.remedy]
         text.setText("\n".join(map(shown_text, lines)))

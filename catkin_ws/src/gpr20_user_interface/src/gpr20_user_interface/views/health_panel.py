@@ -9,10 +9,10 @@ from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout
 
 from gpr20_common.message import Message
-from gpr20_user_interface.mid.events import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.titles import level_title, node_title
 from gpr20_user_interface.mid.notices import node_text
 from gpr20_user_interface.mid.robot_health import HealthReport
-from gpr20_user_interface.mid.titles import level_title, node_title
 from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget, sentence_text, shown_text

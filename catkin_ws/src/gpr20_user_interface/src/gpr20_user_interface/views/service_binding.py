@@ -40,6 +40,7 @@ class ServiceBinding(Binding):
             lambda axis, action, distance: self._after(lambda: model.move(axis, action, distance))
         )
         view.height_requested.connect(lambda: self._after(model.measure_height))
+        view.check_requested.connect(lambda: self._after(model.check_everything))
         view.test_requested.connect(lambda: self._after(model.test_analyzer))
 
     def on_event(self, event: object) -> None:

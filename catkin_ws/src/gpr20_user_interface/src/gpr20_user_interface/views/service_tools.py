@@ -8,8 +8,8 @@ from typing import Callable, Optional
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QTextEdit
 
+from gpr20_doctor.mid.remedies import find_remedy
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_user_interface.mid.remedies import find_remedy
 from gpr20_user_interface.mid.service_events import AnalyzerTested, HeightTested
 from gpr20_user_interface.mid.service_model import ServiceState
 from gpr20_user_interface.views.look import GAP_PX, look_of

@@ -7,8 +7,8 @@ from typing import Optional, Tuple
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
+from gpr20_doctor.mid.finding import Finding
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_user_interface.mid.doctor import Finding
 from gpr20_user_interface.mid.service_events import AxisAction
 from gpr20_user_interface.mid.service_model import ServiceState
 from gpr20_user_interface.views.axis_service_rows import AxisRows
@@ -32,6 +32,7 @@ class ServiceView(TranslatedWidget):
     move_requested = pyqtSignal(object, object, float)
     height_requested = pyqtSignal()
     test_requested = pyqtSignal()
+    check_requested = pyqtSignal()
     # The operator looks at another page.
     touched = pyqtSignal()
 
@@ -41,6 +42,7 @@ class ServiceView(TranslatedWidget):
         self.doctor = DoctorList()
         self.enter_button = HoldButton()
         self.enter_button.held.connect(self.entered)
+        self.check_button = new_button(self.check_requested.emit)
         self.hint = QLabel()
         self.hint.setWordWrap(True)
         self.axes = AxisRows(self._on_move)
@@ -75,6 +77,8 @@ class ServiceView(TranslatedWidget):
             self._write_switch()
         self.enter_button.setEnabled(state.obstacle is None)
         self.hint.setText(self._hint(state))
+        self.check_button.setEnabled(not state.examining)
+        self._write_check(state.examining)
         self.axes.show_state(state)
         self.tools.show_state(state)
         self.outcome.setText("" if state.outcome is None else shown_text(state.outcome))
@@ -92,12 +96,14 @@ class ServiceView(TranslatedWidget):
         self._locked.setSpacing(2 * gap)
         self.hint.setFixedWidth(px(SIDE_PX))
         self.enter_button.setFixedWidth(px(SIDE_PX))
+        self.check_button.setFixedWidth(px(SIDE_PX))
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
         self.enter_button.setText(self.tr("BEGIN SERVICE"))
         self.leave_button.setText(self.tr("END SERVICE"))
         self._write_switch()
+        self._write_check(False)
         state, self._state = self._state, None
         if state is not None:
             self.show_state(state)
@@ -108,6 +114,7 @@ class ServiceView(TranslatedWidget):
         side.addWidget(self.enter_button)
         side.addWidget(self.hint)
         side.addStretch(1)
+        side.addWidget(self.check_button)
         self._locked.addWidget(self.doctor, 1)
         self._locked.addLayout(side)
         self._locked.setContentsMargins(0, 0, 0, 0)
@@ -145,6 +152,10 @@ class ServiceView(TranslatedWidget):
         self._tools_pages.setCurrentWidget(others[self._tools_pages.currentWidget()])
         self._write_switch()
         self.touched.emit()
+
+    def _write_check(self, examining: bool) -> None:
+        text = self.tr("CHECKING") if examining else self.tr("CHECK ALL")
+        self.check_button.setText(text)
 
     def _write_switch(self) -> None:
         on_axes = self._tools_pages.currentWidget() is self.axes

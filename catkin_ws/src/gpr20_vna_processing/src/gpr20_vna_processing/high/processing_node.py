@@ -9,7 +9,7 @@ from typing import Any
 import rospy
 from std_msgs.msg import String
 
-import gpr20_vna_processing
+from gpr20_common import __version__
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_message import message_fields
@@ -19,6 +19,7 @@ from gpr20_common.high.raw_message import deserialized, preserialized, serialize
 from gpr20_common.high.ros_time import microseconds
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.revision import software_revision
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
@@ -48,7 +49,6 @@ from gpr20_vna_processing.high.connections import connect_recorder, connect_subs
 from gpr20_vna_processing.high.end_messages import end_messages, end_status
 from gpr20_vna_processing.high.marker_service import MarkerService
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
-from gpr20_vna_processing.low.revision import software_revision
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
@@ -67,7 +67,6 @@ class ProcessingNode:
         self._limits = parameters.limits()
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
-        version = gpr20_vna_processing.__version__
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
@@ -81,7 +80,7 @@ class ProcessingNode:
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
-                revision=software_revision(version, Path(__file__).resolve().parent),
+                revision=software_revision(__version__, Path(__file__).resolve().parent),
                 readers=parameters.readable_by,
                 end_status=end_status,
             ),

@@ -1,1 +1,1 @@
-"""Files, the disk and the revision of the software."""
+"""Files and the disk."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Dict
 
 from gpr20_common.message import Message, verbatim
-from gpr20_user_interface.mid.events import HealthLevel
-from gpr20_user_interface.mid.robot_health import SENSOR_PREFIX
+from gpr20_doctor.mid.node_health import SENSOR_PREFIX, HealthLevel
 
 _LEVELS: Dict[HealthLevel, Message] = {
     HealthLevel.OK: Message("GOOD"),

@@ -4,9 +4,9 @@ import re
 import subprocess
 from pathlib import Path
 
-import gpr20_vna_processing
+import gpr20_common
+from gpr20_common.low.revision import git_revision, software_revision
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_vna_processing.low.revision import software_revision
 
 PACKAGE = Path(__file__).resolve().parents[2]
 
@@ -19,12 +19,13 @@ def test_the_revision_names_the_commit_of_the_sources(tmp_path):
 
 
 def test_sources_without_git_are_named_by_their_version(tmp_path):
+    assert git_revision(tmp_path) == ""
     assert software_revision("1.2.3", tmp_path) == "1.2.3"
     assert software_revision("1.2.3", tmp_path / "missing") == "1.2.3"
 
 
 def test_the_version_is_that_of_the_package():
-    version = gpr20_vna_processing.__version__
+    version = gpr20_common.__version__
     assert f"<version>{version}</version>" in (PACKAGE / "package.xml").read_text()
 
 

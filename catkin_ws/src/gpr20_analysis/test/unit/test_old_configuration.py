@@ -1,0 +1,32 @@
+"""A recorded configuration of an earlier version that is cut off is refused."""
+
+import struct
+
+import pytest
+
+pytest.importorskip("gpr20_analysis.high")
+
+from gpr20_analysis.high.old_configuration import ADDED_TEXTS, completed_configuration
+
+
+def text(words):
+    return struct.pack("<I", len(words)) + words
+
+
+NODE = text(b"x_axis") + text(b"DRV8825") + b"\1" + struct.pack("<d", 2.0) + text(b"{}")
+BEGIN = bytes(12) + text(b"") + b"\1" + text(b"why") + text(b"{}") + b"\0"
+SITE = text(b"{}")
+
+
+@pytest.mark.parametrize("nodes", [0, 1, 3])
+def test_each_node_gets_empty_texts_for_what_is_new(nodes):
+    count = struct.pack("<I", nodes)
+    former = BEGIN + count + NODE * nodes + SITE
+    assert completed_configuration(former) == BEGIN + count + (NODE + ADDED_TEXTS) * nodes + SITE
+
+
+@pytest.mark.parametrize("size", range(len(BEGIN + NODE)))
+def test_a_message_that_is_cut_off_is_refused(size):
+    former = BEGIN + struct.pack("<I", 1) + NODE
+    with pytest.raises(ValueError, match="cut off"):
+        completed_configuration(former[:size])

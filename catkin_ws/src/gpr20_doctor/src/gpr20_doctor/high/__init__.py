@@ -1,0 +1,1 @@
+"""The program, and what the graph tells it."""

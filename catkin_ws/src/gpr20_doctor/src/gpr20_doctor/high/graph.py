@@ -1,0 +1,110 @@
+"""What the robot's nodes tell, and what they do when they are asked."""
+
+from __future__ import annotations
+
+from typing import Any, List
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import Bool
+
+from gpr20_common.high.graph_message import message_from
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
+from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.message import Message
+from gpr20_doctor.high.node_reports import descriptions, node_healths
+from gpr20_doctor.mid.listener import Listener
+from gpr20_doctor.mid.robot_facts import AnalyzerFacts
+from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_msgs.srv import GetHeight, TestAnalyzer
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+
+NODE = "doctor"
+# A master that lives answers within this time [s].
+MASTER_LIMIT_S = 2.0
+
+
+def master_answers(master: str) -> bool:
+    """Return whether the ROS master answers in time."""
+    try:
+        value_of(limited_server(master, MASTER_LIMIT_S).getPid(f"/{NODE}"))
+    except NO_ANSWER:
+        return False
+    return True
+
+
+class Graph:
+    """The robot of one namespace; it is only listened to, unless a test is asked for."""
+
+    def __init__(self, namespace: str, master: str) -> None:
+        """Join the graph of a master that answers, and listen.
+
+        Args:
+            namespace: Of the robot, with or without slashes.
+            master: Address of the master.
+        """
+        self._prefix = f"/{namespace.strip('/')}".rstrip("/")
+        rospy.init_node(NODE, anonymous=True, disable_signals=True, disable_rosout=True)
+        self.listener = Listener(Clock(), master)
+        self._subscribers: List[rospy.Subscriber] = [
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics),
+            self._subscribe("robot_configuration", RobotConfiguration, self._on_configuration),
+            self._subscribe("control_status", ControlStatus, self._on_status),
+            *(
+                self._subscribe(f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis)
+                for axis in (AxisId.X, AxisId.Y)
+            ),
+        ]
+        self._height = ServiceClient(f"{self._prefix}/get_height", GetHeight)
+        self._analyzer = ServiceClient(f"{self._prefix}/test_analyzer", TestAnalyzer)
+
+    def measure_height(self, limit_s: float) -> None:
+        """Have a height measured; what comes of it, the height sensor reports itself."""
+        try:
+            self._height.call(limit_s)
+        except ServiceUnavailableError:
+            return  # a sensor that does not report is a finding of its own
+
+    def test_analyzer(self, limit_s: float) -> AnalyzerFacts:
+        """Have the VNA tested; the main control refuses it beside a survey.
+
+        Args:
+            limit_s: For the answer [s]. A test that takes longer ends by itself.
+        """
+        try:
+            answer = self._analyzer.call(limit_s)
+        except ServiceUnavailableError as error:
+            late = Message(
+                "the VNA gave no result within {limit_s:.0f} s; check that it is switched on and "
+                "connected",
+                limit_s=limit_s,
+                details=error,
+            )
+            return AnalyzerFacts("", "", late)
+        failure = None if answer.success else message_from(answer)
+        return AnalyzerFacts(answer.identity, answer.calibration, failure)
+
+    def leave(self) -> None:
+        """Leave the graph."""
+        rospy.signal_shutdown("the doctor has finished")
+
+    def _subscribe(self, name: str, kind: Any, received: Any, *extra: Any) -> rospy.Subscriber:
+        return rospy.Subscriber(f"{self._prefix}/{name}", kind, received, *extra)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
+        for health in node_healths(message, self._prefix):
+            self.listener.note_node(health, offset_s)
+
+    def _on_configuration(self, message: RobotConfiguration) -> None:
+        problem = None if message.known else message_from(message)
+        nodes = descriptions(message)
+        self.listener.note_configuration(problem, message.simulated, nodes)
+
+    def _on_status(self, message: ControlStatus) -> None:
+        self.listener.note_status(SurveyState(message.code) in RUNNING)
+
+    def _on_endstop(self, message: Bool, axis: AxisId) -> None:
+        self.listener.note_endstop(axis, message.data)

@@ -1,0 +1,1 @@
+"""Probes of one computer: one external thing each."""

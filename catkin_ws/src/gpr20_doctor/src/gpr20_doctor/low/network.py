@@ -1,0 +1,25 @@
+"""Addresses and ports."""
+
+from __future__ import annotations
+
+import socket
+
+
+def is_own_address(address: str) -> bool:
+    """Return whether this computer has an IPv4 address."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # Only an own address can be bound.
+            probe.bind((address, 0))
+        except OSError:
+            return False
+    return True
+
+
+def connect(address: str, port: int, limit_s: float) -> None:
+    """Return if a TCP port accepts connections.
+
+    Raises:
+        OSError: It does not, or not in time.
+    """
+    socket.create_connection((address, port), limit_s).close()

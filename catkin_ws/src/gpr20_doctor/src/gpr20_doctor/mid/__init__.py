@@ -1,0 +1,1 @@
+"""Facts about the robot and its computers, and the findings that follow from them."""

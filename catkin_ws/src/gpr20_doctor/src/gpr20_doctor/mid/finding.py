@@ -1,0 +1,63 @@
+"""The result of one check."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, Optional
+
+from gpr20_common.message import Message
+
+
+class Level(enum.IntEnum):
+    """How a check ended; the higher, the worse."""
+
+    OK = 0
+    # Neither good nor bad: a check that is not needed, or what the next survey does by itself.
+    NOTE = 1
+    # Nothing could be found out, so it may be good or bad.
+    UNKNOWN = 2
+    WARNING = 3
+    FAULT = 4
+
+    @property
+    def title(self) -> Message:
+        """The level in one word."""
+        return _TITLES[self]
+
+
+_TITLES: Dict[Level, Message] = {
+    Level.OK: Message("GOOD"),
+    Level.NOTE: Message("NOTE"),
+    Level.UNKNOWN: Message("UNKNOWN"),
+    Level.WARNING: Message("WARNING"),
+    Level.FAULT: Message("FAULT"),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The result of a check.
+
+    Attributes:
+        check: Short name of the check, for programs.
+        level: How it ended.
+        text: What was found, in one sentence.
+        remedy: What to do; None only if nothing is wrong.
+    """
+
+    check: str
+    level: Level
+    text: Message
+    remedy: Optional[Message] = None
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Takes the place of a fact that could not be found out.
+
+    Attributes:
+        reason: Why.
+    """
+
+    reason: Message

@@ -1,0 +1,164 @@
+"""Checks of a computer that drives pins and bus of the robot."""
+
+from __future__ import annotations
+
+from typing import Dict, Iterator
+
+from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.machine_facts import (
+    PIN_MODULES,
+    DeviceFile,
+    GpioFacts,
+    GroupFacts,
+    HardwareUse,
+    MachineFacts,
+    RealtimeFacts,
+)
+from gpr20_doctor.mid.not_known import not_known
+from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+
+GROUPS = ("gpio", "spi")
+PIGPIO = "pigpio"
+# Each axis locks its memory, some 30 MB.
+LOCKED_BYTES = 100_000_000
+SKIPPED: Dict[HardwareUse, Message] = {
+    HardwareUse.SIMULATED: Message(
+        "Groups, SPI, GPIO, real-time limits: not needed, the robot is simulated."
+    ),
+    HardwareUse.ELSEWHERE: Message(
+        "Groups, SPI, GPIO, real-time limits: not needed on this computer."
+    ),
+    HardwareUse.NO_PI: Message(
+        "Groups, SPI, GPIO, real-time limits: not checked, this is not a Raspberry Pi."
+    ),
+}
+INSTALL = Message("Run scripts/install_robot.sh, then restart the computer.")
+
+
+def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge everything that the drivers of axes and height sensor need."""
+    if facts.hardware is not HardwareUse.NEEDED:
+        yield Finding("hardware", Level.NOTE, SKIPPED[facts.hardware])
+        return
+    yield from _groups(facts.groups)
+    yield _spi(facts.spi)
+    yield _gpio(facts.gpio)
+    yield _realtime(facts.realtime)
+
+
+def _groups(groups: object) -> Iterator[Finding]:
+    if not isinstance(groups, GroupFacts):
+        yield not_known("groups", Message("the user's groups"), groups)
+        return
+    if groups.is_root:
+        yield Finding("groups", Level.OK, Message("Groups: not needed by the user root"))
+        return
+    missing = [one for one in GROUPS if one not in groups.member]
+    if not missing:
+        yield Finding(
+            "groups",
+            Level.OK,
+            Message("Groups of {user}: {groups}", user=groups.user, groups=", ".join(GROUPS)),
+        )
+    for name in missing:
+        yield _missing_group(groups, name)
+
+
+def _missing_group(groups: GroupFacts, name: str) -> Finding:
+    values = {"user": groups.user, "group": name}
+    if name not in groups.existing:
+        text = Message("This computer has no group {group}.", group=name)
+        return Finding("groups", Level.WARNING, text, INSTALL)
+    if name in groups.listed:
+        text = Message("{user} is in the group {group} from the next login on.", **values)
+        return Finding("groups", Level.WARNING, text, Message("Log out and in, or restart."))
+    return Finding(
+        "groups",
+        Level.WARNING,
+        Message("{user} is not in the group {group}.", **values),
+        Message("Run: sudo usermod -aG {group} {user}. Then log out and in.", **values),
+    )
+
+
+def _spi(device: object) -> Finding:
+    if not isinstance(device, DeviceFile):
+        return not_known("spi", Message("the SPI bus"), device)
+    path = str(device.path)
+    if not device.exists:
+        return Finding(
+            "spi",
+            Level.FAULT,
+            Message("The SPI bus is off: there is no {path}.", path=path),
+            Message("Run: sudo raspi-config nonint do_spi 0. Then restart the computer."),
+        )
+    if not device.usable:
+        return Finding(
+            "spi",
+            Level.FAULT,
+            Message("The SPI bus {path} cannot be read and written.", path=path),
+            Message("Add the user to the group spi, then log out and in."),
+        )
+    return Finding("spi", Level.OK, Message("SPI bus {path}", path=path))
+
+
+def _gpio(gpio: object) -> Finding:
+    if not isinstance(gpio, GpioFacts):
+        return not_known("gpio", Message("access to the pins"), gpio)
+    wanted = gpio.wanted
+    if not gpio.libraries or (wanted and wanted not in gpio.libraries):
+        return Finding(
+            "gpio",
+            Level.FAULT,
+            Message(
+                "The library {library} for the pins is not installed.",
+                library=PIN_MODULES.get(wanted, "RPi.GPIO"),
+            ),
+            Message("Run: scripts/setup.sh --robot"),
+        )
+    if wanted == PIGPIO:
+        if gpio.daemon:
+            return Finding("gpio", Level.OK, Message("Pins: the pigpio daemon answers"))
+        return Finding(
+            "gpio",
+            Level.FAULT,
+            Message("The pigpio daemon does not answer."),
+            Message("Run: sudo systemctl enable --now pigpiod"),
+        )
+    usable = [one for one in gpio.devices if one.usable]
+    if usable:
+        path = str(usable[0].path)
+        return Finding("gpio", Level.OK, Message("Pins: {path} can be used", path=path))
+    return Finding(
+        "gpio",
+        Level.FAULT,
+        Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip."),
+        Message("Add the user to the group gpio, then log out and in."),
+    )
+
+
+def _realtime(limits: object) -> Finding:
+    if not isinstance(limits, RealtimeFacts):
+        return not_known("realtime", Message("the real-time limits"), limits)
+    if not limits.granted:
+        return Finding(
+            "realtime",
+            Level.WARNING,
+            Message(
+                "Real-time priority {needed} is refused; allowed is {allowed}. Pulses can be late.",
+                needed=PULSE_PRIORITY,
+                allowed=limits.priority,
+            ),
+            Message("Allow rtprio and memlock in /etc/security/limits.d, then log out and in."),
+        )
+    if limits.locked_bytes is not None and limits.locked_bytes < LOCKED_BYTES:
+        return Finding(
+            "realtime",
+            Level.WARNING,
+            Message(
+                "Only {locked_mb:.0f} MB of memory can be locked. Pulses can be late.",
+                locked_mb=limits.locked_bytes / 1e6,
+            ),
+            Message("Allow rtprio and memlock in /etc/security/limits.d, then log out and in."),
+        )
+    return Finding("realtime", Level.OK, Message("Real-time priority and locked memory"))

@@ -1,0 +1,232 @@
+"""Checks of the computer on which the doctor runs.
+
+Each check is a function from the facts to findings. To add one, write it and list it in CHECKS.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Iterable, Iterator, Tuple
+
+from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding, Level, Unknown
+from gpr20_doctor.mid.hardware_checks import check_hardware
+from gpr20_doctor.mid.machine_facts import (
+    AddressFacts,
+    ClockFacts,
+    DiskFacts,
+    MachineFacts,
+    PortFacts,
+    PowerFacts,
+)
+from gpr20_doctor.mid.not_known import not_known
+from gpr20_doctor.mid.remedies import CHECK_VNA_CABLE
+from gpr20_doctor.mid.robot_checks import disk_space
+
+BYTES_PER_GB = 1e9
+WARM_C = 70.0
+# A Raspberry Pi slows its processor down at this temperature.
+HOT_C = 80.0
+# Storing runs beside the next sample, which takes longer than this [s].
+TRACE_LIMIT_S = 1.0
+CLOCK_LIMIT_S = 0.1
+
+Check = Callable[[MachineFacts], Iterable[Finding]]
+
+
+def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge the addresses of the two machines, and where ROS listens."""
+    addresses = facts.addresses
+    if not isinstance(addresses, AddressFacts):
+        yield not_known("addresses", Message("the addresses of this computer"), addresses)
+    elif not addresses.robot and not addresses.server:
+        yield _one_machine(addresses)
+    else:
+        yield _two_machines(addresses)
+
+
+def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge the temperature of the processor."""
+    temperature_c = facts.temperature_c
+    if temperature_c is None:
+        text = Message("Temperature of the processor: not measured here.")
+        yield Finding("temperature", Level.NOTE, text)
+        return
+    if isinstance(temperature_c, Unknown) or not math.isfinite(temperature_c):
+        yield not_known("temperature", Message("the processor's temperature"), temperature_c)
+        return
+    text = Message("Temperature of the processor: {celsius:.0f} °C", celsius=temperature_c)
+    if temperature_c < WARM_C:
+        yield Finding("temperature", Level.OK, text)
+        return
+    level = Level.FAULT if temperature_c >= HOT_C else Level.WARNING
+    yield Finding("temperature", level, text, Message("Shade the computer and check its fan."))
+
+
+def check_power(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge the supply of a Raspberry Pi."""
+    power = facts.power
+    if power is None:
+        yield Finding("power", Level.NOTE, Message("Supply voltage: not measured here."))
+    elif not isinstance(power, PowerFacts):
+        yield not_known("power", Message("the supply voltage"), power)
+    elif power.low_now:
+        yield Finding(
+            "power",
+            Level.FAULT,
+            Message("The supply voltage of the Raspberry Pi is too low now."),
+            Message("Charge the battery, and check the supply and its cable (5.1 V, 3 A)."),
+        )
+    elif power.low_before or power.throttled:
+        yield Finding(
+            "power",
+            Level.WARNING,
+            Message(
+                "The supply voltage of the Raspberry Pi was too low since its start, or it was "
+                "slowed down."
+            ),
+            Message("Charge the battery, and check the supply and its cable (5.1 V, 3 A)."),
+        )
+    else:
+        yield Finding("power", Level.OK, Message("Supply voltage of the Raspberry Pi"))
+
+
+def check_disk(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge the disk of the surveys and its speed."""
+    disk = facts.disk
+    if disk is None:
+        text = Message("Disk of the surveys: not on this computer.")
+        yield Finding("data_disk", Level.NOTE, text)
+        return
+    if not isinstance(disk, DiskFacts):
+        yield not_known("data_disk", Message("the disk of the surveys"), disk)
+        return
+    yield disk_space("data_disk", disk.free_bytes / BYTES_PER_GB)
+    if disk.trace_s is not None:
+        yield _disk_speed(disk.trace_s)
+
+
+def check_clock(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge what chrony says."""
+    clock = facts.clock
+    two = isinstance(facts.addresses, AddressFacts) and bool(facts.addresses.robot)
+    if not two:
+        yield Finding("clock", Level.NOTE, Message("Clock offset: there is one computer."))
+    elif not isinstance(clock, ClockFacts):
+        yield not_known("clock", Message("the offset of the clock"), clock)
+    elif not clock.synchronized:
+        yield Finding(
+            "clock",
+            Level.WARNING,
+            Message("chrony does not follow the other computer's clock."),
+            Message("Run: chronyc sources. Check the cable between the computers."),
+        )
+    elif abs(clock.offset_s) > CLOCK_LIMIT_S:
+        yield Finding(
+            "clock",
+            Level.WARNING,
+            Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s),
+            Message("Wait some minutes. If it stays, run: sudo chronyc makestep"),
+        )
+    else:
+        text = Message("Clock: off by {offset_ms:.2f} ms", offset_ms=1e3 * clock.offset_s)
+        yield Finding("clock", Level.OK, text)
+
+
+def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge whether the VNA can be reached from here."""
+    vna = facts.vna
+    if vna is None:
+        text = Message("Network of the VNA: not checked now.")
+        yield Finding("vna_port", Level.NOTE, text)
+    elif not isinstance(vna, PortFacts):
+        remedy = Message("Write the address of the VNA into analyzer.yaml.")
+        yield not_known("vna_port", Message("the network of the VNA"), vna, remedy)
+    elif vna.failure is not None:
+        yield Finding(
+            "vna_port",
+            Level.FAULT,
+            Message(
+                "The VNA at {address} cannot be reached: {reason}",
+                address=vna.address,
+                reason=vna.failure,
+                details=f"TCP port {vna.port}",
+            ),
+            CHECK_VNA_CABLE,
+        )
+    else:
+        text = Message("The VNA at {address} can be reached.", address=vna.address)
+        yield Finding("vna_port", Level.OK, text)
+
+
+def _one_machine(addresses: AddressFacts) -> Finding:
+    if not addresses.ros_address or addresses.ros_address == "localhost":
+        local = bool(addresses.ros_address)
+    else:
+        local = addresses.ros_address.startswith("127.")
+    if local:
+        return Finding("addresses", Level.OK, Message("One computer: ROS listens on loopback."))
+    return Finding(
+        "addresses",
+        Level.WARNING,
+        Message(
+            "ROS listens on {address}: everybody in the network can move the robot.",
+            address=addresses.ros_address or "*",
+        ),
+        Message("Source setup.bash of the workspace, without ROS_IP and ROS_HOSTNAME set before."),
+    )
+
+
+def _two_machines(addresses: AddressFacts) -> Finding:
+    configured = f"{addresses.robot or '?'}, {addresses.server or '?'}"
+    if not addresses.own:
+        return Finding(
+            "addresses",
+            Level.FAULT,
+            Message("This computer has none of the addresses {configured}.", configured=configured),
+            Message("Check the link, GPR20_ROBOT and GPR20_SERVER, and source setup.bash again."),
+        )
+    if addresses.ros_address not in addresses.own:
+        return Finding(
+            "addresses",
+            Level.FAULT,
+            Message(
+                "ROS listens on {address}, but this computer is {own}.",
+                address=addresses.ros_address or "*",
+                own=addresses.own[0],
+            ),
+            Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again."),
+        )
+    return Finding(
+        "addresses",
+        Level.OK,
+        Message("Two computers: this one is {own}.", own=addresses.own[0]),
+    )
+
+
+def _disk_speed(trace_s: object) -> Finding:
+    if not isinstance(trace_s, float):
+        return not_known("disk_speed", Message("the speed of the disk"), trace_s)
+    remedy = Message("Use a faster disk or SD card (data:=).")
+    if math.isinf(trace_s):
+        text = Message("The disk did not store a large trace in time.")
+        return Finding("disk_speed", Level.FAULT, text, remedy)
+    text = Message(
+        "Disk: a large trace is stored in {trace_s:.2f} s; a survey needs {limit_s:g} s or less",
+        trace_s=trace_s,
+        limit_s=TRACE_LIMIT_S,
+    )
+    if trace_s <= TRACE_LIMIT_S:
+        return Finding("disk_speed", Level.OK, text)
+    return Finding("disk_speed", Level.WARNING, text, remedy)
+
+
+CHECKS: Tuple[Check, ...] = (
+    check_addresses,
+    check_hardware,
+    check_temperature,
+    check_power,
+    check_disk,
+    check_clock,
+    check_vna_port,
+)

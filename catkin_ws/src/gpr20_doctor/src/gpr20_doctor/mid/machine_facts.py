@@ -1,0 +1,200 @@
+"""What is known about the computer on which the doctor runs."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from pathlib import Path
+from typing import FrozenSet, Optional, Tuple, Union
+
+from gpr20_common.message import Message
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.mid.finding import Unknown
+
+# The libraries of the pins: the module of each name of the configuration.
+PIN_MODULES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
+
+
+class HardwareUse(enum.Enum):
+    """Whether this computer drives the pins and the bus of a robot."""
+
+    NEEDED = "needed"
+    SIMULATED = "simulated"
+    ELSEWHERE = "elsewhere"
+    NO_PI = "no Raspberry Pi"
+
+
+@dataclass(frozen=True)
+class GroupFacts:
+    """Groups of the user.
+
+    Attributes:
+        user: Name of the user.
+        is_root: Whether the user may do everything.
+        existing: Names of the groups of this computer.
+        member: Groups that this process has.
+        listed: Groups that the user has at the next login.
+    """
+
+    user: str
+    is_root: bool
+    existing: FrozenSet[str]
+    member: FrozenSet[str]
+    listed: FrozenSet[str]
+
+
+@dataclass(frozen=True)
+class DeviceFile:
+    """A device of this computer.
+
+    Attributes:
+        path: Its file.
+        exists: Whether it is there.
+        usable: Whether it can be read and written.
+    """
+
+    path: Path
+    exists: bool
+    usable: bool
+
+
+@dataclass(frozen=True)
+class GpioFacts:
+    """Access to the pins.
+
+    Attributes:
+        devices: Files through which libraries reach the pins.
+        libraries: Names of the libraries that are installed.
+        wanted: Name of the library that is configured; empty: not known.
+        daemon: Whether pigpio's daemon answers.
+    """
+
+    devices: Tuple[DeviceFile, ...]
+    libraries: FrozenSet[str]
+    wanted: str = ""
+    daemon: bool = False
+
+
+@dataclass(frozen=True)
+class RealtimeFacts:
+    """Limits of a process that makes pulses.
+
+    Attributes:
+        priority: Highest real-time priority that the user may set.
+        granted: Whether the priority of the pulses could be set.
+        locked_bytes: Memory that the user may lock [bytes]; None: no limit.
+    """
+
+    priority: int
+    granted: bool
+    locked_bytes: Optional[int]
+
+
+@dataclass(frozen=True)
+class DiskFacts:
+    """The disk of the surveys.
+
+    Attributes:
+        folder: The folder of the surveys.
+        free_bytes: What may still be written [bytes].
+        trace_s: Time to write one large trace durably [s]; None: not measured.
+    """
+
+    folder: Path
+    free_bytes: int
+    trace_s: Union[float, Unknown, None] = None
+
+
+@dataclass(frozen=True)
+class ClockFacts:
+    """What chrony says of the clock.
+
+    Attributes:
+        synchronized: Whether chrony follows a source.
+        offset_s: Of this clock [s].
+    """
+
+    synchronized: bool
+    offset_s: float
+
+
+@dataclass(frozen=True)
+class AddressFacts:
+    """Addresses of the two machines, and where ROS listens.
+
+    Attributes:
+        robot: GPR20_ROBOT; empty: not set.
+        server: GPR20_SERVER; empty: not set.
+        own: Those of the two that this computer has.
+        ros_address: ROS_HOSTNAME or ROS_IP; empty: not set.
+        master_uri: ROS_MASTER_URI; empty: not set.
+    """
+
+    robot: str
+    server: str
+    own: Tuple[str, ...]
+    ros_address: str
+    master_uri: str
+
+
+@dataclass(frozen=True)
+class PowerFacts:
+    """Supply of a Raspberry Pi.
+
+    Attributes:
+        low_now: Whether its voltage is too low now.
+        low_before: Whether it was too low since the computer started.
+        throttled: Whether the processor is slowed down now.
+    """
+
+    low_now: bool
+    low_before: bool = False
+    throttled: bool = False
+
+
+@dataclass(frozen=True)
+class PortFacts:
+    """Whether a TCP port can be reached.
+
+    Attributes:
+        address: Address of the other device.
+        port: Its port.
+        failure: Why it cannot be reached; None if it can.
+    """
+
+    address: str
+    port: int
+    failure: Optional[Message] = None
+
+
+@dataclass(frozen=True)
+class MachineFacts:
+    """What is known about this computer; None: not asked for.
+
+    Attributes:
+        hardware: Whether it drives the hardware of a robot.
+        addresses: Of the two machines.
+        software: What is installed here.
+        temperature_c: Of the processor [°C].
+        groups: Of the user.
+        spi: Device of the SPI bus.
+        gpio: Access to the pins.
+        realtime: Limits of pulses.
+        power: Supply of a Raspberry Pi.
+        disk: Disk of the surveys.
+        clock: What chrony says.
+        vna: Whether the VNA can be reached.
+    """
+
+    hardware: HardwareUse
+    addresses: Union[AddressFacts, Unknown]
+    software: NodeSoftware
+    temperature_c: Union[float, Unknown, None] = None
+    groups: Union[GroupFacts, Unknown, None] = None
+    spi: Union[DeviceFile, Unknown, None] = None
+    gpio: Union[GpioFacts, Unknown, None] = None
+    realtime: Union[RealtimeFacts, Unknown, None] = None
+    power: Union[PowerFacts, Unknown, None] = None
+    disk: Union[DiskFacts, Unknown, None] = None
+    clock: Union[ClockFacts, Unknown, None] = None
+    vna: Union[PortFacts, Unknown, None] = None

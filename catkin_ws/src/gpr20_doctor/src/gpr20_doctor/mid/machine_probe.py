@@ -1,0 +1,201 @@
+"""Looks at everything that is to be known about this computer."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+from pathlib import Path
+from typing import Callable, List, Mapping, Optional, TypeVar, Union
+
+from gpr20_common.message import verbatim
+from gpr20_common.mid.node_software import own_software
+from gpr20_common.os_reason import os_reason
+from gpr20_doctor.low import (
+    chrony,
+    device_files,
+    disk_speed,
+    groups,
+    network,
+    pi_sensors,
+    pin_libraries,
+    realtime_limits,
+)
+from gpr20_doctor.mid.finding import Unknown
+from gpr20_doctor.mid.machine_facts import (
+    PIN_MODULES,
+    AddressFacts,
+    ClockFacts,
+    DeviceFile,
+    DiskFacts,
+    GpioFacts,
+    GroupFacts,
+    HardwareUse,
+    MachineFacts,
+    PortFacts,
+    PowerFacts,
+    RealtimeFacts,
+)
+from gpr20_doctor.mid.machine_request import MachineRequest
+from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.plan.survey_cost import needed_bytes
+from gpr20_survey.trace.ms2026c import MAX_FREQUENCY_POINTS
+
+LOOPBACK = "127.0.0.1"
+# Of the VXI-11 instruments: where they say which port to use.
+PORTMAPPER = 111
+PORT_LIMIT_S = 2.0
+DISK_LIMIT_S = 4.0
+DAEMON_LIMIT_S = 0.1
+# Bits of the firmware: low voltage now and before, slowed down now.
+LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
+
+Fact = TypeVar("Fact")
+
+
+def probe_machine(request: MachineRequest) -> MachineFacts:
+    """Return what is known about this computer; what fails is `Unknown`."""
+    needed = request.hardware is HardwareUse.NEEDED
+    spi = device_files.spi_device(request.root, *request.spi)
+    pi = pi_sensors.is_raspberry_pi(request.root)
+    return MachineFacts(
+        hardware=request.hardware,
+        addresses=_known(lambda: _addresses(request.environment)),
+        software=own_software(),
+        temperature_c=_known(lambda: _temperature_c(request.root, pi)),
+        groups=_known(lambda: _groups(request.root)) if needed else None,
+        spi=_known(lambda: _device(spi)) if needed else None,
+        gpio=_known(lambda: _gpio(request)) if needed else None,
+        realtime=_known(_realtime) if needed else None,
+        power=_known(lambda: _power(request.root)) if pi else None,
+        disk=None if request.data is None else _disk(request.data, request.thorough),
+        clock=_known(_clock) if request.thorough else None,
+        vna=_vna(request.vna) if request.thorough else None,
+    )
+
+
+def _known(probe: Callable[[], Fact]) -> Union[Fact, Unknown]:
+    try:
+        return probe()
+    except OSError as error:
+        return Unknown(os_reason(error))
+    except ValueError as error:
+        return Unknown(verbatim(str(error)))
+
+
+def _addresses(environment: Mapping[str, str]) -> AddressFacts:
+    robot, server = (environment.get(name, "") for name in ("GPR20_ROBOT", "GPR20_SERVER"))
+    return AddressFacts(
+        robot=robot,
+        server=server,
+        own=tuple(one for one in (robot, server) if one and network.is_own_address(one)),
+        ros_address=environment.get("ROS_HOSTNAME") or environment.get("ROS_IP", ""),
+        master_uri=environment.get("ROS_MASTER_URI", ""),
+    )
+
+
+def _temperature_c(root: Path, pi: bool) -> Optional[float]:
+    hottest_c = pi_sensors.hottest_c(root)
+    if hottest_c is None and pi:
+        raise ValueError("no thermal zone")
+    return hottest_c
+
+
+def _groups(root: Path) -> GroupFacts:
+    names = groups.group_names(root)
+    user = groups.user_name()
+    return GroupFacts(
+        user=user,
+        is_root=os.geteuid() == 0,
+        existing=frozenset(names.values()),
+        member=frozenset(names[one] for one in {*os.getgroups(), os.getegid()} if one in names),
+        listed=groups.groups_listing(root, user),
+    )
+
+
+def _device(path: Path) -> DeviceFile:
+    return DeviceFile(path, path.exists(), device_files.can_be_used(path))
+
+
+def _gpio(request: MachineRequest) -> GpioFacts:
+    return GpioFacts(
+        devices=tuple(_device(path) for path in device_files.gpio_devices(request.root)),
+        libraries=pin_libraries.installed(PIN_MODULES),
+        wanted=request.pin_library,
+        daemon=_is_open(LOOPBACK, pin_libraries.DAEMON_PORT),
+    )
+
+
+def _is_open(address: str, port: int) -> bool:
+    try:
+        network.connect(address, port, DAEMON_LIMIT_S)
+    except OSError:
+        return False
+    return True
+
+
+def _realtime() -> RealtimeFacts:
+    return RealtimeFacts(
+        realtime_limits.priority_limit(),
+        realtime_limits.can_set_priority(PULSE_PRIORITY),
+        realtime_limits.memory_limit(),
+    )
+
+
+def _power(root: Path) -> PowerFacts:
+    bits = pi_sensors.throttled_bits()
+    if bits is not None:
+        return PowerFacts(bool(bits & LOW_NOW), bool(bits & LOW_BEFORE), bool(bits & SLOW_NOW))
+    low = pi_sensors.low_voltage(root)
+    if low is None:
+        raise ValueError("neither vcgencmd nor rpi_volt")
+    return PowerFacts(low)
+
+
+def _disk(folder: Path, thorough: bool) -> Union[DiskFacts, Unknown]:
+    # A launch makes the folder; until then its disk is that of the folder around it.
+    existing = next(one for one in (folder, *folder.parents) if one.is_dir())
+    free = _known(lambda: free_bytes(existing))
+    if isinstance(free, Unknown):
+        return free
+    return DiskFacts(folder, free, _known(lambda: _trace_s(existing)) if thorough else None)
+
+
+def _trace_s(folder: Path) -> float:
+    """Return how long the disk takes for one trace [s]; infinite if it hangs."""
+    trace_bytes = needed_bytes(1, MAX_FREQUENCY_POINTS, 0.0)
+    found: List[Union[float, OSError]] = []
+
+    def measure() -> None:
+        try:
+            found.append(disk_speed.slowest_trace_s(folder, trace_bytes))
+        except OSError as error:
+            found.append(error)
+
+    # A disk that hangs cannot be interrupted.
+    thread = threading.Thread(target=measure, daemon=True)
+    thread.start()
+    thread.join(DISK_LIMIT_S)
+    if not found:
+        return math.inf
+    if isinstance(found[0], OSError):
+        raise found[0]
+    return found[0]
+
+
+def _clock() -> ClockFacts:
+    tracked = chrony.tracking()
+    if tracked is None:
+        raise ValueError("no chrony")
+    return ClockFacts(*tracked)
+
+
+def _vna(address: Union[str, Unknown, None]) -> Union[PortFacts, Unknown, None]:
+    if not isinstance(address, str):
+        return address
+    try:
+        network.connect(address, PORTMAPPER, PORT_LIMIT_S)
+    except OSError as error:
+        return PortFacts(address, PORTMAPPER, os_reason(error))
+    return PortFacts(address, PORTMAPPER)

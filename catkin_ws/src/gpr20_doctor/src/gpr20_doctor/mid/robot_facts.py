@@ -1,0 +1,90 @@
+"""What is known about the robot from its nodes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Mapping, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_survey.axes.axis_id import AxisId
+
+
+@dataclass(frozen=True)
+class EndstopSeen:
+    """An endstop while it was watched.
+
+    Attributes:
+        pressed: Whether it is pressed now.
+        changes: How often that changed.
+    """
+
+    pressed: bool
+    changes: int = 0
+
+
+@dataclass(frozen=True)
+class AnalyzerFacts:
+    """The result of a test of the VNA.
+
+    Attributes:
+        identity: What the VNA says it is; empty: no connection.
+        calibration: Name of its calibration status; empty: not read.
+        failure: What failed; None: nothing.
+    """
+
+    identity: str
+    calibration: str
+    failure: Optional[Message] = None
+
+
+@dataclass(frozen=True)
+class RobotFacts:
+    """What is known about the robot.
+
+    Attributes:
+        master_alive: Whether the ROS master answers.
+        control_alive: Whether the main control reports.
+        configured: Whether limits and settings of the robot are known.
+        simulated: Whether the robot is simulated.
+        surveying: Whether a survey is running or paused.
+        nodes: Health of each expected node; one that does not report is STALE.
+        master: Address of the master; empty: not known.
+        configuration_problem: Why the robot's configuration is not known; None if it is.
+        clock_offsets_s: How far the clock of each node's computer is behind this one [s].
+        listening_s: How long the robot was listened to [s].
+        software: Software of each node that has described itself.
+        endstops: State of the endstops; one that is not known is missing.
+        analyzer: Result of a test of the VNA; None: not tested.
+    """
+
+    master_alive: bool
+    control_alive: bool
+    configured: bool
+    simulated: bool
+    surveying: bool
+    nodes: Tuple[NodeHealth, ...]
+    master: str = ""
+    configuration_problem: Optional[Message] = None
+    clock_offsets_s: Mapping[str, float] = field(default_factory=dict)
+    listening_s: float = math.inf
+    software: Mapping[str, NodeSoftware] = field(default_factory=dict)
+    endstops: Mapping[AxisId, EndstopSeen] = field(default_factory=dict)
+    analyzer: Optional[AnalyzerFacts] = None
+
+    @property
+    def unheard(self) -> bool:
+        """Whether nothing at all is known about the robot."""
+        return not self.master_alive and not self.nodes
+
+    def node(self, name: str) -> Optional[NodeHealth]:
+        """Return the health of a node that reports; None if it does not."""
+        found = next((node for node in self.nodes if node.name == name), None)
+        return None if found is None or found.level is HealthLevel.STALE else found
+
+    def value(self, name: str, key: str) -> str:
+        """Return a value of a node's report; empty if it is not known now."""
+        node = self.node(name)
+        return "" if node is None else node.values.get(key, "")

@@ -1,0 +1,56 @@
+"""Whether all parts of a robot run the same software."""
+
+from __future__ import annotations
+
+from typing import Iterator
+
+from gpr20_common.message import Message
+from gpr20_common.mid.node_software import NodeSoftware, software_difference
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.node_health import MAIN_CONTROL
+from gpr20_doctor.mid.robot_facts import RobotFacts
+from gpr20_doctor.mid.titles import node_title
+
+UPDATE = Message("Update the software on both computers, and restart the robot.")
+
+
+def check_versions(facts: RobotFacts) -> Iterator[Finding]:
+    """Compare the software of the nodes."""
+    if not facts.control_alive:
+        return
+    silent = next((node for node, one in facts.software.items() if not one.version), None)
+    difference = software_difference(facts.software)
+    if not facts.software:
+        yield Finding(
+            "versions",
+            Level.UNKNOWN,
+            Message("The software of the parts is not known yet."),
+            Message("Wait until all parts of the robot have started."),
+        )
+    elif difference is not None:
+        text = Message("Versions: {difference}", difference=difference)
+        yield Finding("versions", Level.WARNING, text, UPDATE)
+    elif silent is not None:
+        text = Message("{part} does not say which software it runs.", part=node_title(silent))
+        yield Finding("versions", Level.UNKNOWN, text, UPDATE)
+    else:
+        name = next(iter(facts.software.values())).name
+        text = Message("Software {software} on every part", software=name)
+        yield Finding("versions", Level.OK, text)
+
+
+def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Finding]:
+    """Compare the software of this computer with that of the main control, which runs."""
+    running = facts.software.get(MAIN_CONTROL)
+    if running is None or not running.version or running.name == installed.name:
+        return
+    yield Finding(
+        "installed",
+        Level.WARNING,
+        Message(
+            "The robot runs the software {running}, but {installed} is installed here.",
+            running=running.name,
+            installed=installed.name,
+        ),
+        UPDATE,
+    )

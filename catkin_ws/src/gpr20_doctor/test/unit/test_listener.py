@@ -1,0 +1,122 @@
+"""What the nodes report becomes facts; waiting ends when enough is known."""
+
+import json
+
+import pytest
+
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.listener import WATCH_S, Listener, without_master
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.output import as_json, lines
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.robot_description import NodeDescription
+
+
+class FakeClock:
+    def __init__(self):
+        self.time_s = 0.0
+
+    def now_s(self):
+        return self.time_s
+
+    def wait_s(self, event, timeout_s):
+        self.time_s += timeout_s
+        return False
+
+
+@pytest.fixture
+def clock():
+    return FakeClock()
+
+
+@pytest.fixture
+def listener(clock):
+    return Listener(clock, "http://localhost:11311")
+
+
+def report_all(listener, names=EXPECTED_NODES):
+    for name in names:
+        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim("ok"), {}), 0.1)
+    description = NodeDescription("main_control", NO_HARDWARE, {})
+    listener.note_configuration(None, True, {"main_control": description})
+    listener.note_status(False)
+
+
+def test_waiting_ends_when_everything_has_reported(listener, clock):
+    report_all(listener)
+    listener.wait(60.0)
+    assert WATCH_S <= clock.time_s < WATCH_S + 0.2
+    facts = listener.facts()
+    assert facts.master_alive and facts.control_alive and facts.simulated
+    assert len(facts.nodes) == len(EXPECTED_NODES)
+    assert list(facts.software) == ["main_control"]
+
+
+def test_waiting_ends_at_its_limit_and_silent_nodes_are_named(listener, clock):
+    report_all(listener, EXPECTED_NODES[1:])
+    listener.wait(4.0)
+    assert clock.time_s == pytest.approx(4.0, abs=0.1)
+    silent = [one.name for one in listener.facts().nodes if one.level is HealthLevel.STALE]
+    assert silent == [EXPECTED_NODES[0]]
+
+
+def test_a_status_without_a_node_is_no_contact(listener):
+    facts = listener.facts()
+    assert not facts.control_alive and not facts.configured and facts.software == {}
+
+
+def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener):
+    for pressed in (False, True, True, False):
+        listener.note_endstop(AxisId.X, pressed)
+    for offset_s in (3.0, -0.2, 1.0):
+        health = NodeHealth("height_sensor", HealthLevel.OK, verbatim(""), {})
+        listener.note_node(health, offset_s)
+    for name in ("foreign", "sensors/gnss"):
+        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim(""), {}), 0.1)
+    facts = listener.facts()
+    assert [one.name for one in facts.nodes] == [*EXPECTED_NODES, "sensors/gnss"]
+    assert facts.endstops[AxisId.X].changes == 2
+    assert facts.clock_offsets_s == {"height_sensor": -0.2, "sensors/gnss": 0.1}
+
+
+def test_the_next_reports_are_waited_for_within_a_limit(listener, clock):
+    report_all(listener)
+    listener.wait_for_next(["height_sensor"], 2.0)
+    assert clock.time_s == pytest.approx(2.0, abs=0.1)
+    listener.wait_for_next(["never heard"], 2.0)
+    assert clock.time_s == pytest.approx(2.0, abs=0.1)
+
+
+FOUND = (
+    Finding("spi", Level.FAULT, Message("no bus", details="ENOENT"), Message("switch it on")),
+    Finding("gpio", Level.OK, Message("pins")),
+)
+
+
+def test_findings_are_printed_with_their_remedies():
+    printed = list(lines(FOUND, Catalogue({"no bus": "sin bus"})))
+    assert printed == [
+        "FAULT       sin bus (ENOENT)",
+        "            -> switch it on",
+        "GOOD        pins",
+        "1 faults, 0 warnings, 0 unknown, 0 notes, 1 good",
+    ]
+
+
+def test_findings_are_printed_as_json():
+    record = json.loads(as_json(FOUND, Catalogue()))
+    assert record["status"] == 2
+    assert record["findings"][0] == {
+        "check": "spi",
+        "level": "FAULT",
+        "text": "no bus",
+        "details": "ENOENT",
+        "remedy": "switch it on",
+    }
+
+
+def test_a_robot_that_is_off_has_no_node():
+    assert without_master("http://x:1").unheard

@@ -1,0 +1,192 @@
+"""What is wrong with a computer, from any facts about it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_robot_checks import SAME, facts
+
+from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.mid.finding import Level, Unknown
+from gpr20_doctor.mid.findings import GOOD, exit_status, findings
+from gpr20_doctor.mid.machine_facts import (
+    AddressFacts,
+    ClockFacts,
+    DeviceFile,
+    DiskFacts,
+    GpioFacts,
+    GroupFacts,
+    HardwareUse,
+    MachineFacts,
+    PortFacts,
+    PowerFacts,
+    RealtimeFacts,
+)
+
+BOTH = frozenset({"gpio", "spi"})
+SPI = DeviceFile(Path("/dev/spidev0.0"), True, True)
+PINS = DeviceFile(Path("/dev/gpiomem"), True, True)
+TWO = AddressFacts("10.20.0.1", "10.20.0.2", ("10.20.0.1",), "10.20.0.1", "http://10.20.0.2:11311")
+ONE = AddressFacts("", "", (), "127.0.0.1", "http://localhost:11311")
+GROUPS = GroupFacts("pi", False, BOTH, BOTH, BOTH)
+GPIO = GpioFacts((PINS,), frozenset({"rpi_gpio"}), "rpi_gpio")
+REALTIME = RealtimeFacts(99, True, None)
+DISK = DiskFacts(Path("/data"), 20_000_000_000, 0.1)
+HEALTHY = MachineFacts(
+    hardware=HardwareUse.NEEDED,
+    addresses=TWO,
+    software=NodeSoftware("0.1.0"),
+    temperature_c=50.0,
+    groups=GROUPS,
+    spi=SPI,
+    gpio=GPIO,
+    realtime=REALTIME,
+    power=PowerFacts(False),
+    disk=DISK,
+    clock=ClockFacts(True, 0.0001),
+    vna=PortFacts("10.0.0.1", 111),
+)
+GONE = Unknown(Message("permission denied"))
+
+
+def test_a_healthy_computer_is_good():
+    found = findings(None, HEALTHY)
+    assert {one.level for one in found} == {Level.OK}
+    assert exit_status(found) == GOOD
+
+
+@pytest.mark.parametrize("use", [HardwareUse.SIMULATED, HardwareUse.ELSEWHERE, HardwareUse.NO_PI])
+def test_a_computer_without_hardware_needs_none(use):
+    found = findings(None, MachineFacts(use, ONE, NodeSoftware("0.1.0")))
+    assert exit_status(found) == GOOD
+    assert not any(one.check in ("groups", "spi", "gpio", "realtime") for one in found)
+    assert any(one.check == "hardware" and one.level is Level.NOTE for one in found)
+
+
+CASES = [
+    ({"groups": replace(GROUPS, member=frozenset({"gpio"}))}, Level.WARNING, "next login"),
+    (
+        {"groups": replace(GROUPS, member=frozenset({"gpio"}), listed=frozenset())},
+        Level.WARNING,
+        "not in the group spi",
+    ),
+    (
+        {"groups": GroupFacts("pi", False, frozenset({"gpio"}), frozenset({"gpio"}), BOTH)},
+        Level.WARNING,
+        "no group spi",
+    ),
+    ({"spi": replace(SPI, exists=False, usable=False)}, Level.FAULT, "SPI bus is off"),
+    ({"spi": replace(SPI, usable=False)}, Level.FAULT, "cannot be read"),
+    ({"gpio": replace(GPIO, libraries=frozenset())}, Level.FAULT, "RPi.GPIO for the pins"),
+    ({"gpio": replace(GPIO, devices=())}, Level.FAULT, "pins cannot be used"),
+    (
+        {"gpio": GpioFacts((), frozenset({"pigpio"}), "pigpio")},
+        Level.FAULT,
+        "pigpio daemon does not answer",
+    ),
+    ({"realtime": RealtimeFacts(0, False, None)}, Level.WARNING, "Real-time priority"),
+    ({"realtime": RealtimeFacts(99, True, 64_000)}, Level.WARNING, "memory can be locked"),
+    ({"temperature_c": 75.0}, Level.WARNING, "75 °C"),
+    ({"temperature_c": 81.0}, Level.FAULT, "81 °C"),
+    ({"power": PowerFacts(True)}, Level.FAULT, "too low now"),
+    ({"power": PowerFacts(False, True)}, Level.WARNING, "too low since"),
+    ({"disk": replace(DISK, free_bytes=10)}, Level.FAULT, "0.0 GB"),
+    ({"disk": replace(DISK, trace_s=1.5)}, Level.WARNING, "in 1.50 s"),
+    ({"disk": replace(DISK, trace_s=float("inf"))}, Level.FAULT, "did not store"),
+    ({"clock": ClockFacts(False, 0.0)}, Level.WARNING, "chrony does not follow"),
+    ({"clock": ClockFacts(True, -2.0)}, Level.WARNING, "off by -2.000 s"),
+    (
+        {"vna": PortFacts("10.0.0.1", 111, Message("connection refused"))},
+        Level.FAULT,
+        "10.0.0.1 cannot be reached",
+    ),
+    ({"addresses": replace(TWO, own=())}, Level.FAULT, "none of the addresses"),
+    ({"addresses": replace(TWO, ros_address="127.0.0.1")}, Level.FAULT, "listens on 127.0.0.1"),
+    ({"addresses": replace(ONE, ros_address="")}, Level.WARNING, "everybody in the network"),
+    *[
+        ({field: GONE}, Level.UNKNOWN, "permission denied")
+        for field in ("addresses", "groups", "spi", "gpio", "realtime", "temperature_c", "power")
+        + ("disk", "clock", "vna")
+    ],
+]
+
+
+@pytest.mark.parametrize(("changes", "level", "words"), CASES)
+def test_each_fault_is_found(changes, level, words):
+    found = findings(None, replace(HEALTHY, **changes))
+    (fault,) = [one for one in found if words in str(one.text)]
+    assert (fault.level, found[0].level) == (level, level)
+    assert fault.remedy is not None
+
+
+def test_a_robot_that_was_not_restarted_after_an_update_is_found():
+    assert exit_status(findings(facts(), replace(HEALTHY, software=SAME))) == GOOD
+    updated = replace(SAME, revision="new", host="")
+    (found, *_others) = findings(facts(), replace(HEALTHY, software=updated))
+    assert found.level is Level.WARNING
+    assert "runs the software 0.1.0 (abc), but 0.1.0 (new) is installed" in str(found.text)
+
+
+def test_the_free_space_is_listed_once():
+    found = findings(facts(), HEALTHY)
+    assert sum("GB free" in str(one.text) for one in found) == 1
+
+
+WORDS = st.sampled_from(["", "10.20.0.1", "127.0.0.1", "localhost", "pi", "gpio", "pigpio"])
+SETS = st.frozensets(WORDS)
+PATHS = st.just(Path("/x"))
+UNKNOWN = st.builds(Unknown, st.builds(verbatim, WORDS))
+DEVICES = st.builds(DeviceFile, PATHS, st.booleans(), st.booleans())
+REASONS = st.none() | st.builds(verbatim, WORDS)
+
+
+def perhaps(facts):
+    return st.none() | UNKNOWN | facts
+
+
+MACHINES = st.builds(
+    MachineFacts,
+    st.sampled_from(HardwareUse),
+    UNKNOWN | st.builds(AddressFacts, WORDS, WORDS, st.lists(WORDS).map(tuple), WORDS, WORDS),
+    st.just(NodeSoftware()),
+    perhaps(st.floats()),
+    perhaps(st.builds(GroupFacts, WORDS, st.booleans(), SETS, SETS, SETS)),
+    perhaps(DEVICES),
+    perhaps(st.builds(GpioFacts, st.lists(DEVICES).map(tuple), SETS, WORDS, st.booleans())),
+    perhaps(st.builds(RealtimeFacts, st.integers(0, 99), st.booleans(), st.none() | st.just(9))),
+    perhaps(st.builds(PowerFacts, st.booleans(), st.booleans(), st.booleans())),
+    perhaps(st.builds(DiskFacts, PATHS, st.integers(0, 10**13), perhaps(st.floats(0.0)))),
+    perhaps(st.builds(ClockFacts, st.booleans(), st.floats())),
+    perhaps(st.builds(PortFacts, WORDS, st.just(111), REASONS)),
+)
+
+
+@given(MACHINES)
+def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(machine):
+    found = findings(None, machine)
+    assert found
+    for one in found:
+        assert one.check and str(one.text)
+        assert one.level < Level.UNKNOWN or str(one.remedy)
+
+
+@given(MACHINES)
+def test_what_is_not_known_is_never_called_good(machine):
+    found = {one.check: one for one in findings(None, machine)}
+    for check, fact in (
+        ("addresses", machine.addresses),
+        ("temperature", machine.temperature_c),
+        ("power", machine.power),
+        ("data_disk", machine.disk),
+        ("vna_port", machine.vna),
+    ):
+        assert not isinstance(fact, Unknown) or found[check].level is Level.UNKNOWN
+    if machine.hardware is HardwareUse.NEEDED:
+        for check in ("groups", "spi", "gpio", "realtime"):
+            fact = getattr(machine, check)
+            assert (fact not in (None,) and not isinstance(fact, Unknown)) or (
+                found[check].level is Level.UNKNOWN
+            )

@@ -1,0 +1,85 @@
+"""What is looked at follows from the nodes, the two addresses and the computer."""
+
+from pathlib import Path
+
+import pytest
+
+from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.mid.finding import Unknown
+from gpr20_doctor.mid.machine_facts import HardwareUse
+from gpr20_doctor.mid.machine_request import REAL, SIMULATED, ThisMachine
+from gpr20_survey.plan.robot_description import NodeDescription
+
+# The doctor's own computer has one of these addresses and not the other.
+HERE, THERE = "127.0.0.1", "192.0.2.1"
+
+
+def nodes(host="pi", hardware="DRV8825 on pigpio", simulated=False):
+    here = NodeSoftware("0.1.0", "", host)
+    return {
+        "x_axis/axis_driver": NodeDescription(
+            "x_axis/axis_driver", Hardware(hardware, simulated), {}, here
+        ),
+        "vna_processing": NodeDescription("vna_processing", NO_HARDWARE, {"data": "/s"}, here),
+        "vna_acquisition": NodeDescription(
+            "vna_acquisition", Hardware("VNA", simulated), {"address": "10.0.0.9"}, here
+        ),
+    }
+
+
+@pytest.fixture
+def root(tmp_path):
+    return tmp_path
+
+
+def machine(root, **environment):
+    return ThisMachine("pi", {"GPR20_CONFIG": str(root / "config"), **environment}, root)
+
+
+def test_everything_of_a_real_robot_on_one_computer_is_looked_at(root):
+    request = machine(root).request(nodes())
+    assert request.hardware is HardwareUse.NEEDED
+    assert request.pin_library == "pigpio"
+    assert (request.data, request.vna) == (Path("/s"), "10.0.0.9")
+
+
+def test_a_simulated_robot_needs_no_hardware(root):
+    request = machine(root).request(nodes(simulated=True))
+    assert (request.hardware, request.vna) == (HardwareUse.SIMULATED, None)
+    assert machine(root).request({}, robot=SIMULATED).hardware is HardwareUse.SIMULATED
+
+
+def test_nothing_of_another_computer_is_looked_at(root):
+    request = machine(root).request(nodes(host="other"))
+    assert request.hardware is HardwareUse.ELSEWHERE
+    assert (request.data, request.vna) == (None, None)
+
+
+def test_the_vna_is_left_alone_beside_a_survey(root):
+    assert machine(root).request(nodes(), surveying=True).vna is None
+
+
+def test_each_of_two_computers_has_its_part(root):
+    robot = machine(root, GPR20_ROBOT=HERE, GPR20_SERVER=THERE).request({})
+    assert (robot.hardware, robot.data, robot.vna) == (HardwareUse.NEEDED, None, None)
+    server = machine(root, GPR20_ROBOT=THERE, GPR20_SERVER=HERE).request({})
+    assert server.hardware is HardwareUse.ELSEWHERE
+    assert server.data is not None and isinstance(server.vna, Unknown)
+
+
+def test_without_nodes_the_computer_and_its_configuration_decide(root):
+    assert machine(root).request({}).hardware is HardwareUse.NO_PI
+    assert machine(root).request({}, robot=REAL).hardware is HardwareUse.NEEDED
+    model = root / "proc/device-tree/model"
+    model.parent.mkdir(parents=True)
+    model.write_text("Raspberry Pi 4 Model B")
+    (root / "config").mkdir()
+    (root / "config/analyzer.yaml").write_text("address: 10.1.1.1\n")
+    request = machine(root, GPR20_DATA="/data").request({})
+    assert request.hardware is HardwareUse.NEEDED
+    assert (request.vna, request.data) == ("10.1.1.1", Path("/data"))
+    (root / "config/height.yaml").write_text("spi_device: 1\n")
+    assert machine(root).request({}).spi == (0, 1)
+    (root / "config/analyzer.yaml").write_text("address: GPIB0::16::INSTR\n")
+    assert machine(root).request({}).vna is None

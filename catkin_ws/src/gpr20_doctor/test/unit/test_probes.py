@@ -1,0 +1,166 @@
+"""The probes: of trees of files as computers have them, and of this computer."""
+
+import os
+import socket
+import stat
+from pathlib import Path
+
+import pytest
+
+from gpr20_doctor.low import (
+    chrony,
+    config_files,
+    device_files,
+    disk_speed,
+    groups,
+    network,
+    pi_sensors,
+    pin_libraries,
+    realtime_limits,
+)
+from gpr20_doctor.mid.finding import Unknown
+from gpr20_doctor.mid.machine_facts import HardwareUse, PortFacts
+from gpr20_doctor.mid.machine_probe import probe_machine
+from gpr20_doctor.mid.machine_request import MachineRequest
+
+
+def tree(folder, **files):
+    for name, content in files.items():
+        path = folder / name.replace("__", "/")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+    return folder
+
+
+def program(folder, text):
+    path = folder / "program"
+    path.write_text(f"#!/bin/sh\n{text}\n")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return str(path)
+
+
+def test_groups_are_read_as_the_system_writes_them(tmp_path):
+    tree(tmp_path, etc__group="gpio:x:997:pi,kim\nspi:x:999:\nbroken\nodd:x:a:\n")
+    assert groups.group_names(tmp_path) == {997: "gpio", 999: "spi"}
+    assert groups.groups_listing(tmp_path, "kim") == {"gpio"}
+    assert groups.group_names(Path("/"))[0] == "root"
+    assert groups.user_name()
+
+
+def test_devices_are_found_and_tried(tmp_path):
+    assert device_files.gpio_devices(tmp_path) == ()
+    tree(tmp_path, dev__gpiomem="", dev__gpiochip0="")
+    assert [one.name for one in device_files.gpio_devices(tmp_path)] == ["gpiomem", "gpiochip0"]
+    assert device_files.can_be_used(tmp_path / "dev/gpiomem")
+    assert not device_files.can_be_used(device_files.spi_device(tmp_path, 0, 1))
+
+
+def test_the_hottest_zone_counts(tmp_path):
+    assert pi_sensors.hottest_c(tmp_path) is None
+    zone = "sys__class__thermal__thermal_zone"
+    tree(tmp_path, **{f"{zone}0__temp": "45000\n", f"{zone}1__temp": "81500\n"})
+    assert pi_sensors.hottest_c(tmp_path) == 81.5
+    tree(tmp_path, **{f"{zone}1__temp": "hot\n"})
+    with pytest.raises(ValueError):
+        pi_sensors.hottest_c(tmp_path)
+
+
+def test_the_supply_of_a_raspberry_pi_is_found_among_other_sensors(tmp_path):
+    hwmon = "sys__class__hwmon__hwmon"
+    tree(tmp_path, **{f"{hwmon}0__name": "cpu_thermal\n"})
+    assert pi_sensors.low_voltage(tmp_path) is None
+    tree(tmp_path, **{f"{hwmon}1__name": "rpi_volt\n", f"{hwmon}1__in0_lcrit_alarm": "1\n"})
+    assert pi_sensors.low_voltage(tmp_path) is True
+    assert not pi_sensors.is_raspberry_pi(tmp_path)
+    tree(tmp_path, **{"proc__device-tree__model": "Raspberry Pi 4 Model B Rev 1.4\0"})
+    assert pi_sensors.is_raspberry_pi(tmp_path)
+
+
+def test_the_firmware_is_asked_and_may_fail(tmp_path):
+    assert pi_sensors.throttled_bits("no-such-program") is None
+    assert pi_sensors.throttled_bits(program(tmp_path, "echo throttled=0x50005")) == 0x50005
+    with pytest.raises(ValueError):
+        pi_sensors.throttled_bits(program(tmp_path, "echo nothing"))
+    with pytest.raises(OSError):
+        pi_sensors.throttled_bits(program(tmp_path, "exit 255"))
+
+
+TRACKING = "0A140002,10.20.0.2,3,1763845122.1,{offset},0,0,-1.5,0,0,0.001,0.001,64.2,{leap}"
+
+
+def test_chrony_is_understood_and_may_fail(tmp_path):
+    assert chrony.tracking("no-such-program") is None
+    normal = TRACKING.format(offset="-0.000012", leap="Normal")
+    assert chrony.tracking(program(tmp_path, f"echo '{normal}'")) == (True, -0.000012)
+    alone = TRACKING.format(offset="0", leap="Not synchronised")
+    assert chrony.tracking(program(tmp_path, f"echo '{alone}'")) == (False, 0.0)
+    for text in ("exit 1", "echo 506 Cannot talk to daemon"):
+        with pytest.raises((OSError, ValueError)):
+            chrony.tracking(program(tmp_path, text))
+
+
+def test_a_disk_is_timed_and_nothing_is_left_on_it(tmp_path):
+    assert 0.0 < disk_speed.slowest_trace_s(tmp_path, 300_000) < 10.0
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(OSError):
+        disk_speed.slowest_trace_s(tmp_path / "missing", 300)
+
+
+def test_a_file_of_the_disk_test_has_no_name_while_it_is_written(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(os, "fsync", lambda _file: seen.append(list(tmp_path.iterdir())))
+    disk_speed.slowest_trace_s(tmp_path, 300)
+    assert seen and all(names == [] for names in seen)
+
+
+def test_ports_and_addresses():
+    assert network.is_own_address("127.0.0.1")
+    assert not network.is_own_address("192.0.2.1")
+    assert not network.is_own_address("robot")
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        network.connect("127.0.0.1", port, 1.0)
+    with pytest.raises(OSError):
+        network.connect("127.0.0.1", port, 1.0)
+
+
+def test_limits_and_libraries_of_this_computer():
+    assert realtime_limits.priority_limit() >= -1
+    assert realtime_limits.memory_limit() is None or realtime_limits.memory_limit() >= 0
+    before = os.sched_getscheduler(0)
+    assert realtime_limits.can_set_priority(1) in (True, False)
+    assert os.sched_getscheduler(0) == before
+    assert pin_libraries.installed({"a": "json", "b": "no_such.module"}) == {"a"}
+
+
+def test_a_value_of_the_configuration_is_read_or_missing(tmp_path):
+    tree(tmp_path, **{"analyzer.yaml": "address: 10.0.0.1\n", "site.yaml": "- ["})
+    assert config_files.configured(tmp_path, "analyzer.yaml", "address") == "10.0.0.1"
+    assert config_files.configured(tmp_path, "analyzer.yaml", "other") is None
+    assert config_files.configured(tmp_path, "site.yaml", "site") is None
+    assert config_files.configured(tmp_path, "no.yaml", "site") is None
+
+
+def test_a_computer_without_anything_is_known_to_have_nothing(tmp_path):
+    request = MachineRequest(HardwareUse.NEEDED, {}, data=tmp_path, root=tmp_path / "empty")
+    facts = probe_machine(request)
+    assert isinstance(facts.groups, Unknown)
+    assert (facts.spi.exists, facts.spi.usable) == (False, False)
+    assert facts.gpio.devices == ()
+    assert facts.power is None and facts.temperature_c is None and facts.vna is None
+    assert facts.disk.free_bytes > 0 and 0.0 < facts.disk.trace_s < 10.0
+
+
+def test_a_raspberry_pi_that_shows_nothing_is_not_called_good(tmp_path):
+    tree(tmp_path, **{"proc__device-tree__model": "Raspberry Pi 4"})
+    facts = probe_machine(MachineRequest(HardwareUse.NEEDED, {}, thorough=False, root=tmp_path))
+    assert isinstance(facts.power, Unknown) and isinstance(facts.temperature_c, Unknown)
+    assert facts.disk is None and facts.clock is None
+
+
+def test_a_folder_that_does_not_exist_yet_has_the_disk_of_its_parent(tmp_path):
+    request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path / "a/b", vna="127.0.0.1")
+    facts = probe_machine(request)
+    assert facts.disk.free_bytes > 0
+    assert isinstance(facts.vna, PortFacts)
+    assert not (tmp_path / "a").exists()
