@@ -17,7 +17,7 @@ DEBIAN_PACKAGES=(
     ros-base ros-base-dev python3-actionlib python3-diagnostic-msgs python3-diagnostic-updater
     python3-numpy python3-pyqt5 python3-rosbag python3-rospy python3-rostest python3-sensor-msgs
     python3-rosmsg python3-rosnode python3-rosservice python3-rostopic python3-std-srvs
-    python3-visualization-msgs rosbash x11-xserver-utils
+    python3-tf2-msgs python3-visualization-msgs rosbash ros-tf2-msgs x11-xserver-utils
 )
 DEBIAN_DEV_PACKAGES=(
     gettext iproute2 nftables openbox procps python3-psutil xdotool xvfb
