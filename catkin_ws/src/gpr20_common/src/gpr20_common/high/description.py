@@ -1,4 +1,7 @@
-"""What a node says about itself: its hardware and the configuration with which it started."""
+"""What a node says about itself: its hardware and the configuration with which it started.
+
+The configuration is shown on the parameter server as well.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from typing import Any
 
 import rospy
 
+from gpr20_common.high.shown_parameters import show_parameters
 from gpr20_common.mid.hardware import Hardware
 from gpr20_msgs.msg import NodeDescription
 
@@ -23,6 +27,8 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
         hardware: What it drives.
         parameters: Dataclass of the parameters with which it started.
     """
+    values = dataclasses.asdict(parameters)
+    show_parameters(values)
     publisher = rospy.Publisher(f"~{TOPIC}", NodeDescription, queue_size=1, latch=True)
     publisher.publish(
         NodeDescription(
@@ -30,7 +36,7 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
             hardware=hardware.name,
             simulated=hardware.simulated,
             time_scale=hardware.time_scale,
-            configuration_json=json.dumps(dataclasses.asdict(parameters), default=_plain),
+            configuration_json=json.dumps(values, default=_plain),
         )
     )
     return publisher

@@ -8,11 +8,11 @@ import numpy as np
 
 from gpr20_survey.trace.trace import Trace
 
-DELAY_STEP_S = 0.1e-9
-MAX_ROWS = 150
+DELAY_STEP_S = 0.05e-9
+MAX_ROWS = 200
 DARKEST_DB = -60.0
 # A line is at least so many pixels wide, so that displays show it in full height.
-SMALLEST_WIDTH = 150
+SMALLEST_WIDTH = 200
 WHITE = 255
 
 

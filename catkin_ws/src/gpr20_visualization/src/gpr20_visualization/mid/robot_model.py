@@ -106,9 +106,7 @@ class RobotModel:
         names = {joint.name for joint in joints}
         missing = [name for name in needed if name not in names]
         if missing:
-            raise RobotModelError(
-                Message("robot_description has no joint {name}", name=missing[0])
-            )
+            raise RobotModelError(Message("robot_description has no joint {name}", name=missing[0]))
         return cls(joints)
 
     def moving(self, positions: Mapping[str, float]) -> List[LinkTransform]:
