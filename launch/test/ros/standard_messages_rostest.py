@@ -39,7 +39,15 @@ PLACED = {
     "survey_area": frames.BASE_LINK,
     "stops": frames.BASE_LINK,
 }
-RECORDED = ("tf", "tf_static", "joint_states", "robot_description", "b_scan", "survey_area", "stops")
+RECORDED = (
+    "tf",
+    "tf_static",
+    "joint_states",
+    "robot_description",
+    "b_scan",
+    "survey_area",
+    "stops",
+)
 CLOCK_LIMIT_S = 1.0
 FRESH_S = 2.0
 
