@@ -32,6 +32,7 @@ PARENTS = {
 }
 PLACED = {
     "measured_height": frames.HEIGHT_SENSOR_LINK,
+    "trace": frames.ANTENNA_LINK,
     "control_current_coordinate": frames.BASE_LINK,
     "control_target_coordinate": frames.BASE_LINK,
     "x_axis/current_coord": frames.BASE_LINK,
