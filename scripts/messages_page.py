@@ -37,6 +37,7 @@ SECTIONS = {
     "gpr20_launch": "Configuration and launch",
     "gpr20_imaging": "Focused images and export",
     "gpr20_simulator": "Simulated robot",
+    "gpr20_visualization": "RViz and other ROS tools",
     "gpr20_user_interface": "Window and terminal",
     "gpr20_analysis": "Offline analysis",
 }

@@ -35,7 +35,7 @@ ROS_PACKAGES=(
     python3-rosbag:rosbag python3-rospy:rospy python3-rostest:rostest
     python3-sensor-msgs:sensor_msgs python3-rosmsg:rosmsg python3-rosnode:rosnode
     python3-rosservice:rosservice python3-rostopic:rostopic python3-std-srvs:std_srvs
-    python3-visualization-msgs:visualization_msgs rosbash:rosbash
+    python3-tf2-msgs:tf2_msgs python3-visualization-msgs:visualization_msgs rosbash:rosbash
 )
 DEBIAN_DEV_PACKAGES=(
     gettext iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb

@@ -48,6 +48,7 @@ class CandidatesTest(unittest.TestCase):
         place = (first.x_m, first.y_m, first.depth_m)
         np.testing.assert_allclose(place, TARGET, atol=0.006)
         self.assertEqual(markers[0].action, Marker.DELETEALL)
+        self.assertEqual({one.header.frame_id for one in markers}, {"base_link"})
         self.assertEqual(len(markers), 1 + 2 * len(found.candidates))
         self.assertEqual(markers[1].pose.position.z, -first.depth_m)
         self.assertEqual(markers[2].text, f"{first.id} SIMULATED")

@@ -72,7 +72,7 @@ class HeightSensorTest(unittest.TestCase):
         message = self.wait_for_range(math.isfinite)
         self.assertAlmostEqual(message.range, SCENE_HEIGHT_M, delta=0.005)
         self.assertEqual(message.radiation_type, Range.INFRARED)
-        self.assertEqual(message.header.frame_id, "height_sensor")
+        self.assertEqual(message.header.frame_id, "height_sensor_link")
         self.assertAlmostEqual(message.min_range, 0.10, places=6)
         self.assertAlmostEqual(message.max_range, 0.80, places=6)
         self.assertGreater(message.field_of_view, 0.0)

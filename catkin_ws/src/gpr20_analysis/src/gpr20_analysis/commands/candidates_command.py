@@ -20,6 +20,7 @@ from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.frames import BASE_LINK
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -68,7 +69,7 @@ def _require_master() -> None:
     try:
         import rosgraph
 
-        import gpr20_analysis.high.candidate_topics  # noqa: F401
+        import gpr20_common.high.candidate_messages  # noqa: F401
     except ImportError as error:
         raise MissingLibraryError(
             Message("--publish needs ROS; source catkin_ws/devel/setup.bash first", details=error)
@@ -85,10 +86,10 @@ def _require_master() -> None:
 def _publish(found: CandidateList) -> None:
     import rospy
 
-    from gpr20_analysis.high.candidate_topics import CandidateTopics
+    from gpr20_common.high.candidate_messages import CandidateTopics
 
     rospy.init_node("candidates", anonymous=True)
-    CandidateTopics().publish(found)
+    CandidateTopics(BASE_LINK).publish(json_text(found))
     rospy.spin()
 
 

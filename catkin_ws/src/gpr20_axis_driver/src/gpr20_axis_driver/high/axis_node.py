@@ -26,6 +26,7 @@ from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.control_silent import CONTROL_SILENT
+from gpr20_survey.frames import BASE_LINK
 
 MOVING_PERIOD_S = 1.0 / 50
 RESTING_PERIOD_S = 1.0 / 10
@@ -195,6 +196,7 @@ class AxisNode:
     def _publish(self) -> None:
         message = CurrentCoordinate()
         message.header.stamp = rospy.Time.now()
+        message.header.frame_id = BASE_LINK
         message.coordinate = self._driver.current_coord
         message.homed = self._driver.homing_done
         message.moving = self._driver.moving

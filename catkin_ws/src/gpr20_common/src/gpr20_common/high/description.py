@@ -1,4 +1,7 @@
-"""What a node says about itself: its hardware, its software, the configuration of its start."""
+"""What a node says about itself: its hardware, its software, the configuration of its start.
+
+The configuration is shown on the parameter server as well.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from typing import Any
 
 import rospy
 
+from gpr20_common.high.shown_parameters import show_parameters
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import own_software
 from gpr20_msgs.msg import NodeDescription
@@ -24,6 +28,8 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
         hardware: What it drives.
         parameters: Dataclass of the parameters with which it started.
     """
+    values = dataclasses.asdict(parameters)
+    show_parameters(values)
     publisher = rospy.Publisher(f"~{TOPIC}", NodeDescription, queue_size=1, latch=True)
     publisher.publish(
         NodeDescription(
@@ -31,7 +37,7 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
             hardware=hardware.name,
             simulated=hardware.simulated,
             time_scale=hardware.time_scale,
-            configuration_json=json.dumps(dataclasses.asdict(parameters), default=_plain),
+            configuration_json=json.dumps(values, default=_plain),
             **dataclasses.asdict(own_software()),
         )
     )

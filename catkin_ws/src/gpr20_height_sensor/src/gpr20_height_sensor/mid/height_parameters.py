@@ -11,6 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_height_sensor.low.adc_interface import CHANNELS
+from gpr20_survey.frames import HEIGHT_SENSOR_LINK
 
 FEWEST_FROZEN = 30
 # Buses and chip-select lines beyond this are typing errors.
@@ -71,7 +72,7 @@ class HeightParameters:
     max_spread_m: float = 0.010
     frozen_readings: int = 600
     publish_rate_hz: float = 2.0
-    frame_id: str = "height_sensor"
+    frame_id: str = HEIGHT_SENSOR_LINK
     field_of_view_rad: float = 0.05
 
     def __post_init__(self) -> None:

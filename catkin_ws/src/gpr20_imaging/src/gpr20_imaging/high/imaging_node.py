@@ -6,6 +6,7 @@ from typing import Any
 
 import rospy
 
+from gpr20_common.high.candidate_messages import CandidateTopics
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_message import message_fields
@@ -30,6 +31,7 @@ from gpr20_msgs.srv import (
     ListVolumes,
     ListVolumesResponse,
 )
+from gpr20_survey.frames import BASE_LINK
 
 NODE = "imaging"
 
@@ -40,6 +42,7 @@ class ImagingNode:
     def __init__(self, parameters: ImagingParameters, volumes: UsbVolumes) -> None:
         """Connect everything; no child process is started before the first request."""
         self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
+        self._candidates = CandidateTopics(BASE_LINK)
         self._imaging = Imaging(
             parameters.data_folder(), AnalysisCommand(), volumes, self._publish_progress
         )
@@ -56,6 +59,7 @@ class ImagingNode:
 
     def _focus(self, request: Any) -> FocusSurveyResponse:
         found = self._imaging.focus(request.request_id, request.survey, request.permittivity)
+        self._candidates.publish(found.candidates_json)
         return FocusSurveyResponse(
             success=True,
             **message_fields(Message("an image of {count} traces", count=found.traces)),
@@ -72,6 +76,7 @@ class ImagingNode:
         found = self._imaging.find_candidates(
             request.request_id, request.survey, request.permittivity, request.language
         )
+        self._candidates.publish(found.candidates_json)
         return FindCandidatesResponse(
             success=True,
             **message_fields(Message("the list is complete")),

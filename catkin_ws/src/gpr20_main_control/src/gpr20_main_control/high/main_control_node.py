@@ -14,6 +14,7 @@ from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
+from gpr20_common.high.shown_parameters import show_parameters
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
@@ -213,6 +214,7 @@ def build_main_control_node() -> MainControlNode:
     )
     node = MainControlNode(control, robot, status, topics, sensors)
     own = {**asdict(settings), **asdict(limits)}
+    show_parameters({**own, "site": asdict(description.site)})
     description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
     descriptions.listen(description.note)
     return node

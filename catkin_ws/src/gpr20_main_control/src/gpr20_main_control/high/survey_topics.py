@@ -19,6 +19,7 @@ from gpr20_msgs.msg import (
     SurveyData,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_survey.frames import BASE_LINK
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -77,6 +78,7 @@ class SurveyTopics:
     def _publish_target(self, status: Status) -> None:
         message = Coordinates()
         message.header.stamp = rospy.Time.now()
+        message.header.frame_id = BASE_LINK
         target = status.target
         message.x_mm = NO_TARGET if target is None else target.x_mm
         message.y_mm = NO_TARGET if target is None else target.y_mm
@@ -120,6 +122,7 @@ class SurveyTopics:
             return
         message = Coordinates()
         message.header.stamp = rospy.Time.now()
+        message.header.frame_id = BASE_LINK
         message.x_mm, message.y_mm, message.z_deg = present
         self._current.publish(message)
 

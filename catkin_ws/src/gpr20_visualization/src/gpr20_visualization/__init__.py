@@ -1,0 +1,1 @@
+"""The robot and its survey in standard ROS messages."""

@@ -1,0 +1,9 @@
+"""What the visualization refuses."""
+
+from __future__ import annotations
+
+from gpr20_common.errors import Gpr20Error
+
+
+class RobotModelError(Gpr20Error, ValueError):
+    """The description of the robot (URDF) cannot be used."""

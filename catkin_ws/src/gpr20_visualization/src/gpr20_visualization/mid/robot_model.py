@@ -1,0 +1,191 @@
+"""The robot's links and joints from its URDF, and where each link is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Iterable, List, Mapping, Tuple
+from xml.etree import ElementTree
+
+from gpr20_common.message import Message
+from gpr20_visualization.errors import RobotModelError
+
+Vector = Tuple[float, float, float]
+Quaternion = Tuple[float, float, float, float]
+
+PRISMATIC, REVOLUTE, FIXED = "prismatic", "revolute", "fixed"
+TYPES = (PRISMATIC, REVOLUTE, FIXED)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of the robot.
+
+    Attributes:
+        name: Its name.
+        kind: prismatic, revolute or fixed.
+        parent: Link that it belongs to.
+        child: Link that it moves.
+        origin_m: Place of the child in the parent at position 0 [m].
+        rotation: Rotation of the child at position 0 (x, y, z, w).
+        axis: Direction of motion, or axis of rotation, in the child at position 0.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin_m: Vector
+    rotation: Quaternion
+    axis: Vector
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether it never moves."""
+        return self.kind == FIXED
+
+    def transform(self, position: float = 0.0) -> LinkTransform:
+        """Return where the child is.
+
+        Args:
+            position: Of the joint [m or rad].
+        """
+        if self.kind == REVOLUTE:
+            turned = product(self.rotation, about(self.axis, position))
+            return LinkTransform(self.parent, self.child, self.origin_m, turned)
+        moved = rotated(self.rotation, scaled(self.axis, position))
+        place = (
+            self.origin_m[0] + moved[0],
+            self.origin_m[1] + moved[1],
+            self.origin_m[2] + moved[2],
+        )
+        return LinkTransform(self.parent, self.child, place, self.rotation)
+
+
+@dataclass(frozen=True)
+class LinkTransform:
+    """Where a link is in its parent.
+
+    Attributes:
+        parent: Frame of the parent.
+        child: Frame of the link.
+        place_m: Its origin [m].
+        rotation: Its rotation (x, y, z, w).
+    """
+
+    parent: str
+    child: str
+    place_m: Vector
+    rotation: Quaternion
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """The joints of the robot, in the order of its description."""
+
+    joints: Tuple[Joint, ...]
+
+    @classmethod
+    def of(cls, urdf: str, needed: Iterable[str] = ()) -> RobotModel:
+        """Read a description.
+
+        Args:
+            urdf: The text of the URDF.
+            needed: Names of the joints that must be there.
+
+        Raises:
+            RobotModelError: It is no URDF, or has a joint that is not supported.
+        """
+        try:
+            robot = ElementTree.fromstring(urdf)
+            joints = tuple(_joint(element) for element in robot.findall("joint"))
+        except (ElementTree.ParseError, AttributeError, KeyError, ValueError) as error:
+            raise RobotModelError(
+                Message("robot_description is not a URDF of this robot", details=repr(error))
+            ) from error
+        names = {joint.name for joint in joints}
+        missing = [name for name in needed if name not in names]
+        if missing:
+            raise RobotModelError(Message("robot_description has no joint {name}", name=missing[0]))
+        return cls(joints)
+
+    def moving(self, positions: Mapping[str, float]) -> List[LinkTransform]:
+        """Return where every link is that moves.
+
+        Args:
+            positions: Position of each joint by its name [m or rad].
+        """
+        return [one.transform(positions[one.name]) for one in self.joints if not one.is_fixed]
+
+    def fixed(self) -> List[LinkTransform]:
+        """Return where every link is that does not move in its parent."""
+        return [one.transform() for one in self.joints if one.is_fixed]
+
+
+def from_angles(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Quaternion:
+    """Return the rotation of a URDF's rpy: about the fixed axes x, then y, then z [rad]."""
+    roll = about((1.0, 0.0, 0.0), roll_rad)
+    pitch = about((0.0, 1.0, 0.0), pitch_rad)
+    return product(about((0.0, 0.0, 1.0), yaw_rad), product(pitch, roll))
+
+
+def about(axis: Vector, angle_rad: float) -> Quaternion:
+    """Return the rotation about an axis."""
+    length = math.sqrt(sum(one * one for one in axis))
+    x, y, z = scaled(axis, math.sin(angle_rad / 2.0) / length)
+    return (x, y, z, math.cos(angle_rad / 2.0))
+
+
+def product(first: Quaternion, second: Quaternion) -> Quaternion:
+    """Return the rotation by `second`, then by `first`."""
+    ax, ay, az, aw = first
+    bx, by, bz, bw = second
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def rotated(rotation: Quaternion, vector: Vector) -> Vector:
+    """Return a vector, rotated."""
+    x, y, z, w = rotation
+    back = (-x, -y, -z, w)
+    turned = product(product(rotation, (*vector, 0.0)), back)
+    return turned[:3]
+
+
+def scaled(vector: Vector, factor: float) -> Vector:
+    """Return a vector times a number."""
+    return (vector[0] * factor, vector[1] * factor, vector[2] * factor)
+
+
+def _joint(element: ElementTree.Element) -> Joint:
+    kind = element.attrib["type"]
+    if kind not in TYPES:
+        raise ValueError(f"a joint of type {kind}")
+    origin, axis = element.find("origin"), element.find("axis")
+    texts = {} if origin is None else origin.attrib
+    direction = "1 0 0" if axis is None else axis.attrib["xyz"]
+    return Joint(
+        element.attrib["name"],
+        kind,
+        _link(element, "parent"),
+        _link(element, "child"),
+        _vector(texts.get("xyz", "0 0 0")),
+        from_angles(*_vector(texts.get("rpy", "0 0 0"))),
+        _vector(direction),
+    )
+
+
+def _link(element: ElementTree.Element, role: str) -> str:
+    found = element.find(role)
+    if found is None:
+        raise ValueError(f"a joint without {role}")
+    return found.attrib["link"]
+
+
+def _vector(text: str) -> Vector:
+    x, y, z = (float(one) for one in text.split())
+    return (x, y, z)
