@@ -141,7 +141,7 @@ build_workspace() {
         "$GPR20_WORKSPACE/build/CMakeCache.txt" ||
         rm -rf "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"
     log="$(mktemp)"
-    if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
+    if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python3" \
         -DCATKIN_ENABLE_TESTING=OFF >"$log" 2>&1; then
         cat "$log" >&2
         echo "setup.sh: the catkin build failed; the lines above say where" >&2
