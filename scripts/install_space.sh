@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Make an install space: a folder from which the robot runs without this checkout. It can be copied
 # to another folder or to a machine with the same distribution (docs/install_space.md).
-#   scripts/install_space.sh FOLDER               the workspace, and in FOLDER/venv the Python
-#                                                 packages that the system does not have
-#   scripts/install_space.sh FOLDER --robot       for the Raspberry Pi: what its pins and its SPI bus
-#                                                 need as well; without the analysis
-#   scripts/install_space.sh FOLDER --analysis    the analysis with --robot too
-#   scripts/install_space.sh FOLDER --no-venv     the workspace alone, for an environment of your own
+#   scripts/install_space.sh FOLDER              the workspace, and in FOLDER/venv the Python
+#                                                packages that the system does not have
+#   scripts/install_space.sh FOLDER --robot      for the Raspberry Pi: what its pins and its SPI
+#                                                bus need as well; without the analysis
+#   scripts/install_space.sh FOLDER --analysis   the analysis with --robot too
+#   scripts/install_space.sh FOLDER --no-venv    the workspace alone
 # Needs the Debian packages that scripts/setup.sh installs. A FOLDER that exists is updated.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -61,7 +61,8 @@ install_python_packages() {
     version="$("$PYTHON" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     if [ ! -f "$pins" ]; then
-        echo "install_space.sh: $pins is missing; add Python $version to scripts/requirements.sh" >&2
+        echo "install_space.sh: $pins is missing;" \
+            "add Python $version to scripts/requirements.sh" >&2
         exit 1
     fi
     [ "$robot" = no ] || arguments+=(-r "$GPR20_ROOT/requirements/robot.in")
