@@ -12,6 +12,8 @@ set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 PYTHON=/usr/bin/python3
+# Sourced if it is there; Debian's packages of ROS need no setup file.
+ROS_SETUP="${GPR20_ROS_PREFIX:-/opt/ros/noetic}/setup.bash"
 
 folder='' robot=no analysis=no venv=yes
 for argument in "$@"; do
@@ -27,7 +29,14 @@ if [ -z "$folder" ]; then
     echo "install_space.sh: name a folder; allowed options: --robot, --analysis, --no-venv" >&2
     exit 2
 fi
-if ! command -v catkin_make >/dev/null; then
+# run_clean COMMAND...: with the system's ROS alone; what this shell sourced or activated does not
+# become a part of the install space.
+run_clean() {
+    env -u CMAKE_PREFIX_PATH -u PYTHONPATH -u VIRTUAL_ENV PATH=/usr/local/bin:/usr/bin:/bin \
+        bash -c '[ ! -f "$0" ] || source "$0"; exec "$@"' "$ROS_SETUP" "$@"
+}
+
+if ! run_clean bash -c "command -v catkin_make" >/dev/null; then
     echo "install_space.sh: catkin_make is missing; run scripts/setup.sh first" >&2
     exit 1
 fi
@@ -35,16 +44,8 @@ fi
 build="$(mktemp -d)"
 trap 'rm -rf "$build"' EXIT
 
-# What a shell sourced or activated does not become a part of the install space.
-run_clean() {
-    env -u CMAKE_PREFIX_PATH -u PYTHONPATH -u VIRTUAL_ENV PATH=/usr/local/bin:/usr/bin:/bin "$@"
-}
-
 install_workspace() {
     echo "building and installing the workspace in $folder"
-    # catkin starts its build with a link in the sources.
-    [ -e "$GPR20_WORKSPACE/src/CMakeLists.txt" ] ||
-        ln -s /usr/share/catkin/cmake/toplevel.cmake "$GPR20_WORKSPACE/src/CMakeLists.txt"
     if ! run_clean catkin_make -C "$GPR20_WORKSPACE" --build "$build/build" install \
         -DCATKIN_DEVEL_PREFIX="$build/devel" -DCMAKE_INSTALL_PREFIX="$folder" \
         -DPYTHON_EXECUTABLE="$PYTHON" -DCATKIN_ENABLE_TESTING=OFF >"$build/log" 2>&1; then
@@ -72,6 +73,10 @@ install_python_packages() {
     echo "installing the Python packages in $folder/venv"
     "$PYTHON" -m venv --system-site-packages "$folder/venv"
     pip=("$folder/venv/bin/python3" -m pip --quiet --disable-pip-version-check)
+    # That of Ubuntu 20.04 does not know the wheels of today.
+    case "$(run_clean "${pip[@]}" --version)" in
+        "pip 20."* | "pip 21."*) run_clean "${pip[@]}" install --upgrade pip ;;
+    esac
     run_clean "${pip[@]}" install --constraint "$pins" "${arguments[@]}"
     # Only what it needs: the analysis itself is in the workspace.
     if run_clean "${pip[@]}" show gpr20_analysis >/dev/null 2>&1; then

@@ -29,8 +29,9 @@ def test_sources_without_git_are_named_by_their_version(tmp_path):
 def test_an_installed_package_has_the_revision_of_its_sources(tmp_path, recorded, said):
     # Here it is installed inside the checkout of something else.
     subprocess.run(["git", "-C", str(tmp_path), "init", "-q"], check=True)
-    (tmp_path / "installed_revision").write_text(recorded)
-    assert software_revision("1.2.3", tmp_path) == said
+    installed = tmp_path / "installed_revision"
+    installed.write_text(recorded)
+    assert software_revision("1.2.3", tmp_path, installed) == said
 
 
 def test_the_version_is_that_of_the_package():

@@ -79,7 +79,7 @@ class ProcessingNode:
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
-                revision=software_revision(version, Path(gpr20_vna_processing.__file__).parent),
+                revision=software_revision(version, Path(__file__).resolve().parent),
                 readers=parameters.readable_by,
                 end_status=end_status,
             ),

@@ -5,31 +5,29 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import gpr20_common
+
 TIME_LIMIT_S = 5.0
-# CMakeLists.txt writes it into the installed package: the git revision of the sources, or nothing.
-INSTALLED_REVISION = "installed_revision"
+# Written when gpr20_common was installed: the git revision of the sources, or nothing.
+INSTALLED_REVISION = Path(gpr20_common.__file__).resolve().with_name("installed_revision")
 
 
-def software_revision(version: str, package: Path) -> str:
-    """Return the version, with the git revision of the sources where they were under git.
+def software_revision(version: str, folder: Path, installed: Path = INSTALLED_REVISION) -> str:
+    """Return the version, with the git revision that was installed or is in the folder.
 
     Args:
         version: Version of the package.
-        package: Folder of the Python package, in the sources or installed.
+        folder: Where the sources are.
+        installed: File with the revision that was installed.
     """
-    try:
-        # An install space may be in the git repository of something else.
-        revision = (package / INSTALLED_REVISION).read_text(encoding="utf-8").strip()
-    except OSError:
-        revision = _git_revision(package)
-    return f"{version} (git {revision})" if revision else version
-
-
-def _git_revision(folder: Path) -> str:
+    if installed.exists():
+        # Not that of a repository which the install space may be in.
+        recorded = installed.read_text(encoding="utf-8").strip()
+        return f"{version} (git {recorded})" if recorded else version
     command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--tags"]
     try:
         answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
     except (OSError, subprocess.SubprocessError):
-        # No git here, or not a checkout: only the version is known.
-        return ""
-    return answer.stdout.decode(errors="replace").strip()
+        # Installed without git, or not a checkout: only the version is known.
+        return version
+    return f"{version} (git {answer.stdout.decode(errors='replace').strip()})"
