@@ -15,14 +15,14 @@ messages=catkin_ws/devel/lib/python3/dist-packages
 packages=(catkin_ws/src/*/src)
 MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)$messages" \
     mypy --no-error-summary --scripts-are-modules "${packages[@]}" catkin_ws/src/*/nodes/* \
-    benchmarks/*.py conftest.py scripts/*.py scripts/crash_matrix scripts/pytest_gpr20
+    benchmarks/*.py conftest.py deploy/*.py scripts/*.py scripts/crash_matrix scripts/pytest_gpr20
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
-if grep -nE '^.{101}' scripts/*.sh .ci/run >&2; then
+if grep -nE '^.{101}' deploy/*.sh scripts/*.sh .ci/run >&2; then
     echo "lint.sh: break these lines after at most 100 characters" >&2
     exit 1
 fi
-for script in scripts/*.sh .ci/run; do bash -n "$script"; done
+for script in deploy/*.sh scripts/*.sh .ci/run; do bash -n "$script"; done
 echo "lint: nothing to complain about"

@@ -41,7 +41,7 @@ _gpr20_listen() {
             *) echo "gpr20: ROS_HOSTNAME '${ROS_HOSTNAME:-}' or ROS_IP '${ROS_IP:-}' was exported" \
                 "before: ROS listens to every machine that reaches this one, and has no" \
                 "authentication. Unset both, or configure two machines by GPR20_ROBOT and" \
-                "GPR20_SERVER; see docs/guide.md." >&2 ;;
+                "GPR20_SERVER; see docs/install.md." >&2 ;;
         esac
         return
     fi

@@ -9,11 +9,11 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import guide
+import install_page
 from bad_link import BadLink
 from user_shell import ROOT
 
-ROBOT, SERVER = guide.addresses()
+ROBOT, SERVER = install_page.addresses()
 # Further addresses of both, which the other one does not know.
 ROBOT_STRANGER, SERVER_STRANGER = "10.20.0.9", "10.20.0.8"
 LISTENING = "0A"

@@ -1,15 +1,14 @@
-"""Two machines behind the guide's firewall rules: a survey runs, and nobody else gets in."""
+"""Two machines behind the firewall of docs/install.md: a survey runs, nobody else gets in."""
 
 from __future__ import annotations
 
 import contextlib
-import os
 import subprocess
 import sys
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 
-import guide
+import install_page
 import pytest
 from network_namespaces import (
     ROBOT,
@@ -23,7 +22,7 @@ from user_shell import wait_until
 
 pytestmark = [
     pytest.mark.real_time,
-    pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root"),
+    pytest.mark.needs("network namespaces", "firewall"),
 ]
 
 PORT = 11311
@@ -76,16 +75,16 @@ WANTED = {
 }
 
 
-def test_the_commands_of_the_guide_shut_out_everybody_but_the_other_machine():
+def test_the_commands_of_the_page_shut_out_everybody_but_the_other_machine():
     with two_listening_machines() as (server, robot):
         assert what_works(server, robot)["from a third machine"]
-        server.shut_out_others(guide.firewall())
+        server.shut_out_others(install_page.firewall())
         assert what_works(server, robot) == WANTED
 
 
-@pytest.mark.parametrize("line", range(len(guide.firewall())))
-def test_every_command_of_the_guide_is_needed(line):
-    commands = guide.firewall()
+@pytest.mark.parametrize("line", range(len(install_page.firewall())))
+def test_every_command_of_the_page_is_needed(line):
+    commands = install_page.firewall()
     del commands[line]
     with two_listening_machines() as (server, robot):
         try:
@@ -95,17 +94,17 @@ def test_every_command_of_the_guide_is_needed(line):
         assert what_works(server, robot) != WANTED
 
 
-def test_the_guides_line_for_a_remote_shell_admits_that_alone():
+def test_the_line_for_a_remote_shell_admits_that_alone():
     with two_listening_machines() as (server, robot):
-        rule = guide.remote_shell_rule(ROBOT_STRANGER)
-        server.shut_out_others([*guide.firewall(), rule])
+        rule = install_page.remote_shell_rule(ROBOT_STRANGER)
+        server.shut_out_others([*install_page.firewall(), rule])
         assert what_works(server, robot) == WANTED
         server.shut_out_others([rule.replace("dport 22", f"dport {PORT}")])
         assert robot.reached(ROBOT_STRANGER, SERVER, [PORT])
 
 
-def test_the_commands_work_as_the_lines_of_a_file_as_the_guide_says(tmp_path):
-    rules = [line.replace("nft ", "", 1).replace("'", "") for line in guide.firewall()]
+def test_the_commands_work_as_the_lines_of_a_file_as_the_page_says(tmp_path):
+    rules = [line.replace("nft ", "", 1).replace("'", "") for line in install_page.firewall()]
     (tmp_path / "nftables.conf").write_text("\n".join(rules) + "\n")
     with two_listening_machines() as (server, robot):
         server.load_rules(tmp_path / "nftables.conf")
@@ -120,7 +119,7 @@ def open_ports(machine):
 def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_ports(tmp_path):
     with two_machines() as (server, robot):
         for machine in (server, robot):
-            machine.shut_out_others(guide.firewall())
+            machine.shut_out_others(install_page.firewall())
         with launched(server, robot, tmp_path) as (_on_server, on_robot):
             assert on_robot.run(SURVEY) == 0
             assert_closed_to_strangers(server, robot)

@@ -7,7 +7,7 @@ import json
 import re
 from collections import Counter
 
-import guide
+import install_page
 from network_namespaces import ROBOT, SERVER, relayed
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
@@ -27,7 +27,7 @@ def launched(server, robot, folder):
     environment = user_environment(
         folder / "surveys", GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, ROS_HOME=str(folder / "ros")
     )
-    _both, launch_server, launch_robot = guide.two_machine_commands()
+    _both, launch_server, launch_robot = install_page.two_machine_commands()
     with (folder / "printed.log").open("wb") as log:
         on_server = Terminal(log, environment, server.prefix)
         on_robot = Terminal(log, environment, robot.prefix)
@@ -45,7 +45,7 @@ def launched(server, robot, folder):
 
 
 def simulated(command):
-    """Return the guide's command for the real robot as one for the simulated robot."""
+    """Return the page's command for the real robot as one for the simulated robot."""
     assert "robot:=gpr20" in command
     return command.replace("robot:=gpr20", f"time_scale:={TIME_SCALE}")
 

@@ -1,4 +1,4 @@
-"""The commands of docs/guide.md, as they stand there."""
+"""The commands of docs/install.md."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import re
 
 from user_shell import ROOT
 
-GUIDE = ROOT / "docs/guide.md"
+PAGE = ROOT / "docs/install.md"
 
 
 def code_blocks(heading):
     """Return the code blocks of the section with a heading, up to the next heading."""
-    text = GUIDE.read_text(encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
     section = re.search(rf"^#+ {re.escape(heading)}\n(.*?)(?=^#+ |\Z)", text, re.M | re.S)
-    assert section, f"the guide has no section {heading}"
+    assert section, f"the page has no section {heading}"
     return re.findall(r"^```\w*\n(.*?)^```$", section.group(1), re.M | re.S)
 
 
@@ -37,5 +37,5 @@ def firewall():
 
 def remote_shell_rule(address):
     """Return the command that admits a remote shell from an address."""
-    (rule,) = re.findall(r"`(nft add rule [^`]*YOUR_ADDRESS[^`]*)`", GUIDE.read_text("utf-8"))
+    (rule,) = re.findall(r"`(nft add rule [^`]*YOUR_ADDRESS[^`]*)`", PAGE.read_text("utf-8"))
     return rule.replace("YOUR_ADDRESS", address)

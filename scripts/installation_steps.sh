@@ -1,0 +1,142 @@
+# Sourced by installation.sh: the steps of an installation and the record of them.
+# A record is one line "KIND, PATH, VALUE" of /etc/gpr20/installed, separated by tabs.
+# shellcheck shell=bash
+# shellcheck disable=SC2154  # the variables of installation.sh
+
+changes=0
+# Files that were written or changed, for what must read them again.
+written=()
+# Folders that were made, or would be.
+declare -A planned=()
+
+# step WORDS COMMAND...: run a command that changes something, or say that it would be run.
+step() {
+    changes=$((changes + 1))
+    if [ "$dry" = yes ]; then echo "would do: $1"; return; fi
+    "${@:2}"
+    echo "done: $1"
+}
+
+there() { echo "already there: $1"; }
+
+gone() { echo "already gone: $1"; }
+
+# is_real: whether this changes the running system, not a folder below --root.
+is_real() { [ -z "$root" ]; }
+
+# system_step WORDS COMMAND...: the same for what acts on the running system only.
+system_step() {
+    if is_real; then step "$@"; else echo "not with --root: $1"; fi
+}
+
+# recorded KIND [PATH]: the value of a record (without PATH: of the first of its kind).
+recorded() {
+    [ -f "$root$MANIFEST" ] || return 0
+    awk -F '\t' -v kind="$1" -v path="${2-}" \
+        '$1 == kind && (path == "" || $2 == path) { print path == "" ? $2 : $3; exit }' \
+        "$root$MANIFEST"
+}
+
+# record KIND PATH [VALUE]: once for each KIND and PATH.
+record() {
+    local kept
+    kept="$(awk -F '\t' -v kind="$1" -v path="$2" '!($1 == kind && $2 == path)' \
+        "$root$MANIFEST" 2>/dev/null || true)"
+    printf '%s%s\t%s\t%s\n' "${kept:+$kept$'\n'}" "$1" "$2" "${3-}" |
+        write_file "$root$MANIFEST" 644
+}
+
+# begin_records ROLE: what this machine is; everything that follows is recorded.
+begin_records() {
+    ensure_folder "$(dirname "$MANIFEST")"
+    [ "$dry" = yes ] || [ -n "$(recorded role)" ] || record role "$1"
+}
+
+# write_file FILE MODE: whole or not at all, also after a power cut.
+write_file() {
+    cat >"$1.gpr20-new"
+    chmod "$2" "$1.gpr20-new"
+    sync "$1.gpr20-new"
+    mv -f "$1.gpr20-new" "$1"
+}
+
+sum_of() { sha256sum <"$1" | cut -d ' ' -f 1; }
+
+# ensure_folder PATH [USER]: the folder and those above it, of root or of a user.
+ensure_folder() {
+    if [ -d "$root$1" ] || [ -n "${planned[$1]-}" ]; then return; fi
+    [ "$(dirname "$1")" = / ] || ensure_folder "$(dirname "$1")"
+    planned[$1]=yes
+    step "make the folder $1" make_folder "$@"
+}
+
+make_folder() {
+    mkdir -m 755 "$root$1"
+    if is_real && [ -n "${2-}" ]; then chown "$2:" "$1"; fi
+    # The first of all is the folder of the records.
+    record folder "$1"
+}
+
+# ensure_file PATH TEXT: a file of this installation. One that was changed by hand stays.
+ensure_file() {
+    local path="$1" file="$root$1"
+    ensure_folder "$(dirname "$path")"
+    if [ -f "$file" ] && [ "$2" = "$(cat "$file")" ]; then there "$path"; return; fi
+    if [ -e "$file" ] && [ "$(sum_of "$file")" != "$(recorded file "$path")" ]; then
+        echo "left: $path was written or changed by hand; remove it to get the new one"
+        return
+    fi
+    step "write $path" put_file "$path" "$2"
+    written+=("$path")
+}
+
+put_file() {
+    printf '%s\n' "$2" | write_file "$root$1" 644
+    record file "$1" "$(sum_of "$root$1")"
+}
+
+# ensure_link PATH TARGET
+ensure_link() {
+    ensure_folder "$(dirname "$1")"
+    if [ "$(readlink "$root$1" || true)" = "$2" ]; then there "$1"; return; fi
+    [ ! -e "$root$1" ] || fail "$1 exists and is not a link to $2"
+    step "link $1" put_link "$@"
+}
+
+put_link() {
+    ln -sfn "$2" "$root$1"
+    record link "$1" "$2"
+}
+
+# ensure_block PATH TEXT: marked lines at the end of a file that others own.
+ensure_block() {
+    if grep -qsxF -e "$BLOCK_BEGIN" -e "$BLOCK_JOINED" "$root$1"; then
+        there "lines in $1"
+        return
+    fi
+    step "add to $1: ${2//$'\n'/; }" put_block "$@"
+    written+=("$1")
+}
+
+put_block() {
+    local begin="$BLOCK_BEGIN" join=''
+    if [ -s "$root$1" ] && [ -n "$(tail -c 1 "$root$1")" ]; then
+        begin="$BLOCK_JOINED" join=$'\n'
+    fi
+    record block "$1"
+    { cat "$root$1"; printf '%s%s\n%s\n%s\n' "$join" "$begin" "$2" "$BLOCK_END"; } |
+        write_file "$root$1" "$(stat -c %a "$root$1")"
+}
+
+# template NAME: a file of deploy/ with the values of this installation.
+template() {
+    local text
+    text="$(cat "$DEPLOY/$1")"
+    text="${text//@HARDENING@/$(cat "$DEPLOY/systemd/hardening.conf")}"
+    text="${text//@CHECKOUT@/$GPR20_ROOT}"
+    text="${text//@USER@/$user}"
+    text="${text//@ROBOT@/$robot}"
+    text="${text//@SERVER@/$server}"
+    text="${text//@PART@/${part-}}"
+    printf '%s\n' "${text//@PARTS@/${parts-}}"
+}
