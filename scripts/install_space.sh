@@ -29,6 +29,7 @@ if [ -z "$folder" ]; then
     echo "install_space.sh: name a folder; allowed options: --robot, --analysis, --no-venv" >&2
     exit 2
 fi
+
 # run_clean COMMAND...: with the system's ROS alone; what this shell sourced or activated does not
 # become a part of the install space.
 run_clean() {

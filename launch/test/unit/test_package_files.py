@@ -54,6 +54,7 @@ OFFICIAL_ROS_KEYS = {
     "rosgraph",
     "rosgraph_msgs",
     "roslaunch",
+    "roslib",
     "rosnode",
     "rospy",
     "rosservice",

@@ -20,6 +20,7 @@ FROM_ROS = (
     "genpy",
     "rosgraph",
     "rosgraph_msgs",
+    "roslib",
     "rospy",
     "sensor_msgs",
     "std_msgs",
