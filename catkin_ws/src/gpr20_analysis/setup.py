@@ -20,11 +20,5 @@ setup(
         ],
         package_data={"gpr20_analysis.sample": ["survey.mcap"]},
         package_dir={"": "src"},
-        entry_points={
-            "console_scripts": [
-                "gpr20 = gpr20_analysis.commands.main:main",
-                "gpr20-verify = gpr20_analysis.verify:main",
-            ]
-        },
     )
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import shutil
 import subprocess
 import sys
@@ -15,10 +16,14 @@ from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import end_child, start_child
 
 COMMAND = "gpr20"
+# Every workspace has the command, but not the libraries that it needs; this is one of them.
+LIBRARY = "xarray"
 
 
 def gpr20_path() -> Optional[str]:
-    """Return the command beside this interpreter, or on the path; None if it is not installed."""
+    """Return the command beside this interpreter, or on the path; None if it cannot run."""
+    if importlib.util.find_spec(LIBRARY) is None:
+        return None
     beside = Path(sys.executable).with_name(COMMAND)
     return str(beside) if beside.exists() else shutil.which(COMMAND)
 

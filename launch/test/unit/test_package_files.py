@@ -1,0 +1,221 @@
+"""What a package imports it depends on, and what it reads is installed with it."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from gpr20_launch.low import needed_modules
+
+ROOT = Path(__file__).resolve().parents[3]
+SOURCES = ROOT / "catkin_ws" / "src"
+PACKAGES = {
+    re.search("<name>(.*)</name>", path.read_text()).group(1): path.parent.resolve()
+    for path in sorted(SOURCES.glob("*/package.xml"))
+}
+# Keys of other modules: those of ROS have their own name, the rest is `python3-<module>-pip`.
+KEYS = {
+    "OpenGL": "python3-pyopengl-pip",
+    "PyQt5": "python3-pyqt5",
+    "numpy": "python3-numpy",
+    "psutil": "python3-psutil",
+    "rospkg": "python3-rospkg",
+    "skrf": "python3-scikit-rf-pip",
+    "yaml": "python3-yaml",
+}
+# Imported on the real robot alone: requirements/robot.in.
+ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
+# Imported by others on behalf of a package: h5netcdf by xarray, OpenGL by pyqtgraph.
+INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-pyopengl-pip"}
+# Needed by the window, which a machine without a screen does not start, and by the analysis.
+NOT_EVERYWHERE = {"PyQt5"}
+# Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
+# in noetic/distribution.yaml). Look a key up there before you add it here.
+OFFICIAL_ROS_KEYS = {
+    "actionlib",
+    "actionlib_msgs",
+    "catkin",
+    "diagnostic_aggregator",
+    "diagnostic_msgs",
+    "diagnostic_updater",
+    "genpy",
+    "geometry_msgs",
+    "joint_state_publisher",
+    "message_generation",
+    "message_runtime",
+    "robot_state_publisher",
+    "rosbag",
+    "rosgraph",
+    "rosgraph_msgs",
+    "roslaunch",
+    "roslib",
+    "rosnode",
+    "rospy",
+    "rosservice",
+    "rostest",
+    "rostopic",
+    "rviz",
+    "sensor_msgs",
+    "std_msgs",
+    "std_srvs",
+    "tf2_msgs",
+    "tf2_ros",
+    "urdf",
+    "visualization_msgs",
+    "xacro",
+}
+OFFICIAL_KEYS = OFFICIAL_ROS_KEYS | {
+    "python3-numpy",
+    "python3-psutil",
+    "python3-pyqt5",
+    "python3-rospkg",
+    "python3-setuptools",
+    "python3-yaml",
+    "xvfb",
+}
+# Read by catkin, pip or a person in the sources.
+BUILD_FILES = {"CMakeLists.txt", "README.md", "hatch_build.py", "package.xml", "pyproject.toml"}
+BUILD_FILES |= {"setup.py"}
+BUILD_FOLDERS = {"action", "env-hooks", "msg", "nodes", "src", "srv", "test"}
+
+
+def python_files(folder):
+    """Return the modules and the nodes of a package."""
+    return [*folder.glob("src/**/*.py"), *(one for one in folder.glob("nodes/*") if one.is_file())]
+
+
+def foreign_modules(name):
+    """Return the top-level modules that a package imports from outside itself and Python."""
+    found = set()
+    for path in python_files(PACKAGES[name]):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add(node.module.split(".")[0])
+    return {one for one in found if one not in standard_modules()} - {name}
+
+
+def standard_modules():
+    """Return the names of the standard library."""
+    if sys.version_info < (3, 10):
+        pytest.skip("this Python does not list its standard library")
+    return sys.stdlib_module_names
+
+
+def key_of(module):
+    """Return the rosdep key of a module."""
+    if module in PACKAGES or module in OFFICIAL_ROS_KEYS:
+        return module
+    return KEYS.get(module, f"python3-{module}-pip")
+
+
+def depends(name, kinds="exec_depend|depend"):
+    """Return the dependencies of a package."""
+    text = (PACKAGES[name] / "package.xml").read_text()
+    return set(re.findall(rf"<(?:{kinds})>(.+?)</", text))
+
+
+def files_of(name):
+    """Return the files of a package that git knows or would add, relative to its folder."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    listed = subprocess.run(
+        command, cwd=PACKAGES[name], stdout=subprocess.PIPE, text=True, check=True
+    ).stdout.splitlines()
+    return [Path(one) for one in listed if (PACKAGES[name] / one).is_file()]
+
+
+def cmake_of(name):
+    """Return the CMakeLists.txt of a package."""
+    return (PACKAGES[name] / "CMakeLists.txt").read_text()
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_a_package_depends_on_what_it_imports(name):
+    imported = {key_of(one) for one in foreign_modules(name) - ROBOT_MODULES}
+    assert imported <= depends(name), "add <exec_depend>...</exec_depend> to package.xml"
+
+
+@pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "src").exists()])
+def test_a_package_depends_on_nothing_that_it_does_not_import(name):
+    imported = {key_of(one) for one in foreign_modules(name)}
+    spare = depends(name, "exec_depend") - imported - {"message_runtime"} - INDIRECT_KEYS
+    launched = "".join(path.read_text() for path in PACKAGES[name].glob("**/*.launch"))
+    assert {one for one in spare if one not in launched} == set()
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
+    for path in PACKAGES[name].glob("*.launch"):
+        named = set(re.findall(r'pkg="(\w+)"|\$\(find (\w+)\)|rosrun (\w+)', path.read_text()))
+        assert {one for names in named for one in names if one} - {name} <= depends(name)
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_rosdep_knows_every_key(name):
+    ours = yaml.safe_load((ROOT / "rosdep/gpr20.yaml").read_text())
+    kinds = "buildtool_depend|build_depend|build_export_depend|exec_depend|depend|test_depend"
+    unknown = depends(name, kinds) - PACKAGES.keys() - OFFICIAL_KEYS - ours.keys()
+    assert unknown == set(), "add a pip key to rosdep/gpr20.yaml, or look up the official one"
+
+
+def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
+    ours = yaml.safe_load((ROOT / "rosdep/gpr20.yaml").read_text())
+    used = set().union(*(depends(name) for name in PACKAGES))
+    assert set(ours) <= used
+    pinned = (ROOT / "requirements/python3.11.txt").read_text().lower()
+    for key, systems in ours.items():
+        assert systems["debian"] == systems["ubuntu"], key
+        (package,) = systems["debian"]["pip"]["packages"]
+        assert re.search(rf"^{re.escape(package.lower())}==", pinned, re.MULTILINE), package
+
+
+def test_the_check_before_a_launch_knows_what_the_nodes_import():
+    launched = set(PACKAGES) - {"gpr20_analysis"}
+    imported = set().union(*(foreign_modules(name) for name in launched))
+    known = {*needed_modules.FROM_ROS, *needed_modules.FROM_SYSTEM, *needed_modules.FROM_PIP}
+    assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_every_file_of_a_package_is_installed(name):
+    cmake = cmake_of(name)
+    installed = " ".join(re.findall(r"(?:install|install_python|env_hooks)\(([^)]*)\)", cmake))
+    words = set(installed.split())
+    for path in files_of(name):
+        top = path.parts[0]
+        if len(path.parts) == 1 and top not in BUILD_FILES and not top.startswith("."):
+            assert top in words, f"{path}: install(FILES {top} ...)"
+        elif top == "nodes":
+            assert str(path) in words, f"{path}: catkin_install_python(PROGRAMS {path} ...)"
+        elif top == "env-hooks":
+            assert path.stem in words, f"{path}: catkin_add_env_hooks({path.stem} ...)"
+        elif len(path.parts) > 1 and top not in BUILD_FOLDERS:
+            assert top in words, f"{path}: install(DIRECTORY {top} ...)"
+
+
+@pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
+def test_setup_py_names_every_python_package_and_every_data_file(name):
+    (call,) = (
+        node
+        for node in ast.walk(ast.parse((PACKAGES[name] / "setup.py").read_text()))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "generate_distutils_setup"
+    )
+    given = {one.arg: ast.literal_eval(one.value) for one in call.keywords}
+    inside = [path for path in files_of(name) if path.parts[0] == "src"]
+    modules = {".".join(path.parts[1:-1]) for path in inside if path.suffix == ".py"}
+    assert set(given["packages"]) == modules
+    named = {
+        path
+        for package, patterns in given.get("package_data", {}).items()
+        for pattern in patterns
+        for path in PACKAGES[name].glob(f"src/{package.replace('.', '/')}/{pattern}")
+    }
+    data = {PACKAGES[name] / path for path in inside if path.suffix != ".py"}
+    assert data <= named, "add it to package_data in setup.py"
