@@ -3,8 +3,8 @@
 #   scripts/translations.sh                     update each: new templates have an empty msgstr; run
 #                                               it again after writing them, for docs/messages.md
 #   scripts/translations.sh --check             fail on a template without Spanish, on an entry that
-#                                               has no template, on other {values} than its template,
-#                                               or if docs/messages.md is not up to date
+#                                               has no template or other {values} than it, or if
+#                                               docs/messages.md is not up to date
 #   scripts/translations.sh --new FILE.po NAME  begin a catalogue; FILE is the code of its language
 #   scripts/translations.sh FILE.po             update a catalogue of another folder
 #   scripts/translations.sh --check FILE.po     check it; entries may be missing

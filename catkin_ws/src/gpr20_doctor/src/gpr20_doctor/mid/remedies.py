@@ -92,7 +92,8 @@ _RULES = (
         WAIT_FOR_PART,
     ),
     _rule(
-        r"scripts/setup\.sh|robot's configuration|configuration of this launch|end the launch|"
+        r"_options|\{class_name\}|\{module\}|\{protocol\}|must have the form|scripts/setup\.sh|"
+        r"robot's configuration|configuration of this launch|end the launch|"
         r"end every launch|another configuration|is missing; |axis driver first|memory_file|"
         r"SPI bus|step count|library|scikit|parameters of|maker|visa|description of its hardware|"
         r"correction_query|is not configured|namespace|max_coord|simulated one|a real one",
