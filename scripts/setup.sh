@@ -85,6 +85,9 @@ check_place() {
         fail "$GPR20_WORKSPACE/src/gpr20 is no link to the folder launch: this copy has lost its" \
             "symbolic links; clone the repository with git on a file system that has them"
     [ -e /proc/self ] || fail "/proc is not mounted; run as root: mount -t proc proc /proc"
+    { [ -d /dev/shm ] && [ -w /dev/shm ]; } ||
+        fail "/dev/shm, memory that the nodes share, is not there or not writable; run as root:" \
+            "mkdir -p /dev/shm && mount -t tmpfs -o mode=1777 tmpfs /dev/shm"
     getent hosts localhost >/dev/null ||
         fail "localhost has no address here, which ROS needs; run as root:" \
             "echo 127.0.0.1 localhost >>/etc/hosts"

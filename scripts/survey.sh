@@ -36,8 +36,9 @@ shut_down() {
 }
 trap shut_down EXIT
 
-# The first start on a machine is slow: nothing is compiled yet.
-until (: <"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do
+# The first start is slow on a small or busy machine: nothing is compiled yet.
+deadline=$((SECONDS + 120))
+until grep -q "/main_control is ready" "$log" || [ "$SECONDS" -ge "$deadline" ]; do
     if ! kill -0 "$launch" 2>/dev/null; then
         tail -n 20 "$log" >&2
         echo "the simulated robot did not start; the whole log of the nodes is $log" >&2
