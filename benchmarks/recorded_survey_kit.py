@@ -50,7 +50,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     (folder / survey_folder.SURVEY_FILE).write_bytes(survey_metadata.encode(description))
     text = json.dumps(description)
     recordings = open_recordings(folder, description)
-    topics = SurveyTopics((MESSAGES / "Trace.msg").read_text())
+    topics = SurveyTopics(_trace_definition())
     for recording in recordings:
         recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
@@ -74,6 +74,18 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
         recording.finish()
     sealing.write_manifest(folder, SURVEY_ID, "benchmark", str(description["ended"]))
     return len(points)
+
+
+def _trace_definition() -> str:
+    """Return the text of gpr20_msgs/Trace with the types that it contains."""
+    rule = "=" * 80
+    return "\n".join(
+        (
+            *((MESSAGES / "Trace.msg").read_text(), rule, "MSG: std_msgs/Header"),
+            *("uint32 seq\ntime stamp\nstring frame_id\n", rule, "MSG: gpr20_msgs/AuxValue"),
+            (MESSAGES / "AuxValue.msg").read_text(),
+        )
+    )
 
 
 def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:

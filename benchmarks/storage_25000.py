@@ -27,9 +27,11 @@ from typing import Any, Dict, List
 import numpy as np
 import rospy
 from robot_kit import free_port, resident_mib, running
+from std_msgs.msg import Header
 
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
+from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 
@@ -78,6 +80,7 @@ class Traces:
         now = rospy.Time.from_sec(time.time())
         real, imag = self._random.standard_normal((2, POINTS)) * 1e-3
         return Trace(
+            header=Header(stamp=now, frame_id=ANTENNA_LINK),
             format="gpr20-trace/1",
             survey_id=self._survey_id,
             sample_id=str(uuid.uuid4()),

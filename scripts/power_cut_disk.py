@@ -134,4 +134,6 @@ def _run(*command: str) -> None:
     except OSError as error:
         raise PowerCutError(f"{command[0]} cannot be run: {error.strerror}") from error
     if ended.returncode != 0:
-        raise PowerCutError(f"{' '.join(command)}: {ended.stderr.strip()}")
+        # Without the hint to read the kernel's log.
+        first = ended.stderr.strip().split("\n")[0]
+        raise PowerCutError(f"{' '.join(command)}: {first}")

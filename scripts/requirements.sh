@@ -19,5 +19,5 @@ pin() {
 
 # Ubuntu 20.04 with ROS Noetic has Python 3.8.10.
 pin 3.8.10 "${common[@]}" system.in "$@"
-pin 3.11 "${common[@]}" lint.in robot.in --constraints debian12.txt "$@"
+pin 3.11 "${common[@]}" lint.in docs.in robot.in --constraints debian12.txt "$@"
 pin 3.13 "${common[@]}" system.in "$@"

@@ -8,107 +8,165 @@
 #   scripts/setup.sh --analysis   the analysis with --robot too, for a robot that keeps its data
 #   scripts/setup.sh --scikit-rf   what another VNA needs as well (docs/another_analyzer.md)
 #   scripts/setup.sh --check   install nothing; end with status 1 if something is missing
+#   scripts/setup.sh --dry-run   install nothing; say what would be installed, and which ROS is used
+# It uses the ROS in /opt/ros/noetic if there is one, otherwise Debian's packages. What apt, pip and
+# catkin print is in setup.log.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
+# shellcheck source=scripts/setup_steps.sh
+source "$GPR20_ROOT/scripts/setup_steps.sh"
+# shellcheck source=scripts/setup_debian.sh
+source "$GPR20_ROOT/scripts/setup_debian.sh"
+
+PYTHON="${GPR20_SYSTEM_PYTHON:-/usr/bin/python3}"
+# What they take on the disk [MB], rounded up: docs/bare_debian.md.
+PACKAGES_MB=1600
+PYTHON_MB=1000
+
 DEBIAN_PACKAGES=(
-    catkin cmake g++ make python3-dev python3-venv
-    ros-base ros-base-dev python3-actionlib python3-diagnostic-msgs python3-diagnostic-updater
-    python3-numpy python3-pyqt5 python3-rosbag python3-rospy python3-rostest python3-sensor-msgs
-    python3-rosmsg python3-rosnode python3-rosservice python3-rostopic python3-std-srvs
-    python3-visualization-msgs rosbash x11-xserver-utils
+    cmake g++ make python3-dev python3-venv python3-numpy python3-pyqt5 x11-xserver-utils
+)
+# Packages of ROS: the name in Debian and, behind the colon, in ROS.
+ROS_PACKAGES=(
+    catkin:catkin ros-base:ros_base ros-base-dev:message_generation python3-actionlib:actionlib
+    python3-diagnostic-msgs:diagnostic_msgs python3-diagnostic-updater:diagnostic_updater
+    python3-rosbag:rosbag python3-rospy:rospy python3-rostest:rostest
+    python3-sensor-msgs:sensor_msgs python3-rosmsg:rosmsg python3-rosnode:rosnode
+    python3-rosservice:rosservice python3-rostopic:rostopic python3-std-srvs:std_srvs
+    python3-visualization-msgs:visualization_msgs rosbash:rosbash
 )
 DEBIAN_DEV_PACKAGES=(
     gettext iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
-dev=no robot=no analysis=no scikit_rf=no check=no
+dev=no robot=no analysis=no scikit_rf=no mode=install
 for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
         --analysis) analysis=yes ;;
         --scikit-rf) scikit_rf=yes ;;
-        --check) check=yes ;;
+        --check) mode=check ;;
+        --dry-run) mode=dry-run ;;
         *)
             echo "setup.sh: unknown argument '$argument';" \
-                "allowed: --dev, --robot, --analysis, --scikit-rf and --check" >&2
+                "allowed: --dev, --robot, --analysis, --scikit-rf, --check and --dry-run" >&2
             exit 2
             ;;
     esac
 done
 [ "$dev" = no ] || DEBIAN_PACKAGES+=("${DEBIAN_DEV_PACKAGES[@]}")
 
-case "$GPR20_ROOT" in
-    *[[:space:]]*)
-        echo "setup.sh: the path '$GPR20_ROOT' has a space, which catkin cannot build in;" \
-            "move the checkout" >&2
-        exit 1
-        ;;
-esac
-
-as_root() {
-    if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
+# may_change WHAT: whether this run changes something. With --check it says what is missing and
+# ends, with --dry-run it says what would be done.
+may_change() {
+    case "$mode" in
+        install) return 0 ;;
+        dry-run) echo "$1" ;;
+        check)
+            echo "the environment is not set up ($1); run scripts/setup.sh first" >&2
+            exit 1
+            ;;
+    esac
+    return 1
 }
 
-# With --check, say what would be done and end.
-refuse_if_checking() {
-    [ "$check" = yes ] || return 0
-    echo "the environment is not set up ($1); run scripts/setup.sh first" >&2
-    exit 1
+# End with a reason if nothing can be installed or built here.
+check_place() {
+    local folder
+    case "$GPR20_ROOT" in
+        *[[:space:]]*)
+            fail "the path '$GPR20_ROOT' has a space, which catkin cannot build in;" \
+                "move the checkout" ;;
+    esac
+    [ -e "$GPR20_WORKSPACE/src/gpr20/package.xml" ] ||
+        fail "$GPR20_WORKSPACE/src/gpr20 is no link to the folder launch: this copy has lost its" \
+            "symbolic links; clone the repository with git on a file system that has them"
+    [ -e /proc/self ] || fail "/proc is not mounted; run as root: mount -t proc proc /proc"
+    getent hosts localhost >/dev/null ||
+        fail "localhost has no address here, which ROS needs; run as root:" \
+            "echo 127.0.0.1 localhost >>/etc/hosts"
+    [ "$mode" = install ] || return 0
+    for folder in "$GPR20_ROOT" "$GPR20_WORKSPACE" "$GPR20_WORKSPACE/src" "$GPR20_VENV" \
+        "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"; do
+        if [ -e "$folder" ] && [ ! -w "$folder" ]; then
+            fail "$(id -un) cannot write to $folder, which belongs to $(stat -c %U "$folder");" \
+                "run this as that user, or use a copy of your own"
+        fi
+    done
+}
+
+# need_disk FOLDER MB WHAT: end if the disk of a folder has less free.
+need_disk() {
+    local free_mb
+    free_mb="$(df -Pm "$1" | awk 'NR == 2 { print $4 }')"
+    [ "$free_mb" -ge "$2" ] ||
+        fail "the disk of $1 has $free_mb MB free; $3 need about $2 MB: free some space"
 }
 
 install_debian_packages() {
-    local missing=() package
-    for package in "${DEBIAN_PACKAGES[@]}"; do
-        dpkg-query -W -f '${Status}' "$package" 2>/dev/null |
-            grep -q 'ok installed' || missing+=("$package")
-    done
+    local missing
+    mapfile -t missing < <(missing_packages "${DEBIAN_PACKAGES[@]}" -- "${ROS_PACKAGES[@]}")
     [ ${#missing[@]} -gt 0 ] || return 0
-    refuse_if_checking "missing Debian packages: ${missing[*]}"
-    echo "installing Debian packages: ${missing[*]}"
-    as_root apt-get update -qq
-    as_root env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+    may_change "missing Debian packages: ${missing[*]}" || return 0
+    install_packages "${missing[@]}"
 }
 
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
-    local lists=(nodes.in) arguments=() inputs=() version pins list
-    [ "$dev" = no ] || lists+=(test.in lint.in scikit_rf.in)
+    local lists=(nodes.in) arguments=() inputs=() version list venv_is_new=no
+    [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
-    version="$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
+    [ -x "$PYTHON" ] || { may_change "missing: $PYTHON" || return 0; }
+    version="$("$PYTHON" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
-    if [ ! -f "$pins" ]; then
-        echo "setup.sh: $pins is missing; add Python $version to scripts/requirements.sh" >&2
-        exit 1
-    fi
+    [ -f "$pins" ] || fail "$pins is missing; add Python $version to scripts/requirements.sh"
     # Its programs name its folder, so it is made again after the checkout was moved.
     if [ ! -x "$GPR20_VENV/bin/python" ] ||
         ! grep -qsE "VIRTUAL_ENV=[\"']?$GPR20_VENV[\"']?\$" "$GPR20_VENV/bin/activate"; then
-        refuse_if_checking "missing: $GPR20_VENV"
-        rm -rf "$GPR20_VENV"
-        echo "making the virtual environment $GPR20_VENV"
-        /usr/bin/python3 -m venv --system-site-packages "$GPR20_VENV"
+        if may_change "missing: $GPR20_VENV"; then
+            need_disk "$GPR20_ROOT" "$PYTHON_MB" "its Python packages"
+            rm -rf "$GPR20_VENV"
+            run_logged "the virtual environment $GPR20_VENV" \
+                "$PYTHON" -m venv --system-site-packages "$GPR20_VENV"
+            update_old_pip
+        fi
+        venv_is_new=yes
     fi
     for list in "${lists[@]}"; do
         list="$GPR20_ROOT/requirements/$list"
-        is_installed "$list" || { arguments+=(-r "$list"); inputs+=("$list"); }
+        if [ "$venv_is_new" = yes ] || ! is_installed "$list"; then
+            arguments+=(-r "$list")
+            inputs+=("$list")
+        fi
     done
     # Most surveys are analysed elsewhere than on the robot. gpr20 runs from its sources.
     list="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml"
-    if { [ "$robot" = no ] || [ "$analysis" = yes ]; } && ! is_installed "$list"; then
-        arguments+=(--editable "$(dirname "$list")[all]")
-        inputs+=("$list")
+    if [ "$robot" = no ] || [ "$analysis" = yes ]; then
+        if [ "$venv_is_new" = yes ] || ! is_installed "$list"; then
+            arguments+=(--editable "$(dirname "$list")[all]")
+            inputs+=("$list")
+        fi
     fi
     [ ${#arguments[@]} -gt 0 ] || return 0
-    refuse_if_checking "missing Python packages of: ${inputs[*]##*/}"
-    echo "installing the Python packages of: ${inputs[*]##*/}"
-    "$GPR20_VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
+    may_change "missing Python packages of: ${inputs[*]##*/} (pinned in ${pins##*/})" || return 0
+    step "installing Python packages in .venv (typically 1 min)"
+    run_logged "the installation of Python packages" \
+        "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --progress-bar off \
         --constraint "$pins" "${arguments[@]}"
     for list in "${inputs[@]}"; do cat "$list" "$pins" >"$(stamp_of "$list")"; done
+}
+
+# That of Ubuntu 20.04, 20.0.2, cannot install what has only a pyproject.toml as editable.
+update_old_pip() {
+    local version
+    version="$("$GPR20_VENV/bin/python" -m pip --version | grep -oE '[0-9]+' | head -n 1)"
+    [ "$version" -lt 22 ] || return 0
+    run_logged "the update of pip" \
+        "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --upgrade pip
 }
 
 # What was installed last because of a list.
@@ -127,30 +185,42 @@ build_inputs() {
         -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \
         -o -path '*/nodes/*' -o -path '*/env-hooks/*' \) \
         -type f -not -path '*/__pycache__/*' -print0 | sort -z | xargs -0 sha256sum
-        echo "$GPR20_ROOT")
+        echo "$GPR20_ROOT"
+        echo "ROS: $(ros_setup_file)")
 }
 
 build_workspace() {
-    local stamp="$GPR20_WORKSPACE/build/inputs.sha256" inputs log
+    local stamp="$GPR20_WORKSPACE/build/inputs.sha256" inputs
     inputs="$(build_inputs)"
     if [ -f "$stamp" ] && [ "$inputs" = "$(cat "$stamp")" ]; then return 0; fi
-    refuse_if_checking "the catkin workspace is not built from these sources"
-    echo "building the catkin workspace"
-    # The build names its folder too.
-    grep -qsxF "CMAKE_HOME_DIRECTORY:INTERNAL=$GPR20_WORKSPACE/src" \
+    may_change "the catkin workspace is not built from these sources" || return 0
+    step "building the catkin workspace (typically 30 s)"
+    # The build names its folder and its ROS too.
+    if ! grep -qsxF "CMAKE_HOME_DIRECTORY:INTERNAL=$GPR20_WORKSPACE/src" \
         "$GPR20_WORKSPACE/build/CMakeCache.txt" ||
+        [ "$(tail -n 1 "$stamp" 2>/dev/null)" != "$(tail -n 1 <<<"$inputs")" ]; then
         rm -rf "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"
-    log="$(mktemp)"
-    if ! catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
-        -DCATKIN_ENABLE_TESTING=OFF >"$log" 2>&1; then
-        cat "$log" >&2
-        echo "setup.sh: the catkin build failed; the lines above say where" >&2
-        exit 1
     fi
-    rm -f "$log"
+    run_logged "the catkin build" make_workspace
     printf '%s\n' "$inputs" >"$stamp"
 }
 
+# devel/setup.bash then sources that of the ROS which is sourced here.
+make_workspace() {
+    local ros
+    ros="$(ros_setup_file)"
+    (
+        # What ROS generates reads variables that may not be set.
+        set +u
+        # shellcheck disable=SC1090
+        [ -z "$ros" ] || source "$ros"
+        catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python" \
+            -DCATKIN_ENABLE_TESTING=OFF
+    )
+}
+
+check_place
+[ "$mode" != dry-run ] || describe_system
 install_debian_packages
 install_python_packages
 build_workspace

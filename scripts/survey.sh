@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Install what is missing, then run a small survey on the simulated robot to its end.
+# Install what is missing, then run a small survey on the simulated robot to its end, and write a
+# report with an image of the targets in the simulated ground.
 # Options are handed to the terminal client (see: scripts/survey.sh --help).
 #   GPR20_DATA         where surveys are kept (default ~/gpr20_data)
 #   GPR20_TIME_SCALE   how many times faster than the real robot it runs (default 50)
@@ -17,13 +18,15 @@ done
 
 data="$(realpath -ms "${GPR20_DATA:-$HOME/gpr20_data}")"
 time_scale="${GPR20_TIME_SCALE:-50}"
+scene="$GPR20_WORKSPACE/src/gpr20_simulator/scenes/two_targets.yaml"
 logs="$(mktemp -d)"
 log="$logs/roslaunch.log"
 # A master of its own, so that this never meets a robot that is already running here.
 port="$(gpr20_free_port)"
 export ROS_MASTER_URI="http://127.0.0.1:$port"
 
-setsid roslaunch -p "$port" gpr20 survey.launch ui:=false "data:=$data" \
+echo "starting the simulated robot (about 5 s)"
+setsid roslaunch -p "$port" gpr20 survey.launch ui:=false "data:=$data" "scene:=$scene" \
     "time_scale:=$time_scale" >"$log" 2>&1 &
 launch=$!
 shut_down() {
@@ -33,7 +36,18 @@ shut_down() {
 }
 trap shut_down EXIT
 
-area=(--x-start-mm 100 --x-stop-mm 120 --x-points 3 --y-start-mm 100 --y-stop-mm 120 --y-points 3)
+# The first start on a machine is slow: nothing is compiled yet.
+until (: <"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do
+    if ! kill -0 "$launch" 2>/dev/null; then
+        tail -n 20 "$log" >&2
+        echo "the simulated robot did not start; the whole log of the nodes is $log" >&2
+        exit 1
+    fi
+    sleep 0.1
+done
+
+# Around both targets of the scene, 40 mm from stop to stop.
+area=(--x-start-mm 90 --x-stop-mm 330 --x-points 7 --y-start-mm 80 --y-stop-mm 320 --y-points 7)
 # A survey that exists has its own.
 case " $* " in *" --resume"*) area=() ;; esac
 status=0 survey=
@@ -51,8 +65,33 @@ if [ "$status" -ne 0 ]; then
     echo "the survey did not finish (status $status); the whole log of the nodes is $log" >&2
     exit "$status"
 fi
-rm -r "$logs"
 traces="$(find "$survey/traces" -name '*.json' | wc -l)"
+
+# Write the report beside the survey: in its folder, it would be a file that the manifest lacks.
+# The simulated soil is known; a real one is measured or estimated.
+report="$survey.html"
+write_report() {
+    local permittivity
+    if ! python -c 'import gpr20_analysis.report.build' 2>"$logs/report.log"; then
+        echo "No report: the packages of the analysis are missing; run scripts/setup.sh."
+        return 1
+    fi
+    echo "writing the report (about 6 s)"
+    permittivity="$(python "$GPR20_ROOT/scripts/scene_targets.py" "$scene" --permittivity)"
+    if ! gpr20 report "$survey" --permittivity "$permittivity" --overwrite -o "$report" \
+        >"$logs/report.log" 2>&1; then
+        echo "No report:"
+        tail -n 3 "$logs/report.log"
+        return 1
+    fi
+    # Without an image, for too few stops, there are no candidates either.
+    gpr20 candidates "$survey" --permittivity "$permittivity" --json \
+        >"$logs/candidates.json" 2>/dev/null || return 0
+    found="$(python "$GPR20_ROOT/scripts/scene_targets.py" "$scene" <"$logs/candidates.json")"
+}
+found="" has_report=yes
+write_report || has_report=no
+rm -r "$logs"
 
 cat <<END
 
@@ -70,3 +109,14 @@ or there with ROS's own player:
 Check it:
   $GPR20_ROOT/scripts/verify.sh $survey
 END
+if [ "$has_report" = yes ]; then
+    cat <<END
+
+The report of this SIMULATED survey, with the image of the ground:
+  $report
+Open it in a browser: file://$report
+END
+fi
+if [ -n "$found" ]; then
+    printf '\nTargets of the simulated ground:\n%s\n' "$found"
+fi

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # The catalogue of every sentence that people read, kept with GNU gettext.
-#   scripts/translations.sh           update es.po: new templates have an empty msgstr
-#   scripts/translations.sh --check   fail on a template without Spanish, or the reverse
+#   scripts/translations.sh           update es.po: new templates have an empty msgstr; run it
+#                                     again after writing them, for the page of the messages
+#   scripts/translations.sh --check   fail on a template without Spanish, or the reverse, or if
+#                                     docs/messages.md is not up to date
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -10,6 +12,12 @@ cd "$GPR20_ROOT"
 catalogue=catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
+
+# docs/messages.md, from the catalogue.
+messages_page() {
+    PYTHONPATH="$(printf '%s:' "$GPR20_WORKSPACE"/src/gpr20_*/src)" \
+        "$GPR20_VENV/bin/python" scripts/messages_page.py "$@"
+}
 
 mapfile -d '' -t sources < <(git ls-files --cached --others --exclude-standard -z \
     'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' 'deploy/*.py')
@@ -34,6 +42,7 @@ if [ "${1:-}" = --check ]; then
             "then write the msgstr of each entry that has none or is marked fuzzy" >&2
         exit 1
     fi
+    messages_page --check
 else
     msgmerge --quiet --no-fuzzy-matching --add-location=file --sort-by-file --width=98 \
         --output-file="$scratch/merged.po" "$catalogue" "$scratch/templates.pot"
@@ -41,4 +50,5 @@ else
     msgattrib --no-obsolete --width=98 "$scratch/merged.po" |
         sed '/^"\(POT-Creation-Date\|Report-Msgid-Bugs-To\):/d' >"$catalogue"
     msgfmt --statistics --output-file=/dev/null "$catalogue"
+    messages_page
 fi

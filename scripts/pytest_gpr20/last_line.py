@@ -67,9 +67,9 @@ def in_short(notes: Counter) -> str:
 
 
 def reason_of(report: Any) -> str:
-    """Return why a test was skipped."""
+    """Return why a test was skipped, in one line."""
     _file, _line, reason = report.longrepr
-    return str(reason).replace("Skipped: ", "", 1)
+    return " ".join(str(reason).replace("Skipped: ", "", 1).split())
 
 
 def coverage_by_package(measured: Any) -> Dict[str, Tuple[int, int]]:

@@ -7,7 +7,7 @@ import re
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Dict, Iterator, Optional
 from xml.etree import ElementTree
 
 import pytest
@@ -75,12 +75,17 @@ class RostestFile(pytest.File):
         """Yield its only item, which depends on real time and takes a part of its limits."""
         item = RostestItem.from_parent(self, name="rostest")
         item.add_marker("real_time")
-        item.add_marker(pytest.mark.takes(sum(self._limits_s()) / 4))
+        described = ElementTree.parse(self.path).getroot()
+        limits_s = [float(one.get("time-limit", "60")) for one in described.iter("test")]
+        item.add_marker(pytest.mark.takes(sum(limits_s) / 4))
+        needs = [str(one.get("value")) for one in described.iter("arg") if is_need(one)]
+        item.add_marker(pytest.mark.needs(*needs))
         yield item
 
-    def _limits_s(self) -> List[float]:
-        tests = ElementTree.parse(self.path).getroot().iter("test")
-        return [float(one.get("time-limit", "60")) for one in tests]
+
+def is_need(argument: ElementTree.Element) -> bool:
+    """Return whether an argument of a rostest names what it needs of the machine."""
+    return argument.get("name") == "needs"
 
 
 def problem(ended: Ended) -> Optional[str]:

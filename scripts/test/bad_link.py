@@ -94,17 +94,6 @@ class BadLink:
         self._process.stdin.flush()
 
 
-def unavailable():
-    """Return why no such link can be made here; empty if it can."""
-    if os.geteuid() != 0:
-        return "network namespaces need root"
-    try:
-        with TUN.open("r+b", buffering=0):
-            return ""
-    except OSError as error:
-        return f"{TUN}: {error.strerror}"
-
-
 class Direction:
     """The packets on their way from one end to the other."""
 

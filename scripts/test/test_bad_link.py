@@ -44,7 +44,7 @@ SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
 pytestmark = [
     pytest.mark.real_time,
     pytest.mark.takes(150),
-    pytest.mark.skipif(bool(bad_link.unavailable()), reason=bad_link.unavailable()),
+    pytest.mark.needs("network namespaces", "tun"),
 ]
 
 

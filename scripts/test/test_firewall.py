@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import subprocess
 import sys
 from collections import Counter
@@ -23,7 +22,7 @@ from user_shell import wait_until
 
 pytestmark = [
     pytest.mark.real_time,
-    pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root"),
+    pytest.mark.needs("network namespaces", "firewall"),
 ]
 
 PORT = 11311

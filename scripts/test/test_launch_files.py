@@ -48,3 +48,16 @@ def test_the_window_covers_the_screen_of_the_real_robot(arguments, covers_screen
 def test_the_window_keeps_its_language_unless_the_launch_names_one():
     assert "_language:=auto" in nodes_of("survey.launch")["user_interface"].args
     assert "_language:=es" in nodes_of("survey.launch", "language:=es")["user_interface"].args
+
+
+@pytest.mark.parametrize("robot, chooses", [("gpr20", False), ("simulated", True)])
+def test_stop_on_a_real_robot_is_always_its_own(robot, chooses):
+    window = nodes_of("survey.launch", f"robot:={robot}")["user_interface"]
+    assert f"_choose_robot:={chooses}" in window.args
+
+
+@pytest.mark.parametrize("file", ["survey.launch", "robot.launch", "server.launch"])
+def test_every_node_of_a_robot_is_in_its_namespace(file):
+    config = ROSLaunchConfig()
+    XmlLoader(resolve_anon=True).load(str(LAUNCH / file), config, argv=["ns:=robot7"])
+    assert {node.namespace.split("/")[1] for node in config.nodes} == {"robot7"}

@@ -14,6 +14,12 @@ from robot_kit import free_port
 from rosbags.highlevel import AnyReader
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
+TRACES = 7 * 7 * 2
+SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
+# A target is found if its candidate is this close [mm]; its depth is exact to the resolution.
+NEAR_MM, NEAR_DEPTH_MM = 10.0, 5.0
+PLACE = r"x (\d+), y (\d+), depth (\d+)"
+
 pytestmark = [pytest.mark.real_time, pytest.mark.takes(150)]
 
 
@@ -80,15 +86,15 @@ def clean_survey(tmp_path_factory):
     )
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert not list(temporary.iterdir())
-    (folder,) = data.iterdir()
+    (folder,) = (one for one in data.iterdir() if one.is_dir())
     return ended.stdout, folder
 
 
 def test_the_first_command_runs_a_survey_to_its_end_in_a_clean_clone(clean_survey):
     printed, folder = clean_survey
-    assert len(list((folder / "traces").glob("*.json"))) == 18
+    assert len(list((folder / "traces").glob("*.json"))) == TRACES
     metadata = json.loads((folder / "survey.json").read_text())
-    assert (metadata["outcome"], metadata["stored_traces"]) == ("finished", 18)
+    assert (metadata["outcome"], metadata["stored_traces"]) == ("finished", TRACES)
     assert "SIMULATED" in printed
     for path in (folder / "traces", folder / "survey.bag", folder / "survey.mcap"):
         assert str(path) in printed
@@ -98,11 +104,11 @@ def test_the_first_command_runs_a_survey_to_its_end_in_a_clean_clone(clean_surve
 def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
     _printed, folder = clean_survey
     with AnyReader([folder / "survey.bag"]) as reader:
-        assert reader.topics["/trace"].msgcount == 18
+        assert reader.topics["/trace"].msgcount == TRACES
     with (folder / "survey.mcap").open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         assert reader.get_header().profile == "ros1"
-        assert sum(1 for _ in reader.iter_messages(topics=["/trace"])) == 18
+        assert sum(1 for _ in reader.iter_messages(topics=["/trace"])) == TRACES
 
 
 def printed_lines(printed, begin, end):
@@ -115,8 +121,11 @@ def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, t
     # Somebody else may replay on this computer.
     lines = printed_lines(printed.replace("11411", str(free_port())), "Replay it", "or there")
     for commands, said in (
-        (lines, "18 traces in"),
-        (printed_lines(printed, "Check it", "\0"), "complete and intact: all 18 planned traces"),
+        (lines, f"{TRACES} traces in"),
+        (
+            printed_lines(printed, "Check it", "\n\nThe report"),
+            f"complete and intact: all {TRACES} planned traces",
+        ),
     ):
         ended = subprocess.run(
             ["bash", "-c", "\n".join(commands)],
@@ -131,6 +140,31 @@ def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, t
         assert ended.returncode == 0, ended.stderr
 
 
+def test_its_image_shows_the_targets_of_the_scene_where_they_are(clean_survey):
+    printed, _folder = clean_survey
+    found = re.findall(rf"^  (.*\S) +{PLACE} +{PLACE}$", printed, re.MULTILINE)
+    assert [name for name, *_numbers in found] == ["metallic sphere", "plastic disc"]
+    for _name, *numbers in found:
+        buried, shown = [int(one) for one in numbers[:3]], [int(one) for one in numbers[3:]]
+        assert buried[:2] == pytest.approx(shown[:2], abs=NEAR_MM)
+        assert buried[2] == pytest.approx(shown[2], abs=NEAR_DEPTH_MM)
+
+
+def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(clean_survey):
+    printed, folder = clean_survey
+    report = folder.with_name(f"{folder.name}.html")
+    assert f"file://{report}" in printed.split("Check it")[1]
+    text = report.read_text(encoding="utf-8")
+    assert "SIMULATED" in text
+    # Pictures of the image, not only of the data.
+    assert "Maximum projections at 0 deg" in text
+
+
+def test_its_progress_is_a_few_lines_where_there_is_no_terminal(clean_survey):
+    printed, _folder = clean_survey
+    assert len(re.findall(r"\d+/\d+ traces", printed)) <= 12
+
+
 def test_nothing_keeps_running_after_it(clean_survey):
     _printed, folder = clean_survey
     assert processes_about(str(folder.parent)) == []
@@ -139,7 +173,7 @@ def test_nothing_keeps_running_after_it(clean_survey):
 def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(tmp_path):
     # As a terminal does: the signal goes to the whole foreground group.
     process = subprocess.Popen(
-        [str(ROOT / "scripts/survey.sh"), "--x-stop", "600"],
+        [str(ROOT / "scripts/survey.sh"), "--x-stop", "600", *SMALL],
         env=user_environment(tmp_path),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

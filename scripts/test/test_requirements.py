@@ -10,7 +10,7 @@ import pytest
 FOLDER = Path(__file__).resolve().parents[2] / "requirements"
 LISTS = {
     "3.8": ["nodes", "test", "system"],
-    "3.11": ["nodes", "test", "lint", "robot"],
+    "3.11": ["nodes", "test", "lint", "docs", "robot"],
     "3.13": ["nodes", "test", "system"],
 }
 

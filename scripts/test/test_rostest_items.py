@@ -38,7 +38,7 @@ def run(pytester, monkeypatch):
         script.write_text(SCRIPT.format(body=body))
         script.chmod(0o755)
         (pytester.path / "trial.test").write_text(LAUNCH)
-        plugins = "last_line", "rostest_items", "real_time", "order"
+        plugins = "last_line", "rostest_items", "abilities", "real_time", "order"
         loaded = [word for one in plugins for word in ("-p", f"pytest_gpr20.{one}")]
         return pytester.runpytest_subprocess(*loaded, *options, "trial.test")
 

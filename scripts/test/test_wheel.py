@@ -1,6 +1,7 @@
 """The wheel of the analysis holds all of this project that it needs: no ROS, no checkout."""
 
 import os
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -12,7 +13,7 @@ pytestmark = pytest.mark.takes(60)
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = ROOT / "catkin_ws/src/gpr20_analysis"
-SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys"
+SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
 VENVS = [".venv38", ".venv313"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
@@ -37,32 +38,45 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
     assert "gpr20_analysis/sample/survey.mcap" in names
 
 
-@pytest.mark.parametrize("venv", VENVS)
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["verify"],
-        ["report", "-o", "report.html", "--permittivity", "4"],
-        ["report", "-o", "report.html", "--permittivity", "4", "--language", "es"],
-    ],
-)
-def test_the_wheel_alone_reads_a_survey(wheel, tmp_path, command, venv):
-    python = ROOT / venv / "bin/python"
+@pytest.fixture(params=VENVS)
+def gpr20(request, wheel, tmp_path):
+    """A function that runs gpr20 from the wheel, under a Python without ROS."""
+    python = ROOT / request.param / "bin/python"
     if not python.exists():
-        pytest.skip(f"no {venv} here")
-    survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
+        pytest.skip(f"no {request.param} here")
     # As pip installs it: the catalogue is a file.
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(tmp_path / "installed")
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed")}
-    name, *options = command
-    ended = subprocess.run(
-        [python, "-m", "gpr20_analysis.commands.main", name, str(survey), *options],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-    )
-    assert ended.returncode == 0, ended.stdout + ended.stderr
-    assert name != "report" or (tmp_path / "report.html").stat().st_size > 10_000
+
+    def run(*arguments):
+        ended = subprocess.run(
+            [python, "-m", "gpr20_analysis.commands.main", *arguments],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path / "installed")},
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+        )
+        assert ended.returncode == 0, ended.stdout + ended.stderr
+        return ended.stdout
+
+    return run
+
+
+def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
+    survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
+    gpr20("verify", str(survey))
+    report = ["report", str(survey), "-o", "report.html", "--permittivity", "4"]
+    gpr20(*report, "--language", "es")
+    assert (tmp_path / "report.html").stat().st_size > 10_000
+
+
+def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path):
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    section = readme.split("## Look at a sample survey without ROS\n")[1].split("\n## ")[0]
+    install, *commands = section.split("```\n")[1].splitlines()
+    assert install == "pip install 'catkin_ws/src/gpr20_analysis[all]'"
+    printed = "".join(gpr20(*shlex.split(command)[1:]) for command in commands)
+    # Three bodies are buried below the sample.
+    assert "candidates: 3," in printed
+    assert (tmp_path / "report.html").stat().st_size > 100_000

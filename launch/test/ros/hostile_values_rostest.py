@@ -16,9 +16,11 @@ import rospy
 import rosservice
 import rostest
 from genpy.base import is_simple
+from std_msgs.msg import Header
 from survey_client import PARAMETERS, SurveyClient, json_traces
 
 from gpr20_msgs.msg import ControlStatus, SurveyParameters, Trace
+from gpr20_survey.frames import ANTENNA_LINK
 
 NODES = (
     *(f"{axis}_axis/axis_driver" for axis in "xyz"),
@@ -134,6 +136,7 @@ def usual_trace():
     """Return a trace of the survey SURVEY_ID that can be stored."""
     now = rospy.Time.now()
     return Trace(
+        header=Header(stamp=now, frame_id=ANTENNA_LINK),
         format="gpr20-trace/1",
         survey_id=SURVEY_ID,
         sample_id=str(uuid.uuid4()),

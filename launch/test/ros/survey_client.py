@@ -19,6 +19,7 @@ from gpr20_msgs.msg import (
     SurveyParameters,
 )
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_simulator.srv import SetFault
 
 LIMIT_S = 120.0
 # Of all nodes: where these are, every node is there.
@@ -64,26 +65,39 @@ def described(node):
 
 
 class SurveyClient:
-    """Requests to main_control, and everything it has published."""
+    """Requests to main_control, and everything it has published.
 
-    def __init__(self):
+    Args:
+        robot: Namespace of the robot; empty: that of the test.
+    """
+
+    def __init__(self, robot=""):
         self._changed = threading.Condition()
         self.statuses = []
         self.progress = []
         self.survey_id = ""
+        prefix = f"{robot}/" if robot else ""
         for name in SERVICES:
-            rospy.wait_for_service(name, LIMIT_S)
-        self.pause = rospy.ServiceProxy("pause_survey", Command)
-        self.set_parameters = rospy.ServiceProxy("set_survey_parameters", SetSurveyParameters)
-        self.start = rospy.ServiceProxy("start_survey", StartSurvey)
-        self.stop = rospy.ServiceProxy("stop_survey", Command)
-        self.resume = rospy.ServiceProxy("resume_survey", ResumeSurvey)
+            rospy.wait_for_service(prefix + name, LIMIT_S)
+
+        def service(name, kind):
+            return rospy.ServiceProxy(prefix + name, kind)
+
+        self.pause = service("pause_survey", Command)
+        self.set_parameters = service("set_survey_parameters", SetSurveyParameters)
+        self.start = service("start_survey", StartSurvey)
+        self.stop = service("stop_survey", Command)
+        self.resume = service("resume_survey", ResumeSurvey)
+        self.set_fault = service("simulator/set_fault", SetFault)
         self._subscribers = [
-            rospy.Subscriber("control_status", ControlStatus, self._note, self.statuses),
-            rospy.Subscriber("control_survey_data", SurveyData, self._note, self.progress),
+            rospy.Subscriber(f"{prefix}{name}", kind, self._note, kept)
+            for name, kind, kept in (
+                ("control_status", ControlStatus, self.statuses),
+                ("control_survey_data", SurveyData, self.progress),
+            )
         ]
         wait_until_connected(self._subscribers)
-        self.data = Path(described("vna_processing")["data"])
+        self.data = Path(described(f"{prefix}vna_processing")["data"])
 
     def _note(self, message, kept):
         with self._changed:

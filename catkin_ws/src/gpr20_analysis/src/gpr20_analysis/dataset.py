@@ -2,8 +2,9 @@
 
 `s21` is complex128 with dimensions (polarization, y, x, frequency); `height`, `timestamp`,
 `sweep_started`, `sweep_ended`, `quality`, `remarks`, `sample_id` and `index` have (polarization,
-y, x). All units are SI, but rotations are in degrees. A sample that is missing or damaged is NaN
-in `s21`; `quality` says which, and attribute `missing` lists them.
+y, x), and so has `aux_<name>`, the value of another sensor, NaN where there is none. All units are
+SI, but rotations are in degrees and sensors have their own. A sample that is missing or damaged is
+NaN in `s21`; `quality` says which, and attribute `missing` lists them.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ SAMPLE_DIMS = (POLARIZATION, Y, X)
 S21_DIMS = (*SAMPLE_DIMS, FREQUENCY)
 S21, A_SCAN, IMAGE = "s21", "a_scan", "image"
 NOISE, NOISE_OVER_Y, NOISE_OVER_X = "noise", "noise_over_y", "noise_over_x"
+AUX_PREFIX = "aux_"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 
 MM_PER_M = 1000.0
@@ -81,6 +83,12 @@ def described(data: xr.Dataset) -> xr.Dataset:
         data[name].attrs.update(ATTRIBUTES.get(str(name), {}))
     data[QUALITY].attrs.update(QUALITY_ATTRIBUTES)
     return data
+
+
+def aux_names(survey: xr.Dataset) -> List[str]:
+    """Return the names of the variables with values of other sensors."""
+    names = [str(name) for name in survey.data_vars if str(name).startswith(AUX_PREFIX)]
+    return sorted(name for name in names if set(survey[name].dims) == set(SAMPLE_DIMS))
 
 
 def usable(survey: xr.Dataset) -> xr.DataArray:

@@ -18,9 +18,9 @@ import rospy
 from genpy.dynamic import generate_dynamic
 from mcap.writer import Writer
 from rosgraph_msgs.msg import Log
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 
-from gpr20_msgs.msg import ControlStatus, SurveyCoverage, Trace
+from gpr20_msgs.msg import AuxValue, ControlStatus, SurveyCoverage, Trace
 from gpr20_survey.trace import trace_message
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
@@ -89,26 +89,37 @@ class ReplayTest(unittest.TestCase):
         self.assert_same()
         self.assertGreaterEqual(took_s, (len(POINTS) - 1) / 4)
 
-    def test_traces_of_both_versions_of_a_resumed_survey_arrive_on_one_topic(self) -> None:
-        old_trace = old_message(
-            Trace, "float64 if_bandwidth_hz", "int32 averages", "string output_power"
+    def test_traces_of_all_versions_of_a_resumed_survey_arrive_on_one_topic(self) -> None:
+        added = ("std_msgs/Header", "AuxValue[]")
+        older = old_message(Trace, *added)
+        oldest = old_message(
+            Trace, *added, "float64 if_bandwidth_hz", "int32 averages", "string output_power"
         )
-        self.assertEqual(old_trace._md5sum, trace_message.FORMER_MD5SUM)
+        self.assertEqual((older._md5sum, oldest._md5sum), trace_message.FORMER_MD5SUMS)
         recording = self.data / "old.mcap"
         settings = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
+        values = {"timestamp": rospy.Time(1_790_000_000), "s21_real": [0.5], "quality": ["remark"]}
+        aux = [AuxValue("soil", 0.25, "m3/m3", rospy.Time(1_790_000_000))]
         write_latched(
             recording,
-            ("/trace", old_trace(index=0, sample_id="old", s21_real=[0.5], quality=["remark"])),
-            (f"/trace_{Trace._md5sum[:8]}", Trace(index=1, sample_id="new", **settings)),
+            ("/trace", oldest(index=0, sample_id="0", **values)),
+            (f"/trace_{older._md5sum[:8]}", older(index=1, sample_id="1", **values, **settings)),
+            (f"/trace_{Trace._md5sum[:8]}", Trace(index=2, sample_id="2", **settings, aux=aux)),
+            (f"/trace_{older._md5sum[:8]}", older(index=3, sample_id="3", **values, **settings)),
         )
         self.run_node(recording, "--rate", "1")
         with self.changed:
-            self.changed.wait_for(lambda: len(self.traces) >= 2, TIME_LIMIT_S)
-        old, new = self.traces
-        self.assertEqual((old.sample_id, old.s21_real, old.quality), ("old", (0.5,), ["remark"]))
-        self.assertEqual((old.if_bandwidth_hz, old.averages, old.output_power), (0.0, 0, ""))
-        self.assertEqual((new.sample_id, new.index), ("new", 1))
-        self.assertEqual({name: getattr(new, name) for name in settings}, settings)
+            self.changed.wait_for(lambda: len(self.traces) >= 4, TIME_LIMIT_S)
+        first, second, third, last = self.traces
+        for index, trace in ((0, first), (1, second), (3, last)):
+            self.assertEqual((trace.index, trace.sample_id), (index, str(index)))
+            self.assertEqual(trace.header, Header(index, values["timestamp"], "antenna_link"))
+            self.assertEqual((trace.s21_real, trace.quality), ((0.5,), ["remark"]))
+            self.assertEqual(trace.aux, [])
+        self.assertEqual((first.if_bandwidth_hz, first.averages, first.output_power), (0.0, 0, ""))
+        self.assertEqual((third.sample_id, third.aux), ("2", aux))
+        for trace in (second, third, last):
+            self.assertEqual({name: getattr(trace, name) for name in settings}, settings)
 
     def test_messages_of_an_older_version_arrive_as_those_of_today(self) -> None:
         old_status = old_message(ControlStatus, "string message_json")

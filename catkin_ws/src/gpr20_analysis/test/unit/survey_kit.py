@@ -45,8 +45,14 @@ AXES = {
 }
 
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
-TRACE_DEFINITION = (MESSAGES / "Trace.msg").read_text()
 HEADER_DEFINITION = "uint32 seq\ntime stamp\nstring frame_id\n"
+TRACE_DEFINITION = "\n".join(
+    (
+        *((MESSAGES / "Trace.msg").read_text(), "=" * 80, "MSG: std_msgs/Header"),
+        *(HEADER_DEFINITION, "=" * 80, "MSG: gpr20_msgs/AuxValue"),
+        (MESSAGES / "AuxValue.msg").read_text(),
+    )
+)
 STATUS_MD5SUM = "a03e61f3a68474fd87c9325d30026060"
 STATUS_DEFINITION = "\n".join(
     ((MESSAGES / "ControlStatus.msg").read_text(), "=" * 80, "MSG: std_msgs/Header")

@@ -13,6 +13,7 @@ from survey_examples import AXES, PARAMETERS
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.aux_sensors import AuxSensors
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import NodeLiveness, WatchedNode
@@ -283,7 +284,14 @@ class Bench:
     """A main control over a fake robot, and its history."""
 
     def __init__(
-        self, time_scale=1.0, clock=None, analyzer=None, storage=None, defaults=EMPTY, **settings
+        self,
+        time_scale=1.0,
+        clock=None,
+        analyzer=None,
+        storage=None,
+        defaults=EMPTY,
+        sensors=None,
+        **settings,
     ):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
@@ -304,6 +312,7 @@ class Bench:
             self.storage,
             self.nodes,
             self.description,
+            sensors or AuxSensors([], self.clock),
         )
         self.control = MainControl(
             self.robot,

@@ -12,6 +12,7 @@ from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_jso
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 KEYS = [
@@ -38,11 +39,11 @@ def test_neighbouring_frequencies_stay_apart(frequency_hz):
 
 
 def test_the_keys_are_those_of_the_format():
-    assert list(json.loads(trace_json.encode(make_trace()))) == [*KEYS, *ANALYZER_KEYS]
+    assert list(json.loads(trace_json.encode(make_trace()))) == [*KEYS, *ANALYZER_KEYS, "aux"]
 
 
-def test_a_trace_without_known_settings_has_the_form_of_early_versions():
-    unknown = make_trace(analyzer=AnalyzerSettings())
+def test_a_trace_without_known_settings_and_other_sensors_has_the_form_of_early_versions():
+    unknown = make_trace(analyzer=AnalyzerSettings(), aux=())
     assert list(json.loads(trace_json.encode(unknown))) == KEYS
 
 
@@ -66,6 +67,54 @@ def test_settings_that_are_not_all_three_with_their_types_are_refused(changes):
     kept = {name: value for name, value in values.items() if value is not None}
     with pytest.raises(TraceRefusedError):
         trace_json.from_values(kept)
+
+
+AUX = {"name": "t", "value": 1.5, "unit": "", "stamp": utc_time.iso_text(STARTED_US)}
+
+
+def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
+    values = {**json.loads(trace_json.encode(make_trace())), "aux": [AUX]}
+    assert trace_json.from_values(values).aux == (AuxValue("t", 1.5, "", STARTED_US),)
+
+
+@pytest.mark.parametrize(
+    "aux",
+    [
+        [],
+        {},
+        None,
+        [[]],
+        [{}],
+        [{**AUX, "more": 1}],
+        [{**AUX, "name": "T"}],
+        [{**AUX, "name": ""}],
+        [{**AUX, "name": "t" * 65}],
+        [{**AUX, "name": "1t"}],
+        [{**AUX, "name": "t\n"}],
+        [{**AUX, "value": 1}],
+        [{**AUX, "value": None}],
+        [{**AUX, "value": "1"}],
+        [{**AUX, "value": 1e999}],
+        [{**AUX, "unit": "u" * 33}],
+        [{**AUX, "unit": "\n"}],
+        [{**AUX, "unit": None}],
+        [{**AUX, "stamp": "today"}],
+        [{**AUX, "stamp": 0}],
+        [{**AUX, "stamp": "1970-01-01T00:00:00.000000+00:00"}],
+        [AUX, AUX],
+        [{**AUX, "name": f"t{number}"} for number in range(33)],
+    ],
+)
+def test_values_of_other_sensors_that_are_not_allowed_are_refused(aux):
+    values = {**json.loads(trace_json.encode(make_trace())), "aux": aux}
+    with pytest.raises(TraceRefusedError):
+        trace_json.from_values(values)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_value_of_another_sensor_is_finite(value):
+    with pytest.raises(TraceRefusedError, match=f"soil in aux is {value}; it must be finite"):
+        make_trace(aux=(AuxValue("soil", value, "", STARTED_US),))
 
 
 def test_a_missing_height_is_null_in_strict_json(tmp_path):

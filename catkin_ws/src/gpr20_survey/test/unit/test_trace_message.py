@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 import struct
@@ -14,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import (
-    FORMER_DEFINITION,
+    FORMER_DEFINITIONS,
     SURVEY,
     TRACE_DEFINITION,
     assert_same_numbers,
@@ -23,12 +24,15 @@ from trace_examples import (
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, trace_message, utc_time
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
 TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
-FORMER_TYPES = get_typestore(Stores.ROS1_NOETIC)
-FORMER_TYPES.register(get_types_from_msg(FORMER_DEFINITION, "gpr20_msgs/msg/Trace"))
+FORMER_TYPES = {}
+for _md5sum, _definition in FORMER_DEFINITIONS.items():
+    FORMER_TYPES[_md5sum] = get_typestore(Stores.ROS1_NOETIC)
+    FORMER_TYPES[_md5sum].register(get_types_from_msg(_definition, "gpr20_msgs/msg/Trace"))
 SMALL = st.floats(-1e4, 1e4)
 FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 PRINTABLE = st.characters(min_codepoint=32, max_codepoint=126)
@@ -36,8 +40,10 @@ REMARK = st.text(PRINTABLE, max_size=200)
 MOMENT = st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1)
 MEMORY_BYTES = 4 << 20
 # Where the lengths lie in the example's message: of three texts and, behind them, of the arrays.
-QUALITY = -(4 + len("HIGH") + 12) - len("level low") - 4
-FIRST_ARRAY = 4 + 13 + 4 + 36 + 4 + 8 + 4 + 8 + 32
+HEADER = 4 + 8 + 4 + len("antenna_link")
+AUX = -(8 + 4 + len("\N{DEGREE SIGN}C".encode()) + 8 + 4 + len("soil_temperature"))
+QUALITY = AUX - 4 - (4 + len("HIGH") + 12) - len("level low") - 4
+FIRST_ARRAY = HEADER + 4 + 13 + 4 + 36 + 4 + 8 + 4 + 8 + 32
 
 
 def analyzer_settings():
@@ -48,6 +54,17 @@ def analyzer_settings():
         st.sampled_from(["", "LOW", "HIGH"]) | st.text(PRINTABLE, max_size=32),
     )
     return st.just(AnalyzerSettings()) | known
+
+
+def aux_values():
+    value = st.builds(
+        AuxValue,
+        st.from_regex(r"[a-z][a-z0-9_]{0,63}", fullmatch=True),
+        FINITE,
+        st.text(PRINTABLE, max_size=32) | st.just("\N{DEGREE SIGN}C"),
+        MOMENT,
+    )
+    return st.lists(value, max_size=32, unique_by=lambda one: one.name).map(tuple)
 
 
 @st.composite
@@ -71,6 +88,7 @@ def traces(draw):
         sweep_ended_us=ended,
         quality=tuple(draw(st.lists(REMARK, max_size=32))),
         analyzer=draw(analyzer_settings()),
+        aux=draw(aux_values()),
     )
 
 
@@ -90,25 +108,54 @@ def test_every_trace_comes_back_from_its_json_file(trace):
     assert trace_json.encode(decoded) == content
     held = trace_json.ANALYZER_KEYS & json.loads(content).keys()
     assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
+    assert (trace_json.AUX in json.loads(content)) == bool(trace.aux)
 
 
-@given(traces())
-def test_a_message_of_the_former_type_is_the_trace_without_settings(trace):
-    data = trace_message.encode_former(trace)
-    decoded = trace_message.decode(data, trace_message.FORMER_MD5SUM)
-    former = dataclasses.replace(trace, analyzer=AnalyzerSettings())
+@pytest.mark.parametrize("md5sum", trace_message.FORMER_MD5SUMS)
+@given(trace=traces())
+def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5sum, trace):
+    data = trace_message.encode(trace, md5sum)
+    decoded = trace_message.decode(data, md5sum)
+    has_settings = md5sum == trace_message.WITHOUT_HEADER_MD5SUM
+    settings = trace.analyzer if has_settings else AnalyzerSettings()
+    former = dataclasses.replace(trace, analyzer=settings, aux=())
     assert decoded.fingerprint() == former.fingerprint()
-    assert trace_message.encode_former(decoded) == data
-    message = FORMER_TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
-    assert bytes(FORMER_TYPES.serialize_ros1(message, "gpr20_msgs/msg/Trace")) == data
+    assert trace_message.encode(decoded, md5sum) == data
+    message = FORMER_TYPES[md5sum].deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+    assert bytes(FORMER_TYPES[md5sum].serialize_ros1(message, "gpr20_msgs/msg/Trace")) == data
+    assert trace_message.completed(data, md5sum) == trace_message.encode(former)
 
 
 @given(traces())
-def test_the_two_types_are_not_mixed_up(trace):
-    with pytest.raises(TraceRefusedError):
-        trace_message.decode(trace_message.encode(trace), trace_message.FORMER_MD5SUM)
-    with pytest.raises(TraceRefusedError):
-        trace_message.decode(trace_message.encode_former(trace), trace_message.MD5SUM)
+def test_the_versions_are_not_mixed_up(trace):
+    md5sums = (trace_message.MD5SUM, *trace_message.FORMER_MD5SUMS)
+    for one, other in itertools.permutations(md5sums, 2):
+        with pytest.raises(TraceRefusedError):
+            trace_message.decode(trace_message.encode(trace, one), other)
+
+
+def test_a_former_message_that_is_cut_off_is_not_completed():
+    data = trace_message.encode(make_trace(), trace_message.WITHOUT_HEADER_MD5SUM)
+    with pytest.raises(TraceRefusedError, match="incomplete"):
+        trace_message.completed(data[:60], trace_message.WITHOUT_HEADER_MD5SUM)
+
+
+def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():
+    trace = make_trace(7)
+    header = TYPES.deserialize_ros1(trace_message.encode(trace), "gpr20_msgs/msg/Trace").header
+    stamp_us = header.stamp.sec * 10**6 + header.stamp.nanosec // 1000
+    assert (stamp_us, header.frame_id, header.seq) == (trace.timestamp_us, "antenna_link", 7)
+
+
+@pytest.mark.parametrize(("place", "accepted"), [(0, True), (4, False), (HEADER - 1, False)])
+def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
+    data = bytearray(trace_message.encode(make_trace()))
+    data[place] ^= 1
+    if accepted:  # ROS publishers write a number of their own
+        assert trace_message.decode(bytes(data)).fingerprint() == make_trace().fingerprint()
+    else:
+        with pytest.raises(TraceRefusedError, match="the header of a trace is wrong"):
+            trace_message.decode(bytes(data))
 
 
 @given(traces(), analyzer_settings())
@@ -129,8 +176,8 @@ def test_another_library_reads_the_same_numbers(trace):
 
 def test_the_checksum_of_the_type_is_that_of_its_definition():
     assert TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
-    former = FORMER_TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1]
-    assert former == trace_message.FORMER_MD5SUM
+    for md5sum, types in FORMER_TYPES.items():
+        assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == md5sum
 
 
 def test_a_message_of_another_version_is_refused():
@@ -167,8 +214,9 @@ def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint(bit):
             same.append(place)
         else:
             assert trace_message.encode(decoded) != data
-    # Nothing but parts of a microsecond, which no form of a trace holds: 10 bits of three times.
-    assert len(same) <= 6
+    # Nothing but the number that every publisher gives a header, and parts of a microsecond, which
+    # no form of a trace holds: 10 bits of five times.
+    assert len([place for place in same if place >= 4]) <= 10
 
 
 @given(st.binary(max_size=400))
@@ -188,7 +236,7 @@ def test_any_bytes_in_a_message_are_refused_or_make_a_checked_trace(place, data)
     assert decoded.survey_id != "" and np.isfinite(decoded.s21_real).all()
 
 
-@pytest.mark.parametrize("place", [0, 17, 57, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, -8])
+@pytest.mark.parametrize("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -14])
 @pytest.mark.parametrize("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
 def test_a_length_that_lies_takes_no_memory(place, size):
     data = bytearray(trace_message.encode(make_trace()))
@@ -205,6 +253,7 @@ def test_a_length_that_lies_takes_no_memory(place, size):
 
 def test_the_places_of_the_lengths_are_where_the_test_expects_them():
     data = trace_message.encode(make_trace())
-    assert data[21:57] == SURVEY.encode()
+    assert data[HEADER + 21 : HEADER + 57] == SURVEY.encode()
+    assert data[AUX : AUX + 4] == struct.pack("<I", len("soil_temperature"))
     assert struct.unpack_from("<I", data, FIRST_ARRAY) == (5,)
     assert struct.unpack_from("<I", data, FIRST_ARRAY + 44) == (5,)

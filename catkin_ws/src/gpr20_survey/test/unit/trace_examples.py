@@ -6,19 +6,39 @@ import json
 import math
 from dataclasses import astuple
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 
 import numpy as np
 
+from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
-TRACE_DEFINITION = (MESSAGES / "Trace.msg").read_text()
-# Of recordings that earlier versions made.
-FORMER_DEFINITION = TRACE_DEFINITION[: TRACE_DEFINITION.index("# Settings of the VNA")]
+TRACE_TEXT = (MESSAGES / "Trace.msg").read_text()
+# With the types that it contains, as a recording holds it.
+TRACE_DEFINITION = "\n".join(
+    (
+        *(TRACE_TEXT, "=" * 80, "MSG: std_msgs/Header"),
+        *("uint32 seq\ntime stamp\nstring frame_id\n", "=" * 80, "MSG: gpr20_msgs/AuxValue"),
+        (MESSAGES / "AuxValue.msg").read_text(),
+    )
+)
+# Of recordings that earlier versions made, by checksum.
+_WITHOUT_HEADER = "".join(
+    line
+    for line in TRACE_TEXT.splitlines(keepends=True)
+    if not line.startswith(("std_msgs/Header", "AuxValue"))
+)
+FORMER_DEFINITIONS = {
+    trace_message.WITHOUT_HEADER_MD5SUM: _WITHOUT_HEADER,
+    trace_message.WITHOUT_SETTINGS_MD5SUM: _WITHOUT_HEADER[
+        : _WITHOUT_HEADER.index("# Settings of the VNA")
+    ],
+}
 
 
 def make_trace(index: int = 0, **changes: Any) -> Trace:
@@ -42,6 +62,7 @@ def make_trace(index: int = 0, **changes: Any) -> Trace:
         "sweep_ended_us": STARTED_US + 1_000_001,
         "quality": ("level low",),
         "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
+        "aux": (AuxValue("soil_temperature", 18.5, "\N{DEGREE SIGN}C", STARTED_US),),
     }
     return Trace(**{**fields, **changes})
 
@@ -66,6 +87,26 @@ def assert_same_numbers(trace: Trace, values: Any) -> None:
         assert not values.keys() & set(names)
     else:
         assert tuple(getattr(values, name, None) or None for name in names) == (None,) * 3
+    assert _aux_of(get("aux") if isinstance(values, dict) else getattr(values, "aux", None)) == (
+        trace.aux
+    )
+
+
+def _aux_of(values: Any) -> Tuple[AuxValue, ...]:
+    """Return the values of a JSON file or a message; None is of a former version."""
+    return tuple(
+        AuxValue(one["name"], one["value"], one["unit"], utc_time.parse_iso(one["stamp"]))
+        if isinstance(one, dict)
+        else AuxValue(one.name, one.value, one.unit, _time_us(one.stamp))
+        for one in values or ()
+    )
+
+
+def _time_us(stamp: Any) -> int:
+    """Return the moment of a ROS time of either library [us since 1970]."""
+    names = ("sec", "nanosec") if hasattr(stamp, "nanosec") else ("secs", "nsecs")
+    seconds, rest_ns = (int(getattr(stamp, name)) for name in names)
+    return seconds % (1 << 32) * utc_time.US_PER_S + rest_ns // utc_time.NS_PER_US
 
 
 def read_json(path: Path) -> Dict[str, Any]:

@@ -17,7 +17,7 @@ import rospkg
 import rospy
 import rostest
 from fake_main_control import FakeMainControl
-from virtual_screen import VirtualScreen
+from virtual_screen import VirtualScreen, program_path
 from waiting import LIMIT_S, wait_until
 
 from gpr20_msgs.msg import ControlStatus
@@ -107,11 +107,40 @@ class Program(unittest.TestCase):
                 self.assertNotIn(trouble, output)
             wait_until(lambda: not is_on_graph(), "the node has left the graph")
 
-    def program(self, *arguments: str, display: Optional[str] = None) -> subprocess.Popen:
+    def test_a_window_without_a_robot_shows_the_one_that_is_chosen(self) -> None:
+        fakes = {name: FakeMainControl(name) for name in ("/alone", "/beside")}
+        for fake in fakes.values():
+            self.addCleanup(fake.close)
+            fake.pause("waiting for the operator")
+        process = self.program("_settings:=/tmp/gpr20_no_settings.yaml", namespace="/nowhere")
+        robot = fakes["/beside"]
+        # The sheet opens by itself; the second button of its first row is that of /beside.
+        deadline_s = time.monotonic() + LIMIT_S
+        while robot.listeners() == 0 and time.monotonic() < deadline_s:
+            self.touch(600, 150)
+            self.assertIsNone(process.poll())
+        wait_until(lambda: robot.listeners() == 1, "the window of the robot listens")
+        self.assertNotIn("/nowhere/window", rosnode.get_node_names())
+        deadline_s = time.monotonic() + LIMIT_S
+        while robot.stops == 0 and time.monotonic() < deadline_s:
+            self.touch(750, 36)
+        self.assertGreater(robot.stops, 0)
+        self.assertEqual(fakes["/alone"].stops, 0)
+        process.terminate()
+        output, _ = process.communicate(timeout=LIMIT_S)
+        self.assertEqual(process.returncode, 0, output)
+
+    def touch(self, x: int, y: int) -> None:
+        finger = (program_path("xdotool"), "mousemove", str(x), str(y), "click", "1")
+        subprocess.run(finger, check=True, timeout=LIMIT_S)
+
+    def program(
+        self, *arguments: str, display: Optional[str] = None, namespace: str = "/alone"
+    ) -> subprocess.Popen:
         folder = rospkg.RosPack().get_path("gpr20_user_interface")
         path = os.path.join(folder, "nodes", "user_interface")
         process = subprocess.Popen(
-            [sys.executable, path, "__ns:=/alone", "__name:=window", *arguments],
+            [sys.executable, path, f"__ns:={namespace}", "__name:=window", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             universal_newlines=True,

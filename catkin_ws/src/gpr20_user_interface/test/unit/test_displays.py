@@ -20,16 +20,16 @@ def progress(visited):
     return Progress("id", 100.0 * visited / TOTAL, TOTAL, visited, float(TOTAL - visited))
 
 
-def test_plain_lines_come_every_five_percent_and_at_the_end():
+def test_plain_lines_come_every_ten_percent_and_at_the_end():
     stream = io.StringIO()
     display = PlainDisplay(stream, ENGLISH)
     for visited in range(TOTAL + 1):
         display.show(progress(visited), SURVEYING)
     shown = [int(line.split("%")[1].split("/")[0]) for line in stream.getvalue().splitlines()]
-    assert shown == list(range(0, TOTAL + 1, 10))
+    assert shown == list(range(0, TOTAL + 1, 20))
 
 
-def test_plain_last_line_is_not_lost_below_five_percent():
+def test_plain_last_line_is_not_lost_below_ten_percent():
     stream = io.StringIO()
     display = PlainDisplay(stream, ENGLISH)
     for visited in (194, 199, 200, 200):

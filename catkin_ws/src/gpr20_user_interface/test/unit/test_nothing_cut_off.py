@@ -41,6 +41,7 @@ from gpr20_user_interface.mid.robot_health import (
     AlarmKind,
     HealthReport,
 )
+from gpr20_user_interface.mid.robots import RobotReported, RobotsFound
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.views.elided_label import ElidedLabel
 from gpr20_user_interface.views.lines_label import LinesLabel
@@ -172,6 +173,26 @@ def test_the_settings_are_not_cut_off(spoken):
     for buttons in (sheet.languages, sheet.themes, sheet.dim_choices):
         for button in buttons.values():
             assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX)
+
+
+def test_neither_the_name_of_the_robot_nor_the_list_of_robots_is_cut_off(spoken):
+    names = frozenset(f"/{'w' * 20}{number}" for number in range(20))
+    spoken.on_event(RobotsFound(names | {"/"}))
+    try:
+        for code in SurveyState:
+            state = ControlState(code, verbatim(LONG), "id", True)
+            for name in names:
+                spoken.on_event(RobotReported(name, state))
+            show(spoken, busiest(state=state))
+            assert spoken.top_bar.robot.isVisible()
+            spoken.settings.button.click()
+            assert_fits(spoken)
+            spoken.settings.sheet.robot_button.click()
+            show(spoken, busiest(state=state))
+            assert_fits(spoken)
+            spoken.robots.sheet.hide()
+    finally:
+        spoken.on_event(RobotsFound(frozenset()))
 
 
 def test_the_start_sheet_is_not_cut_off(spoken):

@@ -1,10 +1,7 @@
 """Every fault that the robot can report says what to do first."""
 
-import ast
-import string
-from pathlib import Path
-
 import pytest
+from fault_templates import fault_templates, filled
 
 from gpr20_common.message import Message, in_a_row, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
@@ -14,50 +11,7 @@ from gpr20_user_interface.mid.fault_messages import FaultWatch, is_fault
 from gpr20_user_interface.mid.notices import fault_notice
 from gpr20_user_interface.mid.remedies import find_remedy
 
-SOURCES = Path(__file__).parents[3]
-PACKAGES = (
-    "gpr20_main_control",
-    "gpr20_axis_driver",
-    "gpr20_height_sensor",
-    "gpr20_vna_acquisition",
-    "gpr20_vna_processing",
-    "gpr20_survey",
-    "gpr20_common",
-)
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
-
-
-def sentences_of(tree):
-    """Yield the templates of the sentences that errors carry."""
-    for call in ast.walk(tree):
-        name = getattr(call.func, "id", getattr(call.func, "attr", "")) if is_call(call) else ""
-        if not name.endswith("Error"):
-            continue
-        for message in ast.walk(call):
-            if is_call(message) and getattr(message.func, "id", "") == "Message":
-                yield message.args[0].value
-
-
-def is_call(node):
-    return isinstance(node, ast.Call)
-
-
-def fault_templates():
-    found = set()
-    for package in PACKAGES:
-        for path in sorted((SOURCES / package / "src").rglob("*.py")):
-            found.update(sentences_of(ast.parse(path.read_text("utf-8"))))
-    # A name of a value is no sentence.
-    return sorted(one for one in found if " is " in one or one.split(" [")[0].count(" ") > 2)
-
-
-def filled(template):
-    values = {
-        name: 1 if spec and spec[-1] in "dfge" else "x"
-        for _, name, spec, _ in string.Formatter().parse(template)
-        if name
-    }
-    return Message(template, **values)
 
 
 def state(code, message):

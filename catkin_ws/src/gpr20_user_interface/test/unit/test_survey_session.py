@@ -81,7 +81,7 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
     assert recorder.sent == [Request.START]
     assert recorder.shown == [
         str(SIMULATED),
-        "Parameters accepted: 18 traces, about 2 min.",
+        "Parameters accepted: 18 traces, estimated time: 2 min.",
         "CHECKING: as it is",
         "SURVEYING: as it is",
         ("SURVEYING", 9),

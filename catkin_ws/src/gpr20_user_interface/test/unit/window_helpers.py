@@ -27,6 +27,7 @@ from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
 from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.robots import Robots
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_preview import preview
@@ -194,7 +195,14 @@ def window(application, tmp_path):
 
 
 def new_window(
-    languages, survey=None, storage=None, profiles=None, imaging=None, clock=None, memory=None
+    languages,
+    survey=None,
+    storage=None,
+    profiles=None,
+    imaging=None,
+    clock=None,
+    memory=None,
+    robots=None,
 ):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
@@ -207,6 +215,7 @@ def new_window(
             ServiceModel(tools, clock or Clock()),
             Profiles(ProfileFolder(profiles)),
             PlanMemory(settings_in(profiles), problems.append),
+            robots or Robots("/"),
         ),
         languages,
         memory,

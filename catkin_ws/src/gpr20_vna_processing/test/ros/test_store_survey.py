@@ -168,7 +168,8 @@ class StoreSurveyTest(unittest.TestCase):
         text = (survey_topics.TEXT_TYPE, survey_topics.TEXT_MD5SUM, survey_topics.TEXT_DEFINITION)
         self.assertEqual(text, (String._type, String._md5sum, String._full_text))
         message = make_trace(self.survey_id, 3)
-        for moment in (message.timestamp, message.sweep_started, message.sweep_ended):
+        moments = [message.timestamp, message.sweep_started, message.sweep_ended]
+        for moment in (*moments, message.aux[0].stamp):  # the header has that of the trace
             moment.nsecs -= moment.nsecs % 1000  # no form of a trace has more than microseconds
         data = serialized(message)
         self.assertEqual(trace_message.encode(trace_message.decode(data)), data)

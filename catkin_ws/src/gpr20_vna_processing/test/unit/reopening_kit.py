@@ -12,7 +12,7 @@ from rosbags.rosbag1 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from storage_kit import TYPES, Kit, text_message
 from trace_examples import (
-    FORMER_DEFINITION,
+    FORMER_DEFINITIONS,
     STARTED_US,
     SURVEY,
     assert_same_numbers,
@@ -24,9 +24,10 @@ from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(7)]
-FORMER_TYPES = get_typestore(Stores.ROS1_NOETIC)
-FORMER_TYPES.register(get_types_from_msg(FORMER_DEFINITION, "gpr20_msgs/msg/Trace"))
-TYPES_OF = {trace_message.MD5SUM: TYPES, trace_message.FORMER_MD5SUM: FORMER_TYPES}
+TYPES_OF = {trace_message.MD5SUM: TYPES}
+for _md5sum, _definition in FORMER_DEFINITIONS.items():
+    TYPES_OF[_md5sum] = get_typestore(Stores.ROS1_NOETIC)
+    TYPES_OF[_md5sum].register(get_types_from_msg(_definition, "gpr20_msgs/msg/Trace"))
 FIRST = 4  # traces before the survey is cut off
 METADATA = '{"planned_traces": 7, "simulated": true, "parameters": {"x_points": 3}}'
 

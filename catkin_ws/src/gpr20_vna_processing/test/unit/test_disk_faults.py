@@ -26,8 +26,6 @@ LIMITS = Limits(timeout_s=20.0, period_s=0.05, disk_reserve_bytes=0)
 @pytest.fixture
 def small_disk(tmp_path):
     """A file system of one megabyte."""
-    if os.geteuid() != 0:
-        pytest.skip("mounting a small tmpfs needs root")
     place = tmp_path / "disk"
     place.mkdir()
     mounted = subprocess.run(
@@ -79,8 +77,11 @@ def filled_by_killed_process(place) -> int:
 def assert_stored(folder, count: int) -> None:
     files = sorted((folder / "traces").iterdir())
     assert len(files) == count
-    bag = traces_in_bag(folder)
-    mcap = messages_in_mcap(folder)
+    # The trace that was refused last may be in its file only, and is then added with its own time.
+    bag, mcap = (
+        sorted(found, key=lambda one: one.index)
+        for found in (traces_in_bag(folder), messages_in_mcap(folder))
+    )
     assert len(bag) == len(mcap) == count
     for index, found in enumerate(zip(map(read_json, files), bag, mcap)):
         for values in found:

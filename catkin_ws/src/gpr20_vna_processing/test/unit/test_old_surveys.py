@@ -23,14 +23,24 @@ from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
-# One that was finished, and one whose storage was killed behind its fourth trace.
+# Of each former version of the message of a trace: a survey that was finished, and one whose
+# storage was killed behind its fourth trace.
 OLD = Path(__file__).resolve().parent / "old_surveys"
+VERSIONS = {
+    "without_settings": (trace_message.WITHOUT_SETTINGS_MD5SUM, AnalyzerSettings()),
+    "without_header": (trace_message.WITHOUT_HEADER_MD5SUM, AnalyzerSettings(1000.0, 4, "HIGH")),
+}
 CUT_OFF_AFTER = 4
 
 
+@pytest.fixture(params=VERSIONS)
+def version(request):
+    return request.param
+
+
 @pytest.fixture
-def data(tmp_path):
-    shutil.copytree(str(OLD), str(tmp_path / "data"))
+def data(tmp_path, version):
+    shutil.copytree(str(OLD / version), str(tmp_path / "data"))
     return tmp_path / "data"
 
 
@@ -41,19 +51,29 @@ def kit(data):
     kit.processing.shut_down()
 
 
-def old_trace(index, survey_id=SURVEY):
-    return planned_trace(index, survey_id, analyzer=AnalyzerSettings())
+@pytest.fixture
+def finished(version):
+    """The traces of the survey that was finished."""
+    return [old_trace(version, index) for index in range(len(POINTS))]
 
 
-# The later ones are measured with the present version.
-TRACES = [
-    (old_trace if index < CUT_OFF_AFTER else planned_trace)(index, OTHER_SURVEY)
-    for index in range(len(POINTS))
-]
+@pytest.fixture
+def traces(version):
+    """The traces of the survey that was cut off; the later ones are of the present version."""
+    return [
+        old_trace(version, index, OTHER_SURVEY)
+        if index < CUT_OFF_AFTER
+        else planned_trace(index, OTHER_SURVEY)
+        for index in range(len(POINTS))
+    ]
 
 
-def store_the_rest(kit):
-    for trace in TRACES[CUT_OFF_AFTER:]:
+def old_trace(version, index, survey_id=SURVEY):
+    return planned_trace(index, survey_id, analyzer=VERSIONS[version][1], aux=())
+
+
+def store_the_rest(kit, traces):
+    for trace in traces[CUT_OFF_AFTER:]:
         kit.processing.store(trace)
 
 
@@ -61,16 +81,16 @@ def folder_of(data, survey_id):
     return next(data.glob(f"*_{survey_id[:8]}"))
 
 
-def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data):
+def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data, finished):
     folder = folder_of(data, SURVEY)
     assert verify_survey(folder).status == COMPLETE
-    assert_whole(folder, [old_trace(index) for index in range(len(POINTS))])
+    assert_whole(folder, finished)
     with pytest.raises(SurveyRefusedError, match="finished and complete with 9 traces"):
         kit.processing.reopen_survey(SURVEY)
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "traces"])
-def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, name):
+def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, finished, name):
     folder = folder_of(data, SURVEY)
     if name == "traces":
         shutil.rmtree(str(folder / name))
@@ -78,29 +98,29 @@ def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, name)
         (folder / name).unlink()
     assert kit.processing.reopen_survey(SURVEY).stored_indices == list(range(len(POINTS)))
     kit.processing.close_survey(SURVEY, "finished", "")
-    assert_whole(folder, [old_trace(index) for index in range(len(POINTS))])
+    assert_whole(folder, finished)
     assert verify_survey(folder).status == COMPLETE
 
 
-def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data):
+def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data, traces):
     folder = folder_of(data, OTHER_SURVEY)
     assert verify_survey(folder).status == INCOMPLETE
     reopened = kit.processing.reopen_survey(OTHER_SURVEY)
     assert reopened.stored_indices == list(range(CUT_OFF_AFTER))
     assert reopened.repairs == ()
-    store_the_rest(kit)
+    store_the_rest(kit, traces)
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
-    assert_whole(folder, TRACES)
+    assert_whole(folder, traces)
     assert verify_survey(folder).status == COMPLETE
 
 
-def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data):
+def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data, traces, version):
     folder = folder_of(data, OTHER_SURVEY)
     kit.processing.reopen_survey(OTHER_SURVEY)
-    store_the_rest(kit)
+    store_the_rest(kit, traces)
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
     expected = {
-        "/trace": {trace_message.FORMER_MD5SUM},
+        "/trace": {VERSIONS[version][0]},
         f"/trace_{trace_message.MD5SUM[:8]}": {trace_message.MD5SUM},
     }
     for stored in (StoredBag(folder / "survey.bag"), StoredMcap(folder / "survey.mcap")):
@@ -112,10 +132,10 @@ def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data):
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "traces"])
-def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(kit, data, name):
+def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(kit, data, traces, name):
     folder = folder_of(data, OTHER_SURVEY)
     kit.processing.reopen_survey(OTHER_SURVEY)
-    for trace in TRACES[CUT_OFF_AFTER:-1]:
+    for trace in traces[CUT_OFF_AFTER:-1]:
         kit.processing.store(trace)
     kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
     if name == "traces":
@@ -123,16 +143,16 @@ def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(kit, 
     else:
         (folder / name).unlink()
     kit.processing.reopen_survey(OTHER_SURVEY)
-    kit.processing.store(TRACES[-1])
+    kit.processing.store(traces[-1])
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
-    assert_whole(folder, TRACES)
+    assert_whole(folder, traces)
     assert verify_survey(folder).status == COMPLETE
 
 
-def test_the_recordings_of_a_resumed_survey_agree_without_a_manifest(kit, data):
+def test_the_recordings_of_a_resumed_survey_agree_without_a_manifest(kit, data, traces):
     folder = folder_of(data, OTHER_SURVEY)
     kit.processing.reopen_survey(OTHER_SURVEY)
-    store_the_rest(kit)
+    store_the_rest(kit, traces)
     kit.processing.close_survey(OTHER_SURVEY, "finished", "")
     (folder / "manifest.json").unlink()
     assert RecordingComparison(folder).faults == []

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
+from gpr20_analysis.dataset import aux_names
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
 
@@ -17,7 +18,8 @@ FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality,simulated"
 def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_progress) -> int:
     """Write the table and return its number of samples; those without data are left out.
 
-    Numbers have as many digits as are needed to read back the same float64.
+    Values of other sensors are in columns such as `aux_soil_moisture [m3/m3]`. Numbers have as many
+    digits as are needed to read back the same float64.
 
     Raises:
         OSError: The file exists or cannot be written.
@@ -34,10 +36,12 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
     }
     # Empty if it is not known.
     simulated = str(int(is_simulated(survey))) if SIMULATED_KEY in survey.attrs else ""
+    aux = [survey[name] for name in aux_names(survey)]
+    aux_values = [one.transpose(*dataset.SAMPLE_DIMS).values for one in aux]
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
     places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]
-    with path.open("x", encoding="ascii", newline="") as stream:
-        stream.write(",".join([FACTS, *columns]) + "\n")
+    with path.open("x", encoding="utf-8", newline="") as stream:
+        stream.write(",".join([FACTS, *map(_heading, aux), *columns]) + "\n")
         for turn, row, column in progress(places, len(places)):
             place = (turn, row, column)
             words = [
@@ -49,7 +53,14 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
                 str(facts[dataset.TIMESTAMP][place]),
                 str(facts[dataset.QUALITY][place]),
                 simulated,
+                *(repr(float(one[place])) for one in aux_values),
             ]
             numbers = np.ascontiguousarray(s21[place]).view(np.float64).tolist()
             stream.write(",".join([*words, *map(repr, numbers)]) + "\n")
     return len(places)
+
+
+def _heading(aux: xr.DataArray) -> str:
+    """Return the heading of a column; a unit has no commas and quotes there."""
+    unit = "".join(one for one in str(aux.attrs.get("units", "")) if one not in ',"')
+    return f"{aux.name} [{unit}]" if unit else str(aux.name)

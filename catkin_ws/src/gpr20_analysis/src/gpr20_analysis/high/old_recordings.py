@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Dict, Tuple
+from typing import Any, Dict, Tuple
 
 from gpr20_msgs.msg import AxisActionResult, ControlStatus, SurveyCoverage, Trace
 from gpr20_survey.recording.recording import RecordedMessage
@@ -11,16 +11,17 @@ from gpr20_survey.trace import trace_message
 
 # Bytes of an empty string or an empty list in a ROS message.
 EMPTY = 4
-FLOAT64, INT32 = 8, 4
 # By the checksum of the old definition: the present type, and the length of the fields that it
 # adds at its end. They are empty or zero.
 ADDED: Dict[str, Tuple[type, int]] = {
     "7b530785257ca423f317a80d75c5dad5": (ControlStatus, EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
     "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, EMPTY),
-    trace_message.FORMER_MD5SUM: (Trace, FLOAT64 + INT32 + EMPTY),
 }
-PRESENT = {kind._md5sum for kind, _length in ADDED.values()}  # type: ignore[attr-defined]
+PRESENT = {
+    trace_message.MD5SUM,
+    *(kind._md5sum for kind, _length in ADDED.values()),  # type: ignore[attr-defined]
+}
 
 
 def completed(message: RecordedMessage) -> RecordedMessage:
@@ -34,16 +35,22 @@ def completed(message: RecordedMessage) -> RecordedMessage:
     """
     if message.md5sum in ADDED:
         kind, length = ADDED[message.md5sum]
-        return dataclasses.replace(
-            message,
-            topic=_own_topic(message),
-            md5sum=kind._md5sum,  # type: ignore[attr-defined]
-            definition=kind._full_text,  # type: ignore[attr-defined]
-            data=message.data + bytes(length),
-        )
+        return _of_type(kind, message, message.data + bytes(length))
+    if message.md5sum in trace_message.FORMER_MD5SUMS:
+        return _of_type(Trace, message, trace_message.completed(message.data, message.md5sum))
     if message.md5sum in PRESENT:
         return dataclasses.replace(message, topic=_own_topic(message))
     return message
+
+
+def _of_type(kind: Any, message: RecordedMessage, data: bytes) -> RecordedMessage:
+    return dataclasses.replace(
+        message,
+        topic=_own_topic(message),
+        md5sum=kind._md5sum,
+        definition=kind._full_text,
+        data=data,
+    )
 
 
 def _own_topic(message: RecordedMessage) -> str:

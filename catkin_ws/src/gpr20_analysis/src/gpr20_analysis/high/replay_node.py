@@ -15,6 +15,7 @@ from gpr20_common.high.raw_message import preserialized
 from gpr20_common.high.subscribers import subscriber_count
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
+from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import TRACE_TOPIC
 from gpr20_survey.trace import trace_message
@@ -59,7 +60,7 @@ class ReplayNode:
         self._await_subscribers(self._marker.publisher, self._window_wait_s)
         for content in self._playback.play(items):
             if isinstance(content, RecordedMessage):
-                self._publish_recorded(completed(content))
+                self._publish_recorded(content)
             else:
                 publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), Trace, False)
                 publisher.publish(preserialized(Trace, trace_message.encode(content)))
@@ -68,7 +69,12 @@ class ReplayNode:
         # Messages are sent by other threads, which end with the node.
         self._clock.wait_s(self._playback.ended, LINGER_S)
 
-    def _publish_recorded(self, message: RecordedMessage) -> None:
+    def _publish_recorded(self, recorded: RecordedMessage) -> None:
+        try:
+            message = completed(recorded)
+        except TraceRefusedError as error:
+            rospy.logwarn("%s", error)
+            return
         topic = rospy.resolve_name(message.topic)
         publisher = self._publisher(topic, _message_class(message), message.latching)
         raw = publisher.data_class()

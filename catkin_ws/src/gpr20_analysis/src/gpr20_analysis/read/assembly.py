@@ -15,6 +15,7 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.analyzer_attributes import analyzer_attributes
 from gpr20_analysis.read.annotation_attributes import annotation_attributes, marker_attributes
 from gpr20_analysis.read.antenna_attributes import antenna_attributes
+from gpr20_analysis.read.aux_variables import aux_variables
 from gpr20_analysis.read.sources import Fault, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
@@ -129,6 +130,8 @@ class _Assembly:
         }
         for name, values in self._sample_variables().items():
             variables[name] = (dataset.SAMPLE_DIMS, values.reshape(shape))
+        for name, (values, attributes) in self._aux().items():
+            variables[name] = (dataset.SAMPLE_DIMS, values.reshape(shape), attributes)
         coordinates = {
             dataset.POLARIZATION: np.array(self._grid.polarization_deg),
             dataset.Y: np.array(self._grid.y_mm) / dataset.MM_PER_M,
@@ -223,6 +226,10 @@ class _Assembly:
             "sample_id": texts([one.sample_id for one in samples]),
             "index": placed([one.index for one in samples], -1, np.int64),
         }
+
+    def _aux(self) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
+        values = [sample.aux for _, sample in self._used]
+        return aux_variables(values, self._cells, self._grid.cells, self._notes)
 
     def _missing_by_index(self) -> List[Message]:
         """Return the samples that are missing by their index but have no place in the grid."""

@@ -11,6 +11,7 @@ import numpy as np
 from gpr20_analysis.read.sources import Fault, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -36,6 +37,7 @@ class Sample:
     times_us: Tuple[int, int, int]
     remarks: Tuple[str, ...]
     analyzer: AnalyzerSettings
+    aux: Tuple[AuxValue, ...]
 
     @classmethod
     def of(cls, trace: Trace, row: int) -> Sample:
@@ -49,6 +51,7 @@ class Sample:
             (trace.timestamp_us, trace.sweep_started_us, trace.sweep_ended_us),
             tuple(trace.quality),
             trace.analyzer,
+            trace.aux,
         )
 
 

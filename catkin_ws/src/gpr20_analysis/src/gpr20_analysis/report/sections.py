@@ -62,6 +62,7 @@ def sections_of(
         lambda: [pictures.as_measured(survey, options, catalogue)],
         lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
         lambda: [_table(Message("Measurement settings"), settings_of(survey), catalogue)],
+        lambda: [_sensors(survey, catalogue)],
         lambda: verification,
         lambda: [_table(Message("Software versions"), versions(survey), catalogue)],
     ]
@@ -131,6 +132,29 @@ def _markers(survey: xr.Dataset, catalogue: Catalogue) -> Section:
         return Section(title, warnings=[shown(error.message, catalogue)])
     rows = [marker_row(one, catalogue) for one in found]
     return Section(title, rows=rows, heading=marker_heading(catalogue) if rows else ())
+
+
+def _sensors(survey: xr.Dataset, catalogue: Catalogue) -> Section:
+    """Return what other sensors measured: number of values, lowest, median, highest."""
+    rows = []
+    for name in dataset.aux_names(survey):
+        values = survey[name].values[np.isfinite(survey[name].values)]
+        if values.size:
+            figures = [f"{one:.6g}" for one in np.percentile(values, [0.0, 50.0, 100.0])]
+            unit = str(survey[name].attrs.get("units", ""))
+            rows.append(
+                (name[len(dataset.AUX_PREFIX) :], unit, f"{values.size}/{survey[name].size}")
+                + tuple(figures)
+            )
+    heading = (
+        catalogue.tr("sensor"),
+        catalogue.tr("unit"),
+        catalogue.tr("samples"),
+        catalogue.tr("lowest"),
+        catalogue.tr("median"),
+        catalogue.tr("highest"),
+    )
+    return Section(catalogue.tr("Other sensors"), rows=rows, heading=heading if rows else ())
 
 
 def _section(

@@ -18,11 +18,14 @@ import rospkg
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import ROBOT, SERVER, SURVEY, LaunchRequest
+from gpr20_launch.mid.robot_files import Sections
 from gpr20_launch.mid.running_robot import RunningNode, refusal
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_survey.plan.sensors import SENSORS, Sensors
 
 NAME = "/check_launch"
 # A node that lives answers within this time [s].
@@ -42,6 +45,8 @@ def main() -> int:
             given.full_screen,
         )
         sections = request.sections(built_axes())
+        if given.part != ROBOT:
+            _check_sensors(sections)
         _refuse_running(request.nodes, given.ns)
     except (Gpr20Error, OSError, RuntimeError) as error:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
@@ -90,6 +95,15 @@ def _number(name: str, text: str) -> float:
                 value=text,
             )
         ) from error
+
+
+def _check_sensors(sections: Sections) -> None:
+    """Refuse sensors whose messages do not have the configured field, before anything starts."""
+    for sensor in record_from(Sensors, sections[SENSORS], SENSORS).sensors:
+        # Imported only with a sensor: a launch without one need not wait for it.
+        from gpr20_main_control.high.sensor_topics import field_of
+
+        field_of(sensor)
 
 
 def _refuse_running(names: Sequence[str], namespace: str) -> None:

@@ -16,6 +16,7 @@ from gpr20_launch.errors import ConfigurationError
 from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -51,6 +52,10 @@ FILES: Mapping[str, RobotFile] = {
     ),
     "storage.yaml": RobotFile(
         "where and how surveys are stored", (("storage", ProcessingParameters),)
+    ),
+    "sensors.yaml": RobotFile(
+        "other sensors beside the radar, whose values are stored with each trace",
+        ((SENSORS, Sensors),),
     ),
     "site.yaml": RobotFile("this robot, its place and its operator", (("site", Site),)),
 }

@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import enum
 import inspect
+import json
 import math
 import re
 import textwrap
+import typing
 from pathlib import Path
 from typing import Any, Dict, List, Type
 
@@ -38,7 +40,8 @@ def _template(name: str, file: RobotFile) -> str:
     lines = [f"# {name}: {file.title}.", f"# {HEAD}"]
     for _section, kind in file.sections:
         for field in dataclasses.fields(kind):
-            lines += ["", *_comment(kind, field.name), _commented(field.name, _default(field))]
+            lines += ["", *_comment(kind, field.name), *_group_comments(kind, field.name)]
+            lines.append(_commented(field.name, _default(field)))
     return "\n".join(lines) + "\n"
 
 
@@ -63,6 +66,21 @@ def _axes_template(built_axes: Path) -> str:
 def _comment(kind: Type, name: str, before: str = "") -> List[str]:
     text = before + _attributes(kind).get(name, name)
     return [f"# {line}" for line in textwrap.wrap(text, WIDTH - 2)]
+
+
+def _group_comments(kind: Type, name: str) -> List[str]:
+    """Return a comment for each key of the groups of a list; none for any other value."""
+    item = (*typing.get_args(typing.get_type_hints(kind)[name]), None)[0]
+    if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
+        return []
+    lines: List[str] = []
+    for field in dataclasses.fields(item):
+        default = ""
+        if field.default is not dataclasses.MISSING:
+            default = f" Default: {json.dumps(_default(field))}."
+        text = f"- {field.name}: {_attributes(item).get(field.name, field.name)}{default}"
+        lines += textwrap.wrap(text, WIDTH - 2, subsequent_indent="  ")
+    return [f"# {line}" for line in lines]
 
 
 def _attributes(kind: Type) -> Dict[str, str]:

@@ -22,6 +22,7 @@ from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
+from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.axis_service import axis_move
 from gpr20_main_control.mid.described_robot import DescribedRobot
@@ -58,6 +59,7 @@ from gpr20_survey.plan.robot_description import (
     STORAGE_NAME,
     NodeDescription,
 )
+from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -73,9 +75,15 @@ class MainControlNode:
     """Services and topics of the survey."""
 
     def __init__(
-        self, control: MainControl, robot: Robot, status: SurveyStatus, topics: SurveyTopics
+        self,
+        control: MainControl,
+        robot: Robot,
+        status: SurveyStatus,
+        topics: SurveyTopics,
+        sensors: SensorTopics,
     ) -> None:
         self._control = control
+        self._sensors = sensors
         self._status = status
         self._topics = topics
         self._services = [
@@ -174,6 +182,7 @@ def build_main_control_node() -> MainControlNode:
     settings = read_parameters(SurveySettings, "survey")
     limits = read_parameters(TimeLimits, "time_limits")
     clock = Clock()
+    sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
     nodes = NodeLiveness(_watched_nodes(), clock, status.set_missing)
@@ -196,11 +205,12 @@ def build_main_control_node() -> MainControlNode:
         storage=RosStorage(limits.storage_limit_s, topics),
         nodes=nodes,
         description=description,
+        sensors=sensors.sensors,
     )
     control = MainControl(
         robot, settings, status, clock, description.site.annotation, topics.publish_service
     )
-    node = MainControlNode(control, robot, status, topics)
+    node = MainControlNode(control, robot, status, topics, sensors)
     own = {**asdict(settings), **asdict(limits)}
     description.note(NodeDescription(NODE, NO_HARDWARE, own))
     descriptions.listen(description.note)

@@ -85,6 +85,7 @@ class Instruments:
             height_call = self._robot.workers.begin(self._robot.height_sensor.height_m)
             with self._waits.shown(self.height_wait(None)) as check:
                 result_of(height_call, check)
+        self._robot.sensors.check_required()
         return analyzer
 
     def height(self) -> Tuple[float, Tuple[str, ...]]:

@@ -12,6 +12,7 @@ from typing import Mapping, Optional, Protocol, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_main_control.mid.aux_sensors import AuxSensors
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey_status import Status
@@ -274,6 +275,7 @@ class Robot:
         storage: The storage of surveys.
         nodes: The processes of all parts.
         description: What the parts are, as they say themselves.
+        sensors: Other sensors beside the radar.
         workers: The threads of calls that may be made at the same time.
         analyzer_calls: The calls that set up the analyzer.
         storage_calls: The calls that open, report and close surveys.
@@ -285,6 +287,7 @@ class Robot:
     storage: Storage
     nodes: NodeLiveness
     description: DescribedRobot
+    sensors: AuxSensors
     workers: Workers = field(default_factory=Workers, init=False)
     # Shared by all surveys: a call that one survey gave up must not disturb the next.
     analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

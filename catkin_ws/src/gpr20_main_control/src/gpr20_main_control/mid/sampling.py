@@ -159,10 +159,12 @@ class Sampling:
         remark: Optional[Message],
     ) -> Trace:
         self._instruments.check_sweep(sweep)
+        aux, sensor_remarks = self._robot.sensors.at_sweep(sweep.sweep_ended_us)
         timestamp_us = time_of_day_us()
         remarks = [remark, self._clock_steps.check_trace(timestamp_us)]
         texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)
-        measured = {**vars(sweep), "quality": (*sweep.quality, *settled.remarks, *texts)}
+        quality = (*sweep.quality, *settled.remarks, *texts, *sensor_remarks)
+        measured = {**vars(sweep), "quality": quality}
         return Trace(
             **measured,
             survey_id=self._plan.survey_id,
@@ -173,6 +175,7 @@ class Sampling:
             y_coord_mm=settled.position.y_mm,
             z_coord_deg=settled.position.z_deg,
             antennae_height_m=settled.height_m,
+            aux=aux,
         )
 
 

@@ -6,7 +6,7 @@ import contextlib
 import json
 from dataclasses import asdict
 from pathlib import PurePosixPath
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
@@ -25,6 +25,7 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.plan.robot_description import STORAGE_NAME
+from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
@@ -60,6 +61,7 @@ class SurveyArchive:
         self._plan = plan
         self._storage, self._calls = robot.storage, robot.storage_calls
         self._recorded = robot.description.recorded
+        self._sensors = robot.sensors.recorded()
         self._limit_s = robot.description.limits.storage_limit_s
         self._status = status
         self._clock = clock
@@ -71,6 +73,7 @@ class SurveyArchive:
         self._report = SurveyReport(self.coverage, analyzers, report_json)
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
+        self._sensors_noted = False
         self._closing_report = ""
         self._closing_count = 0
         self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
@@ -99,6 +102,7 @@ class SurveyArchive:
         )
         if self.folder:
             self.reopen(check)
+            self._note_other_sensors()
             if self._analyzers.used != self._reported_analyzers:
                 # Before the first trace of another analyzer.
                 self._send_report(self._report.to_json(), check)
@@ -193,8 +197,27 @@ class SurveyArchive:
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
         if self._record is None or self._record[0] != analyzer:
-            self._record = analyzer, survey_record(self._plan, analyzer, self._recorded())
+            self._record = (
+                analyzer,
+                survey_record(self._plan, analyzer, {**self._recorded(), SENSORS: self._sensors}),
+            )
         return self._record[1]
+
+    def _note_other_sensors(self) -> None:
+        """Note once that a survey continues with other sensors than it began with."""
+        former = self._plan.recorded_sensors
+        if former in (None, self._sensors) or self._sensors_noted:
+            return
+        self._sensors_noted = True
+        self.note_warning(
+            Message(
+                "the survey continues with other sensors beside the radar: {present}; at its "
+                "start: {former}",
+                present=_names(self._sensors),
+                former=_names(former or []),
+                details=json.dumps(self._sensors),
+            )
+        )
 
     def _send_report(self, report_json: str, check: Check) -> int:
         survey_id = self._plan.survey_id
@@ -220,6 +243,10 @@ def interruption_remark(interrupted: str) -> Optional[Message]:
         "survey {survey} was still open; it is closed as interrupted and can be resumed later",
         survey=interrupted,
     )
+
+
+def _names(sensors: Sequence[Mapping[str, Any]]) -> str:
+    return ", ".join(str(one.get("name")) for one in sensors) or "-"
 
 
 def survey_record(

@@ -14,6 +14,7 @@ from gpr20_main_control.mid.analyzer_record import UsedAnalyzer, recorded_analyz
 from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import planned_durations_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
@@ -70,6 +71,18 @@ class SurveyPlan:
         if self.reopened is None:
             return ()
         return recorded_analyzers(self.reopened.metadata_json, self.reopened.report_json)
+
+    @property
+    def recorded_sensors(self) -> Optional[List[Dict[str, Any]]]:
+        """The other sensors at the start of a survey that is resumed; None if not recorded."""
+        if self.reopened is None:
+            return None
+        try:
+            found = json.loads(self.reopened.metadata_json)[SENSORS]
+        except (ValueError, KeyError, TypeError):
+            # Surveys of earlier versions do not have them.
+            return []
+        return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
 
     @property
     def total_points(self) -> int:

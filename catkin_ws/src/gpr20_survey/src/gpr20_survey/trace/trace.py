@@ -6,8 +6,10 @@ import hashlib
 import math
 import re
 from dataclasses import astuple, dataclass
+from typing import Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey.trace.aux_value import AuxValue, check_aux
 from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
 
 FORMAT = "gpr20-trace/1"
@@ -35,6 +37,7 @@ class Trace(Sweep):
         z_coord_deg: Rotation of the antennas [deg].
         antennae_height_m: Above the ground [m]; NaN if it was not measured.
         format: Version of this record.
+        aux: What other sensors measured at this trace; names are unique.
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
@@ -49,12 +52,14 @@ class Trace(Sweep):
     z_coord_deg: float
     antennae_height_m: float
     format: str = FORMAT
+    aux: Tuple[AuxValue, ...] = ()
 
     def __post_init__(self) -> None:
         self._check_names()
         self._check_position()
         super().__post_init__()
         check_time("timestamp", self.timestamp_us)
+        check_aux(self.aux)
 
     @property
     def label(self) -> Message:
@@ -70,6 +75,7 @@ class Trace(Sweep):
             *(None if math.isnan(height) else float(height), len(self.frequency_hz)),
             *(self.sweep_started_us, self.sweep_ended_us, tuple(self.quality)),
             *(float(self.analyzer.if_bandwidth_hz), *astuple(self.analyzer)[1:]),
+            *((one.name, float(one.value), one.unit, one.stamp_us) for one in self.aux),
         )
         digest = hashlib.blake2b(repr(words).encode(), digest_size=16)
         for values in (self.frequency_hz, self.s21_real, self.s21_imag):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, Dict, NoReturn
+from typing import Any, Dict, NoReturn, Tuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -23,6 +24,9 @@ ARRAYS = ("frequency_hz", "s21_real", "s21_imag")
 KEYS = frozenset((*TEXTS, "index", *TIMES, *NUMBERS, HEIGHT, *ARRAYS, "quality"))
 # Absent from a trace of which none is known, such as those of early versions.
 ANALYZER_KEYS = frozenset(("if_bandwidth_hz", "averages", "output_power"))
+# Absent from a trace that has no values of other sensors.
+AUX = "aux"
+AUX_KEYS = frozenset(("name", "value", "unit", "stamp"))
 
 
 def encode(trace: Trace) -> bytes:
@@ -53,6 +57,16 @@ def encode(trace: Trace) -> bytes:
         values["if_bandwidth_hz"] = float(trace.analyzer.if_bandwidth_hz)
         values["averages"] = trace.analyzer.averages
         values["output_power"] = trace.analyzer.output_power
+    if trace.aux:
+        values[AUX] = [
+            {
+                "name": one.name,
+                "value": float(one.value),
+                "unit": one.unit,
+                "stamp": utc_time.iso_text(one.stamp_us),
+            }
+            for one in trace.aux
+        ]
     return (json.dumps(values, allow_nan=False) + "\n").encode("ascii")
 
 
@@ -77,7 +91,8 @@ def from_values(values: Any) -> Trace:
     Raises:
         TraceRefusedError: It is not the value of a trace's file.
     """
-    if not isinstance(values, dict) or values.keys() not in (KEYS, KEYS | ANALYZER_KEYS):
+    keys = values.keys() - {AUX} if isinstance(values, dict) else None
+    if keys not in (KEYS, KEYS | ANALYZER_KEYS):
         raise TraceRefusedError(Message("the file does not hold exactly the entries of a trace"))
     try:
         return _trace(values)
@@ -104,8 +119,27 @@ def _trace(values: Dict[str, Any]) -> Trace:
         HEIGHT: math.nan if height is None else _of_type(values, HEIGHT, float),
         "quality": tuple(values["quality"]),
         "analyzer": _analyzer(values),
+        "aux": _aux(values),
     }
     return Trace(**fields)
+
+
+def _aux(values: Dict[str, Any]) -> Tuple[AuxValue, ...]:
+    if AUX not in values:
+        return ()
+    found = _list(values, AUX)
+    if not found or any(not isinstance(one, dict) or one.keys() != AUX_KEYS for one in found):
+        # One trace has one form.
+        raise InvalidValueError(Message("aux does not hold exactly the entries of its values"))
+    return tuple(
+        AuxValue(
+            _of_type(one, "name", str),
+            _of_type(one, "value", float),
+            _of_type(one, "unit", str),
+            utc_time.parse_iso(_of_type(one, "stamp", str)),
+        )
+        for one in found
+    )
 
 
 def _analyzer(values: Dict[str, Any]) -> AnalyzerSettings:

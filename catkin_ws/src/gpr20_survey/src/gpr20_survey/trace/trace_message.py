@@ -7,42 +7,102 @@ little endian, the fields one after the other, strings and arrays behind their l
 from __future__ import annotations
 
 import struct
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Tuple, TypeVar
 
 import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
+Item = TypeVar("Item")
+
 DATATYPE = "gpr20_msgs/Trace"
 # Of the fields that are written and read below, as ROS computes it.
-MD5SUM = "2878bcdbff04f10f82e1d7bfa25b0325"
-# Of the same fields without the last three, in recordings of earlier versions.
-FORMER_MD5SUM = "2960f4daab5f0e952630a63f0c2bce22"
+MD5SUM = "1009378aeaf096e9d9aa3e0c04f18aad"
+# Of recordings of earlier versions: without the header and aux.
+WITHOUT_HEADER_MD5SUM = "2878bcdbff04f10f82e1d7bfa25b0325"
+# And without the settings of the analyzer.
+WITHOUT_SETTINGS_MD5SUM = "2960f4daab5f0e952630a63f0c2bce22"
+FORMER_MD5SUMS = (WITHOUT_HEADER_MD5SUM, WITHOUT_SETTINGS_MD5SUM)
 
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 _POSITION = struct.Struct("<4d")
 _BANDWIDTH_AND_AVERAGES = struct.Struct("<di")
+_NUMBER = struct.Struct("<d")
 
 
-def encode(trace: Trace) -> bytes:
-    """Return the serialized message of a trace."""
-    settings = trace.analyzer
-    return b"".join(
-        (
-            encode_former(trace),
-            _BANDWIDTH_AND_AVERAGES.pack(settings.if_bandwidth_hz, settings.averages),
-            _text(settings.output_power),
+def encode(trace: Trace, md5sum: str = MD5SUM) -> bytes:
+    """Return the serialized message of a trace.
+
+    Args:
+        trace: A trace that the version of the type can hold.
+        md5sum: Checksum of the version of the type.
+    """
+    parts = [_measured(trace)]
+    if md5sum != WITHOUT_SETTINGS_MD5SUM:
+        settings = trace.analyzer
+        parts.append(_BANDWIDTH_AND_AVERAGES.pack(settings.if_bandwidth_hz, settings.averages))
+        parts.append(_text(settings.output_power))
+    if md5sum == MD5SUM:
+        parts.insert(0, _header(trace.index, trace.timestamp_us))
+        parts.append(_LENGTH.pack(len(trace.aux)))
+        for one in trace.aux:
+            parts += (_text(one.name), _NUMBER.pack(one.value), _text(one.unit))
+            parts.append(_time(one.stamp_us))
+    return b"".join(parts)
+
+
+def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
+    """Return the trace of a serialized message, checked.
+
+    Args:
+        data: The message.
+        md5sum: Checksum of its type, where it is known.
+
+    Raises:
+        TraceRefusedError: It is of another version of the type, is not whole, or a value is not
+            allowed.
+    """
+    if md5sum not in (MD5SUM, *FORMER_MD5SUMS):
+        raise TraceRefusedError(
+            Message(
+                "a trace was recorded with another version of {datatype}",
+                datatype=DATATYPE,
+                details=f"{md5sum[:64]}, not {MD5SUM}",
+            )
         )
-    )
+    try:
+        return _Reader(data).trace(md5sum)
+    except (struct.error, UnicodeDecodeError) as error:
+        raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
 
 
-def encode_former(trace: Trace) -> bytes:
-    """Return the serialized message of the former type, without the settings of the analyzer."""
+def completed(data: bytes, md5sum: str) -> bytes:
+    """Return a message of a former version of the type as one of the present version.
+
+    The values are not checked, only moved.
+
+    Raises:
+        TraceRefusedError: It is not whole.
+    """
+    try:
+        header = _Reader(data).header()
+    except (struct.error, UnicodeDecodeError) as error:
+        raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
+    settings = b""
+    if md5sum == WITHOUT_SETTINGS_MD5SUM:
+        settings = bytes(_BANDWIDTH_AND_AVERAGES.size + _LENGTH.size)
+    return header + data + settings + _LENGTH.pack(0)
+
+
+def _measured(trace: Trace) -> bytes:
+    """Return the fields that all versions have."""
     return b"".join(
         (
             *(_text(one) for one in (trace.format, trace.survey_id, trace.sample_id)),
@@ -60,29 +120,9 @@ def encode_former(trace: Trace) -> bytes:
     )
 
 
-def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
-    """Return the trace of a serialized message, checked.
-
-    Args:
-        data: The message.
-        md5sum: Checksum of its type, where it is known.
-
-    Raises:
-        TraceRefusedError: It is of another version of the type, is not whole, or a value is not
-            allowed.
-    """
-    if md5sum not in (MD5SUM, FORMER_MD5SUM):
-        raise TraceRefusedError(
-            Message(
-                "a trace was recorded with another version of {datatype}",
-                datatype=DATATYPE,
-                details=f"{md5sum[:64]}, not {MD5SUM}",
-            )
-        )
-    try:
-        return _Reader(data).trace(has_settings=md5sum == MD5SUM)
-    except (struct.error, UnicodeDecodeError) as error:
-        raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
+def _header(index: int, timestamp_us: int) -> bytes:
+    """Return a std_msgs/Header; the same in every form of the message."""
+    return _LENGTH.pack(index) + _time(timestamp_us) + _text(ANTENNA_LINK)
 
 
 def _text(text: str) -> bytes:
@@ -106,7 +146,16 @@ class _Reader:
         self._data = data
         self._place = 0
 
-    def trace(self, has_settings: bool) -> Trace:
+    def header(self) -> bytes:
+        """Return the header that belongs to a message without one."""
+        for _name in range(3):
+            self._text()
+        (index,) = self._unpack(_LENGTH)
+        return _header(index, self._time())
+
+    def trace(self, md5sum: str) -> Trace:
+        """Return the trace of a message, checked."""
+        header = self._read_header() if md5sum == MD5SUM else None
         names = {name: self._text() for name in ("format", "survey_id", "sample_id")}
         (index,) = self._unpack(_LENGTH)
         timestamp_us = self._time()
@@ -126,11 +175,32 @@ class _Reader:
             sweep_started_us=self._time(),
             sweep_ended_us=self._time(),
             quality=tuple(self._list(self._text)),
-            analyzer=self._settings() if has_settings else AnalyzerSettings(),
+            analyzer=(
+                AnalyzerSettings() if md5sum == WITHOUT_SETTINGS_MD5SUM else self._settings()
+            ),
+            aux=tuple(self._list(self._aux)) if md5sum == MD5SUM else (),
         )
+        if header not in (None, (timestamp_us, ANTENNA_LINK)):
+            raise TraceRefusedError(
+                Message(
+                    "the header of a trace is wrong: its stamp must be the timestamp and its "
+                    "frame_id {frame}",
+                    frame=repr(ANTENNA_LINK),
+                )
+            )
         if self._place != len(self._data):
             raise TraceRefusedError(Message("a recorded trace is longer than its fields"))
         return trace
+
+    def _read_header(self) -> Tuple[int, str]:
+        """Return stamp [us] and frame; every ROS publisher gives `seq` a number of its own."""
+        self._unpack(_LENGTH)
+        return self._time(), self._text()
+
+    def _aux(self) -> AuxValue:
+        name = self._text()
+        (value,) = self._unpack(_NUMBER)
+        return AuxValue(name, value, self._text(), self._time())
 
     def _settings(self) -> AnalyzerSettings:
         if_bandwidth_hz, averages = self._unpack(_BANDWIDTH_AND_AVERAGES)
@@ -160,7 +230,7 @@ class _Reader:
         seconds, rest_ns = self._unpack(_TIME)
         return int(seconds * utc_time.US_PER_S + rest_ns // utc_time.NS_PER_US)
 
-    def _list(self, item: Callable[[], str]) -> List[str]:
+    def _list(self, item: Callable[[], Item]) -> List[Item]:
         size = self._size()
         # Each item has at least its length; a damaged size must not fill the memory.
         if _LENGTH.size * size > len(self._data) - self._place:

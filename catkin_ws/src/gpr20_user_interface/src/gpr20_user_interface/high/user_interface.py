@@ -7,6 +7,7 @@ import os
 import sys
 import threading
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, NoReturn, Optional
 
@@ -30,8 +31,10 @@ from gpr20_user_interface.high.display import (
 )
 from gpr20_user_interface.high.imaging_client import ImagingClient
 from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.high.robots_client import RobotsClient
 from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
+from gpr20_user_interface.low.next_window import open_in
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.screen_saver import ScreenSaver
 from gpr20_user_interface.low.settings_file import SettingsFile
@@ -41,6 +44,7 @@ from gpr20_user_interface.mid.message_source import MessageSources
 from gpr20_user_interface.mid.plan_memory import PlanMemory, Settings
 from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.robots import Robots
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.shown_model import ShownModel
 from gpr20_user_interface.mid.survey_model import SurveyModel
@@ -55,8 +59,6 @@ from gpr20_user_interface.views.translation import Languages
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
-# Beside them.
-PLAN_FILE = "plan.yaml"
 # Of the parameter ~language: the language that was used last.
 REMEMBERED = "auto"
 # A disk may be slow; the window does not wait for it longer.
@@ -99,13 +101,17 @@ class UserInterface:
         plan_settings: Settings,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
+        may_choose_robot: bool = True,
     ) -> None:
+        # Namespace of the robot that a window is opened for when this one has ended.
+        self.next_robot = ""
         self.signal = EventSignal()
         self.control = ControlClient(self.signal.emit_event)
         self.storage = StorageClient(self.signal.emit_event)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
         self.service = ServiceToolsClient(self.signal.emit_event)
         self.imaging = ImagingClient(self.signal.emit_event)
+        self.robots = RobotsClient(self.signal.emit_event)
         shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
         self.window = MainWindow(
             Presenters(
@@ -115,6 +121,10 @@ class UserInterface:
                 ServiceModel(self.service, Clock()),
                 profiles,
                 self.plans,
+                Robots(
+                    *(rospy.get_namespace(), may_choose_robot),
+                    *(self.robots.set_watched, self._show_robot),
+                ),
             ),
             languages,
             memory,
@@ -130,6 +140,7 @@ class UserInterface:
         self.storage.listen()
         self.service.listen()
         self.imaging.listen()
+        self.robots.listen()
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()
@@ -139,10 +150,15 @@ class UserInterface:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
         self.plans.wait(SETTINGS_LIMIT_S)
+        self.robots.close()
         self.imaging.close()
         self.storage.close()
         self.service.close()
         self.control.close()
+
+    def _show_robot(self, namespace: str) -> None:
+        self.next_robot = namespace
+        _quit_soon()
 
     def health(self) -> Health:
         """Return the health of this node."""
@@ -156,10 +172,21 @@ class UserInterface:
         return WARN, Message("no contact with the main control"), values
 
 
+@dataclass(frozen=True)
+class Ending:
+    """How the program ends: with a status, or with a window for another robot in its place."""
+
+    status: int
+    next_robot: str = ""
+
+
 def main() -> NoReturn:
     """Show the window until it is closed, ROS asks it to end or a signal comes."""
+    ending = _run(_parser().parse_known_args(rospy.myargv()[1:])[0])
+    if ending.next_robot:
+        open_in(ending.next_robot, sys.argv, os.environ)
     # Without the exit handlers and destructors of libraries: their threads still run.
-    leave_now(_run(_parser().parse_known_args(rospy.myargv()[1:])[0]))
+    leave_now(ending.status)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -170,7 +197,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _run(given: argparse.Namespace) -> int:
+def _run(given: argparse.Namespace) -> Ending:
     draw_without_opengl(os.environ)
     try:
         # First: there are no threads yet.
@@ -180,21 +207,21 @@ def _run(given: argparse.Namespace) -> int:
             check_display(os.environ)
     except DisplayUnavailableError as error:
         _say(str(error))
-        return EXIT_NO_DISPLAY
+        return Ending(EXIT_NO_DISPLAY)
     with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
             _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
-            return EXIT_NO_MASTER
+            return Ending(EXIT_NO_MASTER)
         on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
             return _show(application, signals)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
-            return EXIT_WRONG_PARAMETER
+            return Ending(EXIT_WRONG_PARAMETER)
 
 
 def _say(sentence: str) -> None:
@@ -220,7 +247,7 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
     leave_now(status)
 
 
-def _show(application: QApplication, signals: StopSignals) -> int:
+def _show(application: QApplication, signals: StopSignals) -> Ending:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
@@ -228,9 +255,10 @@ def _show(application: QApplication, signals: StopSignals) -> int:
         SurveyModel(Clock()),
         languages,
         Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
-        SettingsFile(settings.with_name(PLAN_FILE)),
+        SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),
+        bool(rospy.get_param("~choose_robot", True)),
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
@@ -250,7 +278,13 @@ def _show(application: QApplication, signals: StopSignals) -> int:
     # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")
     del diagnostics
-    return status
+    return Ending(status, "" if signals.received else interface.next_robot)
+
+
+def _plan_file(namespace: str) -> str:
+    """Return the name of the file, beside the settings, that keeps the plan for a robot."""
+    robot = namespace.strip("/").replace("/", ".")
+    return f"plan_{robot}.yaml" if robot else "plan.yaml"
 
 
 def _language(remembered: Language) -> Language:

@@ -11,7 +11,7 @@ from gpr20_user_interface.mid.events import ControlState, Progress
 from gpr20_user_interface.mid.time_words import time_left
 
 # A line is written for each such part of the survey.
-STEP_PERCENT = 5.0
+STEP_PERCENT = 10.0
 
 
 def remaining(progress: Progress) -> Message:
@@ -54,7 +54,7 @@ class Display(Protocol):
 
 
 class PlainDisplay:
-    """Writes sentences and a line per five percent of progress."""
+    """Writes sentences and a line per ten percent of progress."""
 
     def __init__(self, stream: TextIO, catalogue: Catalogue) -> None:
         self._stream = stream

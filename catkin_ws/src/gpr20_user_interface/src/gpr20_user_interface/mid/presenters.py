@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.profiles import Profiles
+from gpr20_user_interface.mid.robots import Robots
 from gpr20_user_interface.mid.service_model import ServiceModel
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
@@ -23,6 +24,7 @@ class Presenters:
         service: Maintenance of the robot.
         profiles: Parameters that are stored under a name.
         plans: What the operator planned last.
+        robots: The robots that share the ROS master.
     """
 
     survey: WindowPresenter
@@ -31,3 +33,4 @@ class Presenters:
     service: ServiceModel
     profiles: Profiles
     plans: PlanMemory
+    robots: Robots

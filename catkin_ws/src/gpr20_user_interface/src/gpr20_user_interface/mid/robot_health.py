@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
@@ -25,6 +25,9 @@ EXPECTED_NODES = (
 )
 # Listed once it has reported.
 SIMULATOR = "simulator"
+# Other sensors beside the radar report below this name, and are listed once they have.
+SENSOR_PREFIX = "sensors/"
+MAX_SENSORS = 32
 ANALYZER = "vna_acquisition"
 STORAGE = "vna_processing"
 # Names of values in the nodes' reports.
@@ -83,13 +86,21 @@ class HealthTracker:
 
     def note(self, health: NodeHealth) -> None:
         """Take a report; those of nodes that are not listed are ignored."""
-        if health.name in EXPECTED_NODES or health.name == SIMULATOR:
+        if health.name in EXPECTED_NODES or health.name == SIMULATOR or self._is_sensor(health):
             self._reports[health.name] = health, self._clock.now_s()
 
     def report(self) -> HealthReport:
         """Return the health of every node now."""
-        simulator = [SIMULATOR] if SIMULATOR in self._reports else []
-        return HealthReport(tuple(self._node(name) for name in (*EXPECTED_NODES, *simulator)))
+        more = [SIMULATOR] if SIMULATOR in self._reports else []
+        names = (*EXPECTED_NODES, *more, *self._sensors())
+        return HealthReport(tuple(self._node(name) for name in names))
+
+    def _sensors(self) -> List[str]:
+        return sorted(name for name in self._reports if name.startswith(SENSOR_PREFIX))
+
+    def _is_sensor(self, health: NodeHealth) -> bool:
+        known = health.name in self._reports or len(self._sensors()) < MAX_SENSORS
+        return health.name.startswith(SENSOR_PREFIX) and known
 
     def _node(self, name: str) -> NodeHealth:
         if name not in self._reports:

@@ -165,7 +165,7 @@ class SurveySession:
 
 def _accepted(plan: Accepted) -> Message:
     return Message(
-        "Parameters accepted: {traces} traces, about {time}.",
+        "Parameters accepted: {traces} traces, estimated time: {time}.",
         traces=plan.total_points,
         time=duration(plan.estimated_s),
     )

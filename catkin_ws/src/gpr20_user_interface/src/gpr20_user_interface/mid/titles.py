@@ -6,6 +6,7 @@ from typing import Dict
 
 from gpr20_common.message import Message, verbatim
 from gpr20_user_interface.mid.events import HealthLevel
+from gpr20_user_interface.mid.robot_health import SENSOR_PREFIX
 
 _LEVELS: Dict[HealthLevel, Message] = {
     HealthLevel.OK: Message("GOOD"),
@@ -34,4 +35,6 @@ def level_title(level: HealthLevel) -> Message:
 
 def node_title(name: str) -> Message:
     """Return what the operator calls a node; one without a title keeps its name."""
+    if name.startswith(SENSOR_PREFIX):
+        return Message("Sensor {name}", name=name[len(SENSOR_PREFIX) :])
     return _NODES.get(name) or verbatim(name)

@@ -35,6 +35,7 @@ from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.past_surveys_view import PastSurveysView
 from gpr20_user_interface.views.radar_binding import RadarBinding
 from gpr20_user_interface.views.radar_view import RadarView
+from gpr20_user_interface.views.robots_binding import RobotsBinding
 from gpr20_user_interface.views.service_binding import ServiceBinding
 from gpr20_user_interface.views.service_view import ServiceView
 from gpr20_user_interface.views.settings_binding import SettingsBinding
@@ -101,6 +102,9 @@ class MainWindow(TranslatedWidget):
         self.settings = SettingsBinding(
             *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+        )
+        self.robots = RobotsBinding(
+            self, presenters.robots, self.settings.sheet, self.top_bar, clock
         )
         self._bindings = self._all_bindings(presenters)
         self._timers = [
@@ -286,6 +290,7 @@ class MainWindow(TranslatedWidget):
             self.surveys_binding,
             self.radar_binding,
             self.settings,
+            self.robots,
             ServiceBinding(
                 self.survey,
                 presenters.service,

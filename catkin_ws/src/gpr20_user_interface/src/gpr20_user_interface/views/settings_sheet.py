@@ -1,4 +1,4 @@
-"""The sheet with the settings of the window: language, theme, dimming."""
+"""The sheet with the settings of the window: language, theme, dimming, robot."""
 
 from __future__ import annotations
 
@@ -29,6 +29,9 @@ class SettingsSheet(Overlay):
         self.title = QLabel()
         self.title.setObjectName("title")
         self.close_button = new_button(self.hide)
+        # Opens the list of robots; connected where there may be several.
+        self.robot_button = QPushButton()
+        self.robot_button.hide()
         self.language_label, self.theme_label, self.dim_label = QLabel(), QLabel(), QLabel()
         self.hint = QLabel()
         self.hint.setObjectName("quiet")
@@ -57,6 +60,7 @@ class SettingsSheet(Overlay):
         """Write the texts in the language of the application."""
         self.title.setText(self.tr("Settings"))
         self.close_button.setText(self.tr("CLOSE"))
+        self.robot_button.setText(self.tr("OTHER ROBOT"))
         self.language_label.setText(self.tr("Language"))
         self.theme_label.setText(self.tr("Colours"))
         self.dim_label.setText(self.tr("Dim the screen after"))
@@ -98,7 +102,11 @@ class SettingsSheet(Overlay):
             layout.addWidget(label, row, 0)
             layout.addLayout(buttons, row, 1)
         layout.addWidget(self.hint, 4, 0, 1, 2)
-        layout.addWidget(self.close_button, 5, 0, 1, 2)
+        bottom = QHBoxLayout()
+        bottom.setSpacing(GAP_PX)
+        bottom.addWidget(self.robot_button, 1)
+        bottom.addWidget(self.close_button, 1)
+        layout.addLayout(bottom, 5, 0, 1, 2)
         layout.setColumnStretch(1, 1)
         layout.setRowStretch(4, 1)
 

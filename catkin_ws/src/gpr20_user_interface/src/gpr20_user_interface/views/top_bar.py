@@ -34,6 +34,11 @@ class TopBar(TranslatedWidget):
         self.sign = StateSign()
         self.title = QLabel()
         self.title.setObjectName("title")
+        # Its name, where several robots share a master.
+        self.robot = QLabel()
+        self.robot.setObjectName("title")
+        self.robot.setTextFormat(Qt.TextFormat.PlainText)
+        self.robot.hide()
         self.message = LinesLabel()
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
@@ -69,6 +74,11 @@ class TopBar(TranslatedWidget):
         self._band_layout.setSpacing(look.px(GAP_PX))
         self._band_layout.setContentsMargins(0, look.px(2), look.px(4), look.px(2))
 
+    def show_robot(self, name: str) -> None:
+        """Name the robot that STOP stops; empty: there is only one."""
+        self.robot.setText(f"{name} ")
+        self.robot.setVisible(bool(name))
+
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         self._snapshot = snapshot
@@ -96,6 +106,7 @@ class TopBar(TranslatedWidget):
     def _lay_out(self) -> None:
         first = QHBoxLayout()
         first.setSpacing(0)
+        first.addWidget(self.robot)
         first.addWidget(self.title)
         first.addStretch(1)
         first.addWidget(self.simulated)

@@ -14,6 +14,7 @@ from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
+from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.raw_message import deserialized, preserialized, serialized
 from gpr20_common.high.ros_time import microseconds
 from gpr20_common.high.services import advertise
@@ -36,6 +37,7 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
@@ -59,7 +61,7 @@ MAX_REPAIRS_SHOWN = 10
 class ProcessingNode:
     """Turns requests into calls of DataProcessing and its answers into messages."""
 
-    def __init__(self, parameters: ProcessingParameters) -> None:
+    def __init__(self, parameters: ProcessingParameters, sensors: Sensors) -> None:
         """Connect everything; nothing is recorded before `open_survey`."""
         self._data = parameters.data_folder()
         self._limits = parameters.limits()
@@ -89,7 +91,8 @@ class ProcessingNode:
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
-        self._recorder = TopicRecorder(parameters.all_topics, self._processing.record, time.time_ns)
+        topics = (*parameters.all_topics, *sensors.topics)
+        self._recorder = TopicRecorder(topics, self._processing.record, time.time_ns)
         self._services = [
             advertise("open_survey", OpenSurvey, self._open_survey),
             advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
@@ -243,4 +246,9 @@ def _publish(publisher: rospy.Publisher, message: Any) -> None:
 
 def main() -> None:
     """Run the node."""
-    run_device(NODE, ProcessingParameters, ProcessingNode, section="storage")
+    run_device(
+        NODE,
+        ProcessingParameters,
+        lambda found: ProcessingNode(found, read_parameters(Sensors, SENSORS)),
+        section="storage",
+    )

@@ -128,8 +128,8 @@ class RecordingRepair:
 
     def _of_same_type(self, trace: Trace, message: RecordedMessage) -> RecordedMessage:
         """Return the message of a trace, with the version of its type that its topic has."""
-        if message.md5sum == trace_message.FORMER_MD5SUM:
-            return replace(message, data=trace_message.encode_former(trace))
+        if message.md5sum in trace_message.FORMER_MD5SUMS:
+            return replace(message, data=trace_message.encode(trace, message.md5sum))
         return replace(self._topics.trace(trace, message.time_ns), topic=message.topic)
 
     def _read(self, index: int) -> Trace:

@@ -1,0 +1,76 @@
+"""One number inside messages of any type; what does not fit is named."""
+
+import io
+
+import pytest
+
+pytest.importorskip("rospy")
+pytest.importorskip("sensor_msgs.msg")
+
+import rospy
+from sensor_msgs.msg import BatteryState, Imu, Temperature
+from std_msgs.msg import Bool, Float64, Float64MultiArray, String, UInt8MultiArray
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.high.message_field import MessageField
+
+
+def received(message):
+    """Return a message as it arrives at a subscriber of any type."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    found = rospy.AnyMsg()
+    found.deserialize(buffer.getvalue())
+    found._connection_header = {"type": message._type, "md5sum": message._md5sum}
+    return found
+
+
+@pytest.mark.parametrize(
+    ("message", "path", "value"),
+    [
+        (Float64(0.25), "data", 0.25),
+        (Bool(True), "data", 1.0),
+        (Temperature(temperature=18.5), "temperature", 18.5),
+        (BatteryState(cell_voltage=[3.5, 3.75]), "cell_voltage[1]", 3.75),
+        (Float64MultiArray(data=[1.0, 2.0]), "data[0]", 1.0),
+        (UInt8MultiArray(data=bytes([7, 9])), "data[1]", 9.0),
+        (Imu(orientation_covariance=[2.0] * 9), "orientation_covariance[8]", 2.0),
+        (Imu(), "angular_velocity.z", 0.0),
+    ],
+)
+def test_the_number_is_found(message, path, value):
+    assert MessageField(message._type, path).read(received(message)) == value
+
+
+@pytest.mark.parametrize(
+    ("datatype", "path", "reason"),
+    [
+        ("std_msgs/Float64", "value", "has no field value; its fields are: data .float64."),
+        ("sensor_msgs/Imu", "angular_velocity.w", "its fields are: x .float64., y .float64."),
+        ("sensor_msgs/Imu", "angular_velocity", "is of type geometry_msgs/Vector3.*: x, y, z"),
+        ("std_msgs/String", "data", "is of type string, which is not a number"),
+        ("std_msgs/Header", "stamp", "is of type time, which is not a number"),
+        ("std_msgs/Float64", "data[0]", "is not a list, but of type float64"),
+        ("std_msgs/Float64", "data.x", "float64 has no field x"),
+        ("std_msgs/Float64MultiArray", "data", "is a list .float64.... choose one.* data.0."),
+        ("no_such_package/Float64", "data", "is not installed here"),
+        ("std_msgs/NoSuchType", "data", "is not installed here"),
+    ],
+)
+def test_a_field_that_is_not_there_is_named_with_those_that_are(datatype, path, reason):
+    with pytest.raises(InvalidValueError, match=reason):
+        MessageField(datatype, path)
+
+
+def test_messages_of_another_type_are_named():
+    with pytest.raises(InvalidValueError, match="std_msgs/String arrive instead of std_msgs/Float"):
+        MessageField("std_msgs/Float64", "data").read(received(String("1")))
+
+
+def test_damaged_and_short_messages_are_refused():
+    damaged = received(Float64(1.0))
+    damaged._buff = damaged._buff[:-1]
+    with pytest.raises(InvalidValueError, match="does not hold data"):
+        MessageField("std_msgs/Float64", "data").read(damaged)
+    with pytest.raises(InvalidValueError, match="does not hold data.3."):
+        MessageField("std_msgs/Float64MultiArray", "data[3]").read(received(Float64MultiArray()))

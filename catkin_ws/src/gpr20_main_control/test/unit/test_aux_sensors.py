@@ -1,0 +1,188 @@
+"""Which value of another sensor belongs to a trace, and what happens without one."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from fake_robot import Bench
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.aux_sensors import KEPT, AuxSensors, SensorInput
+from gpr20_survey.plan.sensors import Sensor
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.aux_value import AuxValue
+
+NOW_US = 1_790_000_000_000_000
+
+
+class HandClock:
+    """A clock that a test sets."""
+
+    def __init__(self) -> None:
+        self.s = 100.0
+
+    def now_s(self) -> float:
+        return self.s
+
+    def time_of_day_us(self) -> int:
+        return NOW_US + round((self.s - 100.0) * 1e6)
+
+
+def read(content):
+    if isinstance(content, str):
+        raise InvalidValueError(Message("another type arrives"))
+    return float(content)
+
+
+@pytest.fixture
+def clock():
+    return HandClock()
+
+
+def sensor(**changes):
+    fields = {"name": "soil", "topic": "probe", "message": "std_msgs/Float64", "field": "data"}
+    return Sensor(**{**fields, "unit": "%", "longest_age_s": 2.0, "low": 0.0, **changes})
+
+
+def sensors_with(clock, *received, **changes):
+    """Return sensors of which the one has received values: (time [s], value)."""
+    one = SensorInput(sensor(**changes), read, clock)
+    for clock.s, value in received:
+        one.note(value)
+    return AuxSensors([one], clock)
+
+
+def test_the_value_is_the_last_one_that_was_received_until_the_sweep_ended(clock):
+    sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0), (103.0, 3.0))
+    clock.s = 103.5
+    values, remarks = sensors.at_sweep(NOW_US + 2_500_000)
+    assert values == (AuxValue("soil", 2.0, "%", NOW_US + 2_000_000),)
+    assert remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("value", "stored", "remark"),
+    [
+        (None, (), "sensor soil: nothing has been received on probe"),
+        (math.nan, (), "sensor soil: its value is nan, not a finite number"),
+        (math.inf, (), "sensor soil: its value is inf, not a finite number"),
+        ("text", (), "sensor soil: another type arrives"),
+        (-1.0, (-1.0,), "sensor soil: its value -1 % is not plausible; expected 0 to -"),
+    ],
+)
+def test_a_sensor_that_is_not_required_leaves_a_remark(clock, value, stored, remark):
+    received = [] if value is None else [(101.0, value)]
+    values, remarks = sensors_with(clock, *received).at_sweep(clock.time_of_day_us())
+    assert tuple(one.value for one in values) == stored
+    assert remarks == (remark,)
+
+
+@pytest.mark.parametrize("value", [None, math.nan, "text", -1.0])
+def test_a_sensor_that_is_required_refuses_the_trace(clock, value):
+    received = [] if value is None else [(101.0, value)]
+    sensors = sensors_with(clock, *received, required=True)
+    with pytest.raises(DeviceError, match="sensor soil: .*; check this sensor and its cable"):
+        sensors.at_sweep(clock.time_of_day_us())
+    with pytest.raises(DeviceError, match="sensor soil"):
+        sensors.check_required()
+
+
+def test_a_value_that_is_too_old_counts_as_silence(clock):
+    sensors = sensors_with(clock, (101.0, 1.0))
+    clock.s = 103.0
+    assert sensors.now()[0].problem is None
+    clock.s = 103.1
+    measured = sensors.now()[0]
+    assert str(measured.message) == "sensor soil: no value for 2.1 s, at most 2 s are allowed"
+    assert sensors.at_sweep(clock.time_of_day_us())[0] == ()
+
+
+@pytest.mark.parametrize("step_us", [-(10**12), 10**12])
+def test_a_clock_that_is_set_changes_no_age(clock, step_us):
+    sensors = sensors_with(clock, (101.0, 1.0))
+    clock.time_of_day_us = lambda: NOW_US + step_us
+    (value,), _remarks = sensors.at_sweep(NOW_US + step_us)
+    assert value.stamp_us == NOW_US + step_us
+
+
+def test_of_a_fast_sensor_few_messages_are_kept_and_only_those_needed_are_read(clock):
+    calls = []
+    one = SensorInput(sensor(), lambda content: calls.append(content) or content, clock)
+    for number in range(20 * KEPT):
+        clock.s = 100.0 + number * 1e-3
+        one.note(float(number))
+    assert len(one._kept) <= KEPT
+    assert calls == []
+    assert one.at(clock.s).value == 20 * KEPT - 1
+    assert one.at(clock.s - 1.0).value == pytest.approx(20 * KEPT - 1001, abs=12)
+    assert len(calls) == 2
+
+
+def test_many_silent_sensors_leave_room_for_other_remarks(clock):
+    inputs = [SensorInput(sensor(name=f"s{number}"), read, clock) for number in range(32)]
+    _values, remarks = AuxSensors(inputs, clock).at_sweep(NOW_US)
+    assert len(remarks) == 5
+    assert remarks[-1] == "28 more sensors failed"
+
+
+def bench_with(**changes):
+    """Return a bench with one sensor, and what publishes its values."""
+    clock = HandClock()
+    one = SensorInput(sensor(longest_age_s=3600.0, **changes), read, clock)
+    bench = Bench(sensors=AuxSensors([one], clock))
+
+    def publish(value):
+        """Send a value that is older than any sweep."""
+        one.note(value)
+        clock.s += 100.0
+
+    return bench, publish
+
+
+def test_every_trace_of_a_survey_has_the_value_and_survey_json_the_sensor():
+    bench, soil = bench_with()
+    soil(0.25)
+    bench.start()
+    bench.complete()
+    bench.release()
+    found = {tuple((one.name, one.value) for one in s.aux) for s in bench.storage.samples}
+    assert found == {(("soil", 0.25),)}
+    (recorded,) = json.loads(bench.storage.records[0].metadata_json)["sensors"]
+    assert (recorded["name"], recorded["unit"], recorded["required"]) == ("soil", "%", False)
+
+
+def test_a_survey_is_not_stopped_by_a_silent_sensor_that_is_not_required():
+    bench, _soil = bench_with()
+    bench.start()
+    bench.complete()
+    bench.release()
+    assert {s.quality for s in bench.storage.samples} == {
+        ("sensor soil: nothing has been received on probe",)
+    }
+
+
+def test_a_survey_pauses_when_a_required_sensor_fails_and_is_resumed_without_loss():
+    bench, soil = bench_with(required=True)
+    soil(0.25)
+    bench.start()
+    bench.wait_for_visited(3)
+    soil(math.nan)
+    bench.wait_for(SurveyState.PAUSED)
+    assert "sensor soil: its value is nan" in str(bench.board.status.message)
+    soil(0.5)
+    bench.resume_to_the_end()
+    bench.release()
+    assert [s.index for s in bench.storage.samples] == list(range(24))
+    assert all(s.aux[0].value in (0.25, 0.5) for s in bench.storage.samples)
+
+
+def test_a_survey_without_its_required_sensor_does_not_begin():
+    bench, _soil = bench_with(required=True)
+    bench.start()
+    bench.wait_for(SurveyState.FAILED)
+    bench.release()
+    assert bench.storage.records == []

@@ -1,0 +1,129 @@
+"""Other sensors beside the radar, as a robot's configuration names them."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
+from gpr20_survey.trace.aux_value import AUX_NAME, MAX_AUX_VALUES, MAX_UNIT_CHARACTERS, is_aux_unit
+
+# Section of the configuration, and entry of survey.json.
+SENSORS = "sensors"
+# Relative or absolute; a private name would be below the name of the node that reads it.
+TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
+MESSAGE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
+FIELD = re.compile(r"[A-Za-z]\w*(\[\d{1,6}\])?(\.[A-Za-z]\w*(\[\d{1,6}\])?)*", re.ASCII)
+SHORTEST_AGE_S, LONGEST_AGE_S = 0.05, 3600.0
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """One value of one other sensor.
+
+    Attributes:
+        name: Name of the value in traces and exports: a-z, 0-9 and _, such as soil_moisture.
+        topic: Topic on which the sensor's node publishes, relative to the robot's namespace.
+        message: Type of its messages, such as std_msgs/Float64.
+        field: Field that holds the value, such as data, or a.b[0] inside other fields.
+        unit: Unit of the value, such as degC.
+        longest_age_s: A value that was received longer ago than this counts as silence [s].
+        required: true: the survey pauses when the sensor is silent or its value is not plausible;
+            false: the trace gets a remark.
+        low: Lowest plausible value; leave it out if there is none.
+        high: Highest plausible value; leave it out if there is none.
+    """
+
+    name: str
+    topic: str
+    message: str
+    field: str
+    unit: str = ""
+    longest_age_s: float = 5.0
+    required: bool = False
+    low: Optional[float] = None
+    high: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        if not AUX_NAME.fullmatch(self.name):
+            self._refuse("name", self.name, "soil_moisture")
+        for key, pattern, example in (
+            ("topic", TOPIC, "soil_probe/moisture"),
+            ("message", MESSAGE, "std_msgs/Float64"),
+            ("field", FIELD, "data"),
+        ):
+            if not pattern.fullmatch(getattr(self, key)):
+                self._refuse(key, getattr(self, key), example)
+        if not is_aux_unit(self.unit):
+            raise InvalidValueError(
+                Message(
+                    "unit of sensor {sensor} is {value}; it must be printable and have at most "
+                    "{most} characters",
+                    sensor=self.name,
+                    value=repr(self.unit[:64]),
+                    most=MAX_UNIT_CHARACTERS,
+                )
+            )
+        number_between("longest_age_s", self.longest_age_s, SHORTEST_AGE_S, LONGEST_AGE_S, "s")
+        bounds = [one for one in (self.low, self.high) if one is not None]
+        if not all(map(math.isfinite, bounds)) or bounds != sorted(set(bounds)):
+            raise InvalidValueError(
+                Message(
+                    "low and high of sensor {sensor} are {low} and {high}; they must be finite, "
+                    "and low below high",
+                    sensor=self.name,
+                    low=str(self.low),
+                    high=str(self.high),
+                )
+            )
+
+    def is_plausible(self, value: float) -> bool:
+        """Return whether a value lies within the range."""
+        return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
+
+    def _refuse(self, key: str, value: str, example: str) -> None:
+        raise InvalidValueError(
+            Message(
+                "{key} of sensor {sensor} is {value}; it must be like {example}",
+                key=key,
+                sensor=repr(self.name[:64]),
+                value=repr(value[:64]),
+                example=example,
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """The other sensors of a robot.
+
+    Attributes:
+        sensors: One group of keys for each value that is stored with every trace.
+    """
+
+    sensors: Tuple[Sensor, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.sensors) > MAX_AUX_VALUES:
+            raise InvalidValueError(
+                Message(
+                    "there are {count} sensors; at most {most} are allowed",
+                    count=len(self.sensors),
+                    most=MAX_AUX_VALUES,
+                )
+            )
+        names = [one.name for one in self.sensors]
+        for name in names:
+            if names.count(name) > 1:
+                raise InvalidValueError(
+                    Message("two sensors have the name {name}; give each its own", name=name)
+                )
+
+    @property
+    def topics(self) -> Tuple[str, ...]:
+        """The topics to record."""
+        return tuple(one.topic for one in self.sensors)

@@ -1,0 +1,82 @@
+"""The configuration of other sensors is checked key by key."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.mid.records import record_from
+from gpr20_survey.plan.sensors import Sensors
+
+SOIL = {"name": "soil", "topic": "probe/soil", "message": "std_msgs/Float64", "field": "data"}
+
+
+def made(**changes):
+    values = {**SOIL, **changes}
+    return record_from(Sensors, {"sensors": [values]}, "").sensors[0]
+
+
+def test_four_keys_are_enough():
+    sensor = made()
+    assert (sensor.unit, sensor.required, sensor.longest_age_s) == ("", False, 5.0)
+    assert sensor.is_plausible(-1e300)
+
+
+@pytest.mark.parametrize("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
+def test_a_field_may_lie_inside_others(field):
+    assert made(field=field).field == field
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("name", "Soil"),
+        ("name", ""),
+        ("name", "a" * 65),
+        ("topic", "~soil"),
+        ("topic", "soil moisture"),
+        ("topic", ""),
+        ("message", "Float64"),
+        ("message", "std_msgs/msg/Float64"),
+        ("field", "data["),
+        ("field", "a..b"),
+        ("field", "__class__.x()"),
+        ("unit", "u" * 33),
+        ("unit", "\n"),
+        ("unit", 5),
+        ("longest_age_s", 0.0),
+        ("longest_age_s", math.nan),
+        ("longest_age_s", 1e9),
+        ("required", "yes"),
+        ("low", math.inf),
+        ("high", math.nan),
+        ("higher", 1.0),
+    ],
+)
+def test_the_message_names_a_key_that_is_wrong(key, value):
+    with pytest.raises(InvalidValueError, match=key):
+        made(**{key: value})
+
+
+def test_low_is_below_high():
+    assert made(low=1.0, high=2.0).is_plausible(1.0)
+    for low, high in ((2.0, 1.0), (1.0, 1.0)):
+        with pytest.raises(InvalidValueError, match="low and high of sensor soil"):
+            made(low=low, high=high)
+
+
+@pytest.mark.parametrize("key", SOIL)
+def test_a_key_that_is_missing_is_named(key):
+    values = {name: value for name, value in SOIL.items() if name != key}
+    with pytest.raises(InvalidValueError, match=rf"sensors\[0\]/{key} is missing"):
+        record_from(Sensors, {"sensors": [values]}, "")
+
+
+def test_names_are_unique_and_sensors_few():
+    with pytest.raises(InvalidValueError, match="two sensors have the name soil"):
+        record_from(Sensors, {"sensors": [SOIL, SOIL]}, "")
+    many = [{**SOIL, "name": f"s{number}"} for number in range(33)]
+    with pytest.raises(InvalidValueError, match="at most 32"):
+        record_from(Sensors, {"sensors": many}, "")

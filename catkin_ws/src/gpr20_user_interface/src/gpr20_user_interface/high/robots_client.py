@@ -1,0 +1,67 @@
+"""Which robots the master knows, and what each one does."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, FrozenSet
+
+import rosgraph
+import rospy
+
+from gpr20_common.high.periodic import Periodic
+from gpr20_msgs.msg import ControlStatus
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.ros_events import RosEvents
+from gpr20_user_interface.mid.robots import RobotReported, RobotsFound, robots_on_master
+
+PERIOD_S = 3.0
+
+
+class RobotsClient(RosEvents):
+    """Asks the master for the robots, and listens to those while somebody looks at the list."""
+
+    def __init__(self, listener: Callable[[Any], None]) -> None:
+        super().__init__(listener)
+        self._watched = False
+        self._statuses: Dict[str, rospy.Subscriber] = {}
+
+    def listen(self) -> None:
+        """Begin to ask the master."""
+        self._periodic = Periodic(PERIOD_S, self._ask_master)
+
+    def set_watched(self, watched: bool) -> None:
+        """Listen to the states of all robots, or stop to."""
+        with self._emitting:
+            self._watched = watched
+            if not watched:
+                self._listen_to(frozenset())
+
+    def close(self) -> None:
+        """Call the listener no more."""
+        self.set_watched(False)
+        super().close()
+
+    def _ask_master(self) -> None:
+        try:
+            _publishers, _subscribers, services = rosgraph.Master(rospy.get_name()).getSystemState()
+        except (rosgraph.MasterException, OSError):
+            return  # the window says elsewhere that the master does not answer
+        found = robots_on_master(name for name, _providers in services)
+        self._emit(RobotsFound(found))
+        with self._emitting:
+            if self._watched and not self._closed:
+                self._listen_to(found)
+
+    def _listen_to(self, namespaces: FrozenSet[str]) -> None:
+        for namespace in set(self._statuses) - namespaces:
+            self._statuses.pop(namespace).unregister()
+        for namespace in namespaces - set(self._statuses):
+            self._statuses[namespace] = rospy.Subscriber(
+                rosgraph.names.ns_join(namespace, "control_status"),
+                ControlStatus,
+                self._on_status,
+                callback_args=namespace,
+                queue_size=10,
+            )
+
+    def _on_status(self, message: ControlStatus, namespace: str) -> None:
+        self._emit(RobotReported(namespace, conversions.control_state(message)))

@@ -1,0 +1,167 @@
+"""Several robots share a master: the window names its robot, and the operator can choose."""
+
+import random
+import sys
+
+import pytest
+from fake_clock import FakeClock
+
+pytest.importorskip("PyQt5")
+
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from window_helpers import application, close, new_window, show, snapshot
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.low.next_window import NAMESPACE, command, with_namespace
+from gpr20_user_interface.mid.events import ControlState, Request
+from gpr20_user_interface.mid.robots import RobotReported, Robots, RobotsFound, robots_on_master
+from gpr20_user_interface.views.translation import Languages
+
+__all__ = ["application"]
+
+MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)
+
+
+class Choice:
+    """Robots on a master whose window remembers what it was asked."""
+
+    def __init__(self, own="/robot1", may_choose=True):
+        self.watched, self.shown = [], []
+        self.robots = Robots(own, may_choose, self.watched.append, self.shown.append)
+
+
+@pytest.fixture
+def choice():
+    return Choice()
+
+
+@pytest.fixture
+def opened(application, tmp_path, choice):
+    languages, clock = Languages(application, Language.ENGLISH), FakeClock()
+    window = new_window(languages, profiles=tmp_path, clock=clock, robots=choice.robots)
+    window.show()
+    yield window
+    close(window)
+
+
+def found(window, *namespaces):
+    window.on_event(RobotsFound(frozenset(namespaces)))
+    show(window, window.survey.snapshot)
+
+
+def test_only_a_main_control_that_starts_surveys_is_a_robot():
+    both = ("start_survey", "stop_survey")
+    services = [f"{robot}/{name}" for robot in ("", "/robot1", "/field/a") for name in both]
+    services += ["/robot2/start_survey", "/robot3/stop_survey", "/robot4/restart_survey"]
+    for seed in range(20):
+        random.Random(seed).shuffle(services)
+        assert robots_on_master(services) == {"/", "/robot1", "/field/a"}
+
+
+def test_a_robot_alone_is_neither_named_nor_offered(opened):
+    found(opened, "/robot1")
+    assert not opened.top_bar.robot.isVisible()
+    opened.settings.button.click()
+    assert not opened.settings.sheet.robot_button.isVisible()
+
+
+def test_one_of_several_robots_is_named_beside_its_state(opened):
+    found(opened, "/robot1", "/robot2")
+    assert opened.top_bar.robot.isVisible()
+    assert opened.top_bar.robot.text().strip() == "robot1"
+    found(opened, "/robot1")
+    assert not opened.top_bar.robot.isVisible()
+
+
+def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
+    found(opened, "/robot1", "/robot2", "/robot3")
+    opened.settings.button.click()
+    opened.settings.sheet.robot_button.click()
+    sheet = opened.robots.sheet
+    assert sheet.isVisible() and choice.watched == [True]
+    opened.on_event(RobotReported("/robot2", MEASURING))
+    show(opened, opened.survey.snapshot)
+    texts = [button.text() for button in sheet.buttons if button.isVisible()]
+    assert texts == ["robot1: no report yet", "robot2: SURVEYING", "robot3: no report yet"]
+    assert [button.isEnabled() for button in sheet.buttons[:3]] == [False, True, True]
+    sheet.buttons[2].click()
+    assert choice.shown == ["/robot3"]
+
+
+def test_closing_the_list_ends_to_listen_to_the_other_robots(opened, choice):
+    found(opened, "/robot1", "/robot2")
+    opened.settings.sheet.robot_button.click()
+    opened.robots.sheet.close_button.click()
+    assert choice.watched == [True, False] and not opened.robots.sheet.isVisible()
+
+
+def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(opened):
+    found(opened, "/robot1", "/robot2")
+    opened.settings.sheet.robot_button.click()
+    show(opened, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
+    assert not any(button.isEnabled() for button in opened.robots.sheet.buttons[:2])
+    show(opened, snapshot(SurveyState.STOPPED))
+    assert opened.robots.sheet.buttons[1].isEnabled()
+
+
+def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
+    names = [f"/robot{number:02d}" for number in range(1, 30)]
+    found(opened, "/robot1", *names)
+    opened.settings.sheet.robot_button.click()
+    sheet, seen = opened.robots.sheet, set()
+    for _ in range(4):
+        for button in sheet.buttons:
+            if button.isVisible() and button.isEnabled():
+                button.click()
+        seen.update(choice.shown)
+        sheet.next_page.click()
+    assert seen == set(names)
+
+
+def test_a_window_without_a_robot_proposes_those_that_there_are_once(opened, choice):
+    show(opened, snapshot(alive=False))
+    found(opened, "/robot2", "/robot3")
+    assert not opened.robots.sheet.isVisible()  # its own may be starting
+    opened.clock.advance(6.0)
+    show(opened, snapshot(alive=False))
+    assert opened.robots.sheet.isVisible()
+    opened.robots.sheet.close_button.click()
+    show(opened, snapshot(alive=False))
+    assert not opened.robots.sheet.isVisible()
+
+
+def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
+    choice = Choice("/", may_choose=False)
+    languages, clock = Languages(application, Language.ENGLISH), FakeClock()
+    window = new_window(languages, profiles=tmp_path, clock=clock, robots=choice.robots)
+    try:
+        window.show()
+        clock.advance(6.0)
+        found(window, "/robot2")
+        show(window, snapshot(alive=False))
+        assert not window.robots.sheet.isVisible()
+        window.settings.button.click()
+        assert not window.settings.sheet.robot_button.isVisible()
+        assert window.top_bar.robot.isVisible()
+    finally:
+        close(window)
+
+
+def test_stop_is_free_while_the_list_is_open(opened):
+    show(opened, snapshot(SurveyState.SURVEYING))
+    found(opened, "/robot1", "/robot2")
+    opened.settings.sheet.robot_button.click()
+    QTest.mouseClick(opened.top_bar.stop, Qt.LeftButton)
+    assert opened.survey.asked == ["stop"]
+
+
+def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():
+    words = ["/x/user_interface", "_language:=es", "__name:=user_interface", "__ns:=/robot1"]
+    assert command("/robot2", words) == [
+        *(sys.executable, "/x/user_interface", "_language:=es", "__ns:=/robot2")
+    ]
+    environment = {"DISPLAY": ":0", NAMESPACE: "/robot1"}
+    assert with_namespace("/robot2", environment) == {"DISPLAY": ":0", NAMESPACE: "/robot2"}

@@ -1,0 +1,102 @@
+"""Markdown as GitHub reads it, changed to what MkDocs reads; and links to where the pages are."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from typing import Callable, Iterator, List, Optional, Tuple
+
+FENCE = re.compile(r"\s*(```|~~~)")
+HEADING = re.compile(r"#{1,6} ")
+MARKER = re.compile(r"([-*+]|\d+[.)])( +)(?=\S)")
+INLINE_LINK = re.compile(r"(\]\()([^)\s]+)(\))")
+REFERENCE_LINK = re.compile(r"^(\[[^\]]+\]: +)(\S+)()$", re.MULTILINE)
+# MkDocs wants four columns for each level of a list, GitHub the width of the marker.
+LEVEL_COLUMNS = 4
+
+
+def heading_anchor(text: str, separator: str = "-") -> str:
+    """Return the anchor of a heading, as GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", separator)
+
+
+def fenced(text: str) -> Iterator[Tuple[str, bool]]:
+    """Yield each line of a text, and whether it is part of a code block."""
+    inside = False
+    for line in text.splitlines():
+        edge = bool(FENCE.match(line))
+        yield line, inside or edge
+        inside ^= edge
+
+
+def indent_lists(text: str) -> str:
+    """Return the text with lists as MkDocs reads them.
+
+    What belongs to an item is indented by four columns, and a list has a blank line before it.
+    """
+    written: List[str] = []
+    # The column at which the text of each open item begins.
+    items: List[int] = []
+    for line, code in fenced(text):
+        body = line.lstrip(" ")
+        column = len(line) - len(body)
+        if not body:
+            written.append("")
+            continue
+        marker = None if code else MARKER.match(body)
+        begins = not written or not written[-1] or bool(marker)
+        # A line that continues a paragraph may be indented less than its item.
+        heading = not code and HEADING.match(body)
+        if FENCE.match(body) or heading or (begins and not code):
+            while items and column < items[-1]:
+                items.pop()
+        if heading or (marker and _is_paragraph(written[-1:])):
+            written.append("")
+        kept = max(column - items[-1], 0) if items else column
+        written.append(" " * (LEVEL_COLUMNS * len(items) + kept) + body)
+        if marker:
+            items.append(column + marker.end())
+    return "\n".join(written) + "\n"
+
+
+def _is_paragraph(before: List[str]) -> bool:
+    """Return whether the line before, if any, is text outside lists."""
+    return bool(before) and bool(re.match(r"\S", before[0])) and not MARKER.match(before[0])
+
+
+def rewrite_links(text: str, change: Callable[[str], Optional[str]]) -> str:
+    """Return the text with every relative link changed.
+
+    Args:
+        text: Markdown. Code blocks stay as they are.
+        change: Returns the new target of a link; None removes the link and keeps its words.
+    """
+
+    def changed(match: re.Match[str]) -> str:
+        target = match[2]
+        if "://" in target or target.startswith(("#", "mailto:")):
+            return match[0]
+        new = change(target)
+        if new is None:
+            raise ValueError(f"the link to {target} has no page on the site")
+        return match[1] + new + match[3]
+
+    pieces: List[str] = []
+    for line, code in fenced(text):
+        if not code:
+            line = INLINE_LINK.sub(changed, line)
+            line = REFERENCE_LINK.sub(changed, line)
+        pieces.append(line)
+    return "\n".join(pieces) + "\n"
+
+
+def relative_link(source: str, target: str, anchor: str) -> str:
+    """Return the link from one page to another.
+
+    Args:
+        source: Path of the page that has the link, from the root of the site.
+        target: Path of the page to which it leads.
+        anchor: What follows the hash; may be empty.
+    """
+    path = posixpath.relpath(target, posixpath.dirname(source) or ".")
+    return f"{path}#{anchor}" if anchor else path

@@ -1,0 +1,302 @@
+"""scripts/setup.sh on machines that are made up: stubs instead of apt, sudo, pip and catkin."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Dict
+
+import pytest
+from user_shell import ROOT
+
+LIMIT_S = 60.0
+STUBBED = ("sudo", "apt-get", "dpkg-query", "id", "catkin_make", "df")
+LOCKED = (
+    "E: Could not get lock /var/lib/apt/lists/lock. It is held by process 4711 (unattended-upgr)\n"
+    "E: Unable to lock directory /var/lib/apt/lists/"
+)
+NO_NETWORK = "E: Failed to fetch http://deb.debian.org/x.deb  Could not connect to deb.debian.org"
+PACKAGE = "<package><name>{}</name></package>"
+
+
+@dataclass
+class Computer:
+    """A checkout and the programs of a computer.
+
+    Attributes:
+        place: Where everything is.
+        environment: Further variables.
+    """
+
+    place: Path
+    environment: Dict[str, str] = field(default_factory=dict)
+
+    @property
+    def checkout(self) -> Path:
+        """The folder with the scripts."""
+        return self.place / "gpr20"
+
+    @property
+    def calls(self) -> str:
+        """What the stubs were called with, a line each."""
+        file = self.place / "calls"
+        return file.read_text() if file.exists() else ""
+
+    @property
+    def log(self) -> str:
+        """The log of the last run."""
+        return (self.checkout / "setup.log").read_text()
+
+    def stub(self, name, body, folder="bin"):
+        """Make a program of shell lines that also notes how it was called."""
+        file = self.place / folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f'#!/bin/bash\necho "{name} $*" >>{self.place}/calls\n{body}\n')
+        file.chmod(0o755)
+
+    def run(self, *options):
+        """Run the setup without a terminal."""
+        return subprocess.run(
+            [str(self.checkout / "scripts/setup.sh"), *options],
+            env={
+                "PATH": str(self.place / "bin"),
+                "HOME": str(self.place),
+                "GPR20_APT_RETRY_S": "0.1",
+                "GPR20_ROS_PREFIX": str(self.place / "noetic"),
+                **self.environment,
+            },
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+        )
+
+    def install_ros(self, *packages):
+        """Put ROS into the prefix."""
+        (self.place / "noetic").mkdir()
+        (self.place / "noetic/setup.bash").write_text("export SOURCED_ROS=the_systems\n")
+        for name in packages:
+            file = self.place / "noetic/share" / name / "package.xml"
+            file.parent.mkdir(parents=True)
+            file.write_text(PACKAGE.format(name))
+
+
+@pytest.fixture
+def computer(tmp_path):
+    """Root's computer without any of the packages; installing them works."""
+    made = Computer(tmp_path)
+    (tmp_path / "bin").mkdir()
+    for program in Path("/usr/bin").iterdir():
+        if program.name not in STUBBED:
+            (tmp_path / "bin" / program.name).symlink_to(program)
+    (made.checkout / "scripts").mkdir(parents=True)
+    for script in ROOT.glob("scripts/*.sh"):
+        shutil.copy(script, made.checkout / "scripts")
+    shutil.copytree(ROOT / "requirements", made.checkout / "requirements")
+    for package in ("gpr20", "gpr20_analysis"):
+        folder = made.checkout / "catkin_ws/src" / package
+        folder.mkdir(parents=True)
+        (folder / "package.xml").write_text(PACKAGE.format(package))
+        (folder / "pyproject.toml").touch()
+    made.stub("dpkg-query", "exit 1")
+    made.stub("apt-get", "")
+    made.stub("id", 'if [ "$1" = -u ]; then echo 0; else echo root; fi')
+    made.stub("df", "echo head; echo disk 999999 1 999999 1% /")
+    made.stub(
+        "catkin_make",
+        'mkdir -p "$2/build"\n'
+        'echo "CMAKE_HOME_DIRECTORY:INTERNAL=$2/src" >"$2/build/CMakeCache.txt"\n'
+        f'echo "SOURCED_ROS=$SOURCED_ROS" >>{tmp_path}/calls',
+    )
+    venv = made.checkout / ".venv"
+    made.stub("python", "", folder="gpr20/.venv/bin")
+    (venv / "bin/activate").write_text(f'VIRTUAL_ENV="{venv}"\n')
+    return made
+
+
+def ordinary_user(computer):
+    """Let the setup be run by somebody who is not root."""
+    computer.stub("id", 'if [ "$1" = -u ]; then echo 1000; else echo maria; fi')
+
+
+def fails_first(computer, printed, command="update"):
+    """Let apt-get fail once."""
+    computer.stub(
+        "apt-get",
+        f'[ "$1" = {command} ] || exit 0\n[ ! -e {computer.place}/failed ] || exit 0\n'
+        f'touch {computer.place}/failed\necho "{printed}" >&2\nexit 100',
+    )
+
+
+def test_it_installs_builds_and_does_nothing_the_second_time(computer):
+    ended = computer.run()
+    assert ended.returncode == 0, ended.stderr
+    assert [line.split(" ")[1] for line in ended.stdout.splitlines()] == [
+        *("installing", "details", "installing", "building")
+    ]
+    assert "apt-get install -y --no-install-recommends cmake" in computer.calls
+    computer.stub("dpkg-query", "echo install ok installed")
+    (computer.place / "calls").unlink()
+    assert (computer.run().stdout, "apt-get" in computer.calls) == ("", False)
+    assert computer.run("--check").returncode == 0
+
+
+@pytest.mark.parametrize("command", ["update", "install"])
+def test_it_waits_for_who_is_installing_packages_and_names_it(computer, command):
+    fails_first(computer, LOCKED, command)
+    ended = computer.run()
+    assert ended.returncode == 0, ended.stderr
+    assert "waiting for process 4711 (unattended-upgr), which is installing" in ended.stdout
+    assert computer.calls.count(f"apt-get {command}") == 2
+
+
+def test_it_waits_no_longer_than_its_limit(computer):
+    computer.environment["GPR20_APT_WAIT_S"] = "1"
+    computer.stub("apt-get", f'echo "{LOCKED}" >&2; exit 100')
+    ended = computer.run()
+    assert ended.returncode == 1
+    assert "held by process 4711" in ended.stderr
+    assert "Another program is installing packages" in ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("sudo", "reason"),
+    [
+        (None, "sudo is not installed"),
+        ("exit 1", "sudo asks for a password, for which there is no terminal"),
+    ],
+)
+def test_without_the_rights_it_says_at_once_what_root_has_to_run(computer, sudo, reason):
+    ordinary_user(computer)
+    if sudo:
+        computer.stub("sudo", sudo)
+    ended = computer.run()
+    assert ended.returncode == 1
+    assert f"you are maria, {'not root, and ' if not sudo else 'and '}{reason}" in ended.stderr
+    command = "  apt-get update && apt-get install -y --no-install-recommends cmake g++ make"
+    assert command in ended.stderr
+    assert "apt-get" not in computer.calls
+    assert not (computer.checkout / "setup.log").exists()
+
+
+def test_a_user_with_sudo_installs_by_it(computer):
+    ordinary_user(computer)
+    computer.stub("sudo", '[ "$1" != -n ] || shift; "$@"')
+    assert computer.run().returncode == 0
+    assert "sudo env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get install" in computer.calls
+
+
+@pytest.mark.parametrize(
+    ("printed", "said"),
+    [
+        (NO_NETWORK, "The network did not answer"),
+        ("E: Unable to locate package ros-base", "supported are Debian 12, and Ubuntu 20.04"),
+        ("E: dpkg was interrupted, you must manually run", "dpkg --configure -a"),
+        ("cp: write error: No space left on device", "The disk is full"),
+    ],
+)
+def test_a_failure_of_apt_says_what_to_do_and_where_the_log_is(computer, printed, said):
+    fails_first(computer, printed, "install")
+    ended = computer.run()
+    assert ended.returncode == 1
+    for text in (printed, said, f"the end of {computer.checkout}/setup.log"):
+        assert text in ended.stderr
+    assert printed in computer.log
+
+
+def test_pip_that_fails_shows_the_end_of_what_it_printed(computer):
+    computer.stub("python", "seq 100; echo pip has failed; exit 1", folder="gpr20/.venv/bin")
+    ended = computer.run()
+    assert ended.returncode == 1
+    assert "100\npip has failed\n" in ended.stderr
+    assert len(ended.stderr.splitlines()) < 20
+    assert "\n1\n2\n3\n" in computer.log
+
+
+@pytest.mark.parametrize(("version", "updated"), [("20.0.2", True), ("23.0.1", False)])
+def test_a_pip_that_is_too_old_for_a_pyproject_is_updated_first(computer, version, updated):
+    (computer.checkout / ".venv/bin/activate").unlink()
+    computer.environment["GPR20_SYSTEM_PYTHON"] = str(computer.place / "bin/python_of_the_system")
+    python = 'case "$*" in -c*) echo 3.8 ;; *--version) echo "pip {0} from /x" ;; -m?venv*) '
+    python += 'mkdir -p "${{@: -1}}/bin"; cp "$0" "${{@: -1}}/bin/python" ;; esac'
+    computer.stub("python_of_the_system", python.format(version))
+    ended = computer.run()
+    assert ended.returncode == 0, ended.stderr
+    calls = [line for line in computer.calls.splitlines() if " -m pip install " in line]
+    assert calls[0].endswith("--upgrade pip") == updated
+    assert "requirements/python3.8.txt" in calls[-1]
+
+
+def test_a_full_disk_is_refused_before_anything_is_installed(computer):
+    computer.stub("df", "echo head; echo disk 999999 1 10 1% /")
+    ended = computer.run()
+    assert "has 10 MB free; the packages of the system need about" in ended.stderr
+    assert "apt-get" not in computer.calls
+
+
+def test_the_ros_of_the_system_is_used_and_nothing_of_ros_comes_from_debian(computer):
+    computer.install_ros("catkin", "ros_base", "message_generation", "rospy", "rosbag")
+    plan = computer.run("--dry-run").stdout
+    ros = computer.place / "noetic"
+    assert f"ROS: {ros}; the build sources {ros}/setup.bash\n" in plan
+    packages = next(line for line in plan.splitlines() if line.startswith("missing Debian"))
+    assert {"cmake", "ros-noetic-rostest", "ros-noetic-std-srvs"} < set(packages.split())
+    for name in ("ros-noetic-rospy", "ros-noetic-catkin", "python3-rospy", "ros-base", "catkin"):
+        assert name not in packages.split()
+    assert "apt-get" not in computer.calls
+
+    assert computer.run().returncode == 0
+    assert "SOURCED_ROS=the_systems" in computer.calls
+
+
+def test_without_it_ros_comes_from_debian(computer):
+    plan = computer.run("--dry-run").stdout
+    assert "ROS: the packages of Debian\n" in plan
+    assert {"python3-rospy", "ros-base", "catkin"} < set(plan.split())
+    assert "ros-noetic" not in plan
+
+
+def test_another_ros_than_that_of_the_last_build_makes_a_new_build(computer):
+    assert computer.run().returncode == 0
+    old = computer.checkout / "catkin_ws/build/old"
+    old.touch()
+    computer.install_ros("catkin")
+    assert "the catkin workspace is not built" in computer.run("--dry-run").stdout
+    assert computer.run().returncode == 0
+    assert not old.exists()
+
+
+def test_ubuntu_without_its_ros_is_told_how_to_install_it(computer):
+    (computer.place / "os-release").write_text('ID=ubuntu\nVERSION_ID="20.04"\n')
+    computer.environment["GPR20_OS_RELEASE"] = str(computer.place / "os-release")
+    ended = computer.run()
+    assert "install ros-noetic-ros-base" in ended.stderr
+    assert "apt-get" not in computer.calls
+
+
+def test_a_dry_run_changes_nothing(computer):
+    before = sorted(computer.place.rglob("*"))
+    plan = computer.run("--dry-run", "--dev")
+    assert plan.returncode == 0
+    for part in ("installed as: root", "xvfb", "nodes.in test.in lint.in", "is not built"):
+        assert part in plan.stdout
+    assert [one for one in sorted(computer.place.rglob("*")) if one.name != "calls"] == before
+
+
+def test_a_copy_that_lost_its_symbolic_links_is_refused(computer):
+    shutil.rmtree(computer.checkout / "catkin_ws/src/gpr20")
+    (computer.checkout / "catkin_ws/src/gpr20").write_text("../../launch")
+    assert "has lost its symbolic links" in computer.run().stderr
+
+
+def test_a_path_with_a_space_is_refused(computer):
+    moved = computer.place / "my robot"
+    os.rename(computer.checkout, moved)
+    ended = subprocess.run(
+        [str(moved / "scripts/setup.sh")], capture_output=True, text=True, check=False
+    )
+    assert "has a space, which catkin cannot build in" in ended.stderr
