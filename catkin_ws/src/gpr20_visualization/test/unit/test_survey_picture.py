@@ -150,6 +150,18 @@ def test_the_area_is_that_of_the_plan():
     assert area.line_samples == 6
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"parameters": {"x_points": 3}}', "3"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        "3",
+        "[" * 100_000,
+        '{"parameters": {"x_points": 3}}',
+        json.dumps(DESCRIPTION).replace('"x_points": 3', '"x_points": 1e999'),
+        json.dumps(DESCRIPTION).replace("[0.0, 90.0]", "null"),
+    ],
+)
 def test_a_damaged_description_has_no_area(text):
     assert area_of(text) is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from pathlib import Path
 from typing import Any, Dict, Optional
@@ -82,6 +83,8 @@ class VisualizationNode:
         if self._senders.publishes_pictures(message):
             return
         positions = joint_positions(message.x_mm, message.y_mm, message.z_deg)
+        if not all(math.isfinite(one) for one in positions.values()):
+            return  # tf2 would report an error for each
         stamp = message.header.stamp
         with self._lock:
             if not self._positions:

@@ -49,7 +49,7 @@ def area_of(description: str) -> Optional[Area]:
             (values["x_stop_mm"] / MM_PER_M, values["y_stop_mm"] / MM_PER_M),
             int(values["x_points"]) * len(rotations),
         )
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
         return None
 
 
