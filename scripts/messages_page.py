@@ -129,6 +129,6 @@ if __name__ == "__main__":
     written = page()
     if sys.argv[1:] == ["--check"]:
         if PAGE.read_text(encoding="utf-8") != written:
-            sys.exit("docs/messages.md is not up to date; run scripts/messages_page.py")
+            sys.exit("docs/messages.md is not up to date; run scripts/translations.sh")
     else:
         PAGE.write_text(written, encoding="utf-8")

@@ -34,7 +34,7 @@ def site_path(path: str, pages: Dict[str, str]) -> str:
     """Return where the site has a file of the repository.
 
     Args:
-        path: Path in the repository. A folder stands for its README.
+        path: Path in the repository. A folder stands for its README, or that of its package.
         pages: From `outside_pages`.
     """
     if path == "README.md":
@@ -43,6 +43,8 @@ def site_path(path: str, pages: Dict[str, str]) -> str:
         return path[len(DOCS) :]
     if path in pages:
         return pages[path]
-    if f"{path}/README.md" in pages:
-        return pages[f"{path}/README.md"]
+    package = "/".join(path.split("/")[:3])
+    for folder in (path, package):
+        if (ROOT / path).is_dir() and f"{folder}/README.md" in pages:
+            return pages[f"{folder}/README.md"]
     return f"files/{path}"

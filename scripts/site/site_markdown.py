@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import posixpath
 import re
-from typing import Callable, Iterator, List, Optional, Tuple
+from typing import Callable, Iterator, List, Tuple
 
 FENCE = re.compile(r"\s*(```|~~~)")
 HEADING = re.compile(r"#{1,6} ")
@@ -64,22 +64,19 @@ def _is_paragraph(before: List[str]) -> bool:
     return bool(before) and bool(re.match(r"\S", before[0])) and not MARKER.match(before[0])
 
 
-def rewrite_links(text: str, change: Callable[[str], Optional[str]]) -> str:
+def rewrite_links(text: str, change: Callable[[str], str]) -> str:
     """Return the text with every relative link changed.
 
     Args:
         text: Markdown. Code blocks stay as they are.
-        change: Returns the new target of a link; None removes the link and keeps its words.
+        change: Returns the new target of a link.
     """
 
     def changed(match: re.Match[str]) -> str:
         target = match[2]
         if "://" in target or target.startswith(("#", "mailto:")):
             return match[0]
-        new = change(target)
-        if new is None:
-            raise ValueError(f"the link to {target} has no page on the site")
-        return match[1] + new + match[3]
+        return match[1] + change(target) + match[3]
 
     pieces: List[str] = []
     for line, code in fenced(text):

@@ -96,7 +96,8 @@ _RULES = (
         r"robot's configuration|configuration of this launch|end the launch|"
         r"end every launch|another configuration|is missing; |axis driver first|memory_file|"
         r"SPI bus|step count|library|scikit|parameters of|maker|visa|description of its hardware|"
-        r"correction_query|is not configured|namespace|max_coord|simulated one|a real one",
+        r"correction_query|is not configured|namespace|max_coord|simulated one|a real one|"
+        r"sensors\.yaml|two sensors|message type|no field|not hold (\{field\}|exactly)",
         CHECK_CONFIGURATION,
     ),
     _rule(r"connect that VNA again|former VNA|which was accepted", SAME_VNA),
