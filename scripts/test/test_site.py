@@ -20,7 +20,7 @@ from graph_picture import nodes_of
 from messages_page import page as messages_page
 from site_markdown import heading_anchor, indent_lists
 
-from gpr20_user_interface.mid import remedies
+from gpr20_doctor.mid import remedies
 
 pytestmark = pytest.mark.takes(20)
 
