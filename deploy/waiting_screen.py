@@ -19,9 +19,9 @@ from follow_master import read_run_id
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication, QLabel
 
-from gpr20_common.catalogue import Language, language_from_code
+from gpr20_common.catalogue import Language
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.window_settings import settings_from

@@ -12,13 +12,13 @@ from typing import List, Mapping, Optional, Sequence, Tuple
 
 import rosgraph
 
-from gpr20_common.catalogue import (
-    Catalogue,
-    Language,
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.low.catalogue_file import (
     language_from_code,
     language_from_environment,
+    languages,
+    read_catalogue,
 )
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_doctor.high.graph import Graph, master_answers
 from gpr20_doctor.mid.arguments import add_arguments
 from gpr20_doctor.mid.findings import exit_status, findings
@@ -43,7 +43,7 @@ def main() -> int:
     """Print what is wrong with the robot; return the exit status."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     parser = argparse.ArgumentParser("doctor", description=__doc__, epilog=EXIT_STATUS)
-    parser.add_argument("--language", choices=[one.value for one in Language])
+    parser.add_argument("--language", choices=[one.value for one in languages()])
     add_arguments(parser)
     try:
         given = parser.parse_args(rosgraph.myargv()[1:])
