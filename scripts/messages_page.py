@@ -91,7 +91,11 @@ def _value(name: str) -> str:
 
 
 def _package(entry: polib.POEntry) -> str:
-    packages = {path.split("/")[2] for path, _line in entry.occurrences}
+    # The programs of deploy/ belong to the window.
+    packages = {
+        "gpr20_user_interface" if path.startswith("deploy/") else path.split("/")[2]
+        for path, _line in entry.occurrences
+    }
     return next(name for name in SECTIONS if name in packages)
 
 
