@@ -26,7 +26,6 @@ WIDTH = 98
 FEWEST_BLANKS = 3
 
 SECTIONS = {
-    "deploy": "Screen of the robot while it starts",
     "gpr20_main_control": "Survey",
     "gpr20_axis_driver": "Axes",
     "gpr20_height_sensor": "Height sensor",
@@ -94,9 +93,11 @@ def _value(name: str) -> str:
 
 
 def _package(entry: polib.POEntry) -> str:
-    # catkin_ws/src/PACKAGE/..., or a folder of the checkout.
-    parts = [path.split("/") for path, _line in entry.occurrences]
-    packages = {part[2] if part[0] == "catkin_ws" else part[0] for part in parts}
+    # The programs of deploy/ belong to the window.
+    packages = {
+        "gpr20_user_interface" if path.startswith("deploy/") else path.split("/")[2]
+        for path, _line in entry.occurrences
+    }
     return next(name for name in SECTIONS if name in packages)
 
 
