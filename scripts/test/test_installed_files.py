@@ -23,7 +23,7 @@ UNITS = {
     machine_tree.one_machine: ["gpr20-robot", "gpr20-window"],
     machine_tree.server: ["gpr20-firewall", "gpr20-server"],
 }
-needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="network namespaces need root")
+needs_network = pytest.mark.needs("network namespaces", "firewall")
 
 
 @pytest.fixture(scope="module", params=UNITS, ids=lambda make: make.__name__)
@@ -136,7 +136,7 @@ def rules_after(commands):
     return printed_by("unshare", "--net", "bash", "-ec", script)
 
 
-@needs_root
+@needs_network
 def test_the_firewall_has_the_rules_of_the_page(robot):
     program("nft")
     file = robot.folder / "etc/gpr20/firewall.nft"
@@ -148,7 +148,7 @@ def test_the_firewall_has_the_rules_of_the_page(robot):
     assert rules_after([f"nft -f {file}", stop]) == ""
 
 
-@needs_root
+@needs_network
 def test_the_firewall_leaves_the_rules_of_others(robot):
     program("nft")
     load = f"nft -f {robot.folder}/etc/gpr20/firewall.nft"
@@ -185,7 +185,7 @@ def test_chrony_accepts_its_file(request, name):
     assert wanted[name] in printed
 
 
-@needs_root
+@needs_network
 def test_the_robot_follows_the_clock_of_the_pc_behind_the_firewall(robot, server, tmp_path):
     chronyd = program("chronyd")
     rules = robot.folder / "etc/gpr20/firewall.nft"
