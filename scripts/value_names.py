@@ -24,9 +24,9 @@ NAMES = {
     ),
     "unit": (
         "unit",
-        "mm on X and Y, deg on Z; a sensor has its own",
+        "mm on X and Y, deg on Z, or its own",
         "unidad",
-        "mm en X e Y, grados en Z; un sensor tiene la suya",
+        "mm en X e Y, grados en Z, o la suya",
     ),
     "age": ("age", "", "antigüedad", ""),
     "longest": ("longest", "", "máximo", ""),

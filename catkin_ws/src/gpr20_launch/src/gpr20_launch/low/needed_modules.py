@@ -18,12 +18,15 @@ FROM_ROS = (
     "diagnostic_msgs",
     "diagnostic_updater",
     "genpy",
+    "geometry_msgs",
     "rosgraph",
     "rosgraph_msgs",
     "roslib",
     "rospy",
     "sensor_msgs",
     "std_msgs",
+    "tf2_msgs",
+    "visualization_msgs",
 )
 FROM_SYSTEM = {"numpy": "python3-numpy", "rospkg": "python3-rospkg", "yaml": "python3-yaml"}
 FROM_PIP = {
