@@ -19,7 +19,6 @@ LIMIT_S=5400
 COMMANDS=(
     "scripts/survey.sh"
     "scripts/setup.sh --check"
-    "scripts/install_robot.sh --one-machine --admin 10.20.0.9 --dry-run"
 )
 
 folder="$(realpath -ms "${GPR20_BARE_DEBIAN:-/var/tmp/gpr20_bare_debian}")"
