@@ -14,7 +14,7 @@ from gpr20_user_interface.views.settings_sheet import SettingsSheet
 from gpr20_user_interface.views.top_bar import TopBar
 
 # In the top bar.
-LONGEST_NAME = 6
+LONGEST_NAME = 16
 
 
 class RobotsBinding(Binding):

@@ -17,7 +17,7 @@ from gpr20_user_interface.views.widgets import new_button
 MARGIN_PX = 24
 ROWS, COLUMNS = 4, 2
 PER_PAGE = ROWS * COLUMNS
-LONGEST_NAME = 10
+LONGEST_NAME = 14
 
 
 class RobotsSheet(Overlay):
@@ -70,7 +70,7 @@ class RobotsSheet(Overlay):
         first = self._page * PER_PAGE
         listed = self._robots[first : first + PER_PAGE]
         for button, robot in zip(self.buttons, listed):
-            button.setText(f"{robot.short_name(LONGEST_NAME)}: {shown_text(robot.activity)}")
+            button.setText(f"{robot.short_name(LONGEST_NAME)}\n{shown_text(robot.activity)}")
             button.setEnabled(self._free and not robot.is_shown)
         for number, button in enumerate(self.buttons):
             button.setVisible(number < len(listed))

@@ -35,10 +35,7 @@ class TopBar(TranslatedWidget):
         self.title = QLabel()
         self.title.setObjectName("title")
         # Its name, where several robots share a master.
-        self.robot = QLabel()
-        self.robot.setObjectName("title")
-        self.robot.setTextFormat(Qt.TextFormat.PlainText)
-        self.robot.hide()
+        self._name = ""
         self.message = LinesLabel()
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
@@ -75,9 +72,8 @@ class TopBar(TranslatedWidget):
         self._band_layout.setContentsMargins(0, look.px(2), look.px(4), look.px(2))
 
     def show_robot(self, name: str) -> None:
-        """Name the robot that STOP stops; empty: there is only one."""
-        self.robot.setText(f"{name} ")
-        self.robot.setVisible(bool(name))
+        """Name the robot that STOP stops, from the next refresh on; empty: there is only one."""
+        self._name = name
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
@@ -86,7 +82,8 @@ class TopBar(TranslatedWidget):
         self.band.show_level(job.level)
         self.sign.show_level(job.level)
         self.title.setText(title_text(job))
-        self.message.show_text(sentence_text(short_message(job)))
+        message = sentence_text(short_message(job))
+        self.message.show_text(f"{self._name}: {message}" if self._name else message)
         self.simulated.setVisible(snapshot.simulated)
         paused = snapshot.paused
         self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
@@ -106,7 +103,6 @@ class TopBar(TranslatedWidget):
     def _lay_out(self) -> None:
         first = QHBoxLayout()
         first.setSpacing(0)
-        first.addWidget(self.robot)
         first.addWidget(self.title)
         first.addStretch(1)
         first.addWidget(self.simulated)
