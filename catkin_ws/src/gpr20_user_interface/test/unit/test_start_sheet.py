@@ -20,7 +20,7 @@ from window_helpers import (
     wishes,
 )
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
@@ -42,7 +42,7 @@ def texts(sheet):
     return [label.text() for label in sheet.findChildren(QLabel) if label.isVisible()]
 
 
-@pytest.fixture(scope="module", params=itertools.product(SIZES, Language), ids=str)
+@pytest.fixture(scope="module", params=itertools.product(SIZES, languages()), ids=str)
 def screen(request, application):
     size, language = request.param
     window = new_window(Languages(application, language))
