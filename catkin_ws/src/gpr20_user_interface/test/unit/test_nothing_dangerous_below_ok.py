@@ -10,7 +10,7 @@ from finger import place_of
 from PyQt5.QtWidgets import QApplication, QPushButton, QStackedWidget
 from window_helpers import application, close, new_window, show, snapshot
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.main_window import TabName
@@ -29,7 +29,7 @@ CLOSING = (
 SIZES = [(480, 320), (800, 480), (1280, 800)]
 
 
-@pytest.fixture(params=list(itertools.product(SIZES, Language)), ids=str)
+@pytest.fixture(params=list(itertools.product(SIZES, languages())), ids=str)
 def window(request, application, tmp_path):
     size, language = request.param
     window = new_window(Languages(application, language), profiles=tmp_path)
