@@ -73,9 +73,10 @@ parse_arguments() {
     [ "$one_machine" = no ] || firewall=no
     check_addresses
     if ! [[ "$user" =~ ^[a-z_][a-z0-9_-]*$ ]]; then fail "'$user' is not the name of a user"; fi
-    if [ -n "$data" ] && ! [[ "$data" =~ ^/[^[:space:]]*$ ]]; then
-        fail "--data '$data' is not an absolute path without spaces"
-    fi
+    # systemd and the shell read it without quotes.
+    case "$data" in *[[:space:]\"\'\\\$\`\&\;\|\<\>\(\)\#%]* | [!/]*)
+        fail "--data '$data' is not an absolute path without spaces, quotes or one of \\ \$ & ; # %" ;;
+    esac
 }
 
 is_address() {
@@ -236,7 +237,7 @@ ensure_settings() {
     if [ ! -e "$file" ]; then
         data="${data:-$DEFAULT_HOME/surveys}"
         text="$(template etc/environment)"
-        ensure_file "$SETTINGS" "${text//@DATA@/$data}"
+        ensure_file "$SETTINGS" "${text//@DATA@/"$data"}"
         return
     fi
     text="$(cat "$file")"
