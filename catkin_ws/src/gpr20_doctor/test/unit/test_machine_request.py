@@ -46,10 +46,10 @@ def test_everything_of_a_real_robot_on_one_computer_is_looked_at(root):
 
 def test_only_axes_without_another_controller_need_pins(root):
     (root / "config").mkdir()
-    options = "controller: a.b:C"
-    (root / "config/axes.yaml").write_text(f"x: {{{options}}}\ny: {{{options}}}\n")
+    axes = root / "config/axes.yaml"
+    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\n")
     assert machine(root).request({}, robot=REAL).pins
-    (root / "config/axes.yaml").write_text(f"x: {{{options}}}\ny: {{{options}}}\nz: {{{options}}}\n")
+    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\nz: {controller: a.b:C}\n")
     assert not machine(root).request({}, robot=REAL).pins
     found = nodes()
     found["x_axis/axis_driver"] = NodeDescription(
