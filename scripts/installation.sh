@@ -119,7 +119,10 @@ check_system() {
         *) fail "this is '$id $version'; supported are Debian 12 and Ubuntu 20.04, 64-bit" ;;
     esac
     [ -x "$root/lib/systemd/systemd" ] || fail "systemd is missing; it starts the services"
-    if [ "$uninstall" = no ]; then check_checkout; fi
+    if [ "$uninstall" = yes ]; then return; fi
+    check_checkout
+    # Now, not after minutes of installing.
+    if [ "$firewall" = yes ] && [ -x /usr/bin/python3 ]; then check_remote_shell; fi
 }
 
 # The services run as another user, from this checkout.

@@ -46,6 +46,10 @@ check_remote_shell() {
     local client
     client="$(remote_shell_client $$)"
     [ -n "$client" ] || return 0
+    case "$client" in *:*)
+        fail "this shell comes from $client, and the firewall closes IPv6; connect to an IPv4" \
+            "address of this machine, or install without the firewall (--no-firewall)" ;;
+    esac
     /usr/bin/python3 - "$client" "$robot" "$server" "${admins[@]}" <<'END' ||
 import ipaddress, sys
 client = ipaddress.ip_address(sys.argv[1])

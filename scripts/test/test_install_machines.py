@@ -309,6 +309,13 @@ def test_a_firewall_of_an_earlier_run_is_named(robot):
     assert "left: the firewall of an earlier run" in robot.run(*ADDRESSES, "--no-firewall")
 
 
+def test_a_remote_shell_over_ipv6_is_told_what_to_do():
+    commands = ('fail() { echo "$*"; exit 1; }', "admins=(192.168.1.0/24)", "check_remote_shell")
+    done = shell(*commands, SSH_CONNECTION="fe80::1%eth0 50000 fe80::2%eth0 22")
+    assert done.returncode == 1
+    assert "closes IPv6" in done.stdout and "--admin" not in done.stdout
+
+
 OPTIONS = ["--robot", "--server", "--admin", "--no-firewall", "--one-machine", "--no-window"]
 OPTIONS += ["--user", "--data", "--dry-run", "--uninstall", "--root"]
 
