@@ -23,7 +23,7 @@ from gpr20_common.low.catalogue_file import (
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.high.graph import Graph, master_answers
-from gpr20_doctor.mid.arguments import add_arguments
+from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import exit_status, findings
 from gpr20_doctor.mid.listener import without_master
@@ -106,9 +106,9 @@ def _robot(given: argparse.Namespace) -> Tuple[RobotFacts, Mapping[str, NodeDesc
 
 
 def _wait_for_master(master: str, limit_s: float) -> bool:
-    """Return whether the master answers, once a robot that is starting has had some time [s]."""
+    """Return whether the master answers; one that is starting gets time if it was asked for."""
     clock = Clock()
-    deadline_s = clock.now_s() + limit_s
+    deadline_s = clock.now_s() + (limit_s if limit_s > DEFAULT_WAIT_S else 0.0)
     while not master_answers(master):
         if clock.now_s() >= deadline_s:
             return False
