@@ -75,7 +75,8 @@ parse_arguments() {
     if ! [[ "$user" =~ ^[a-z_][a-z0-9_-]*$ ]]; then fail "'$user' is not the name of a user"; fi
     # systemd and the shell read it without quotes.
     case "$data" in *[[:space:]\"\'\\\$\`\&\;\|\<\>\(\)\#%]* | [!/]*)
-        fail "--data '$data' is not an absolute path without spaces, quotes or one of \\ \$ & ; # %" ;;
+        fail "--data '$data' is not an absolute path without spaces, quotes or one of" \
+            "\\ \$ & ; # %" ;;
     esac
 }
 

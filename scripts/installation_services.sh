@@ -165,7 +165,8 @@ finish() {
 diagnose() {
     if [ "$dry" = yes ]; then return; fi
     if ! systemd_runs || [ "$reboot" = yes ]; then
-        echo "when the services run: rosrun gpr20_doctor doctor (docs/install.md) says what is wrong"
+        echo "when the services run: rosrun gpr20_doctor doctor (docs/install.md) says what is" \
+            "wrong"
         return
     fi
     echo "rosrun gpr20_doctor doctor:"
