@@ -5,6 +5,7 @@
 #   deploy/run.sh survey    both, on one machine
 #   deploy/run.sh screen    in an X session: what is missing, then the window
 #   deploy/run.sh window    the window, on the screen of DISPLAY
+#   deploy/run.sh doctor    what is wrong with the robot and this machine; it ends by itself
 # The environment is that of /etc/gpr20/environment:
 #   GPR20_ROBOT, GPR20_SERVER   addresses of the two machines; both empty: one machine
 #   GPR20_DATA, GPR20_CONFIG    folders of the surveys and of the configuration
@@ -19,9 +20,9 @@ case "$part" in
     server) address="${GPR20_SERVER-}" ;;
     robot) address="${GPR20_ROBOT-}" ;;
     # They say on the screen that the link is missing.
-    survey | screen | window) ;;
+    survey | screen | window | doctor) ;;
     *)
-        echo "run.sh: '$part' is not one of server, robot, survey, screen, window" >&2
+        echo "run.sh: '$part' is not one of server, robot, survey, screen, window, doctor" >&2
         exit 2
         ;;
 esac
@@ -55,4 +56,11 @@ case "$part" in
         exec python "$GPR20_ROOT/deploy/waiting_screen.py" "$GPR20_ROOT/deploy/run.sh" window
         ;;
     window) exec rosrun gpr20_user_interface user_interface "${window_arguments[@]}" ;;
+    doctor)
+        # As roslaunch does, the last one counts.
+        for argument in "${launch_arguments[@]}"; do
+            case "$argument" in ns:=*) export ROS_NAMESPACE="${argument#ns:=}" ;; esac
+        done
+        exec rosrun gpr20_doctor doctor --wait "${2-30}"
+        ;;
 esac

@@ -59,3 +59,4 @@ ensure_unit gpr20-robot
 [ "$window" = no ] || ensure_unit gpr20-window
 activate
 finish
+diagnose

@@ -39,3 +39,4 @@ ensure_firewall
 ensure_unit gpr20-server
 activate
 finish
+diagnose

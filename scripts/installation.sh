@@ -73,9 +73,11 @@ parse_arguments() {
     [ "$one_machine" = no ] || firewall=no
     check_addresses
     if ! [[ "$user" =~ ^[a-z_][a-z0-9_-]*$ ]]; then fail "'$user' is not the name of a user"; fi
-    if [ -n "$data" ] && ! [[ "$data" =~ ^/[^[:space:]]*$ ]]; then
-        fail "--data '$data' is not an absolute path without spaces"
-    fi
+    # systemd and the shell read it without quotes.
+    case "$data" in *[[:space:]\"\'\\\$\`\&\;\|\<\>\(\)\#%]* | [!/]*)
+        fail "--data '$data' is not an absolute path without spaces, quotes or one of" \
+            "\\ \$ & ; # %" ;;
+    esac
 }
 
 is_address() {
@@ -118,7 +120,10 @@ check_system() {
         *) fail "this is '$id $version'; supported are Debian 12 and Ubuntu 20.04, 64-bit" ;;
     esac
     [ -x "$root/lib/systemd/systemd" ] || fail "systemd is missing; it starts the services"
-    if [ "$uninstall" = no ]; then check_checkout; fi
+    if [ "$uninstall" = yes ]; then return; fi
+    check_checkout
+    # Now, not after minutes of installing.
+    if [ "$firewall" = yes ] && [ -x /usr/bin/python3 ]; then check_remote_shell; fi
 }
 
 # The services run as another user, from this checkout.
@@ -236,7 +241,7 @@ ensure_settings() {
     if [ ! -e "$file" ]; then
         data="${data:-$DEFAULT_HOME/surveys}"
         text="$(template etc/environment)"
-        ensure_file "$SETTINGS" "${text//@DATA@/$data}"
+        ensure_file "$SETTINGS" "${text//@DATA@/"$data"}"
         return
     fi
     text="$(cat "$file")"

@@ -24,7 +24,12 @@ ensure_clock() {
 ensure_firewall() {
     local admin text
     if [ "$firewall" = no ]; then
-        [ "$one_machine" = yes ] || echo "left: no firewall (--no-firewall)"
+        if [ -e "$root/etc/gpr20/firewall.nft" ]; then
+            echo "left: the firewall of an earlier run; without it: systemctl disable --now" \
+                "gpr20-firewall"
+        elif [ "$one_machine" = no ]; then
+            echo "left: no firewall (--no-firewall)"
+        fi
         return
     fi
     check_remote_shell
@@ -41,6 +46,10 @@ check_remote_shell() {
     local client
     client="$(remote_shell_client $$)"
     [ -n "$client" ] || return 0
+    case "$client" in *:*)
+        fail "this shell comes from $client, and the firewall closes IPv6; connect to an IPv4" \
+            "address of this machine, or install without the firewall (--no-firewall)" ;;
+    esac
     /usr/bin/python3 - "$client" "$robot" "$server" "${admins[@]}" <<'END' ||
 import ipaddress, sys
 client = ipaddress.ip_address(sys.argv[1])
@@ -150,6 +159,21 @@ finish() {
     else
         echo "$changes changes made"
     fi
+}
+
+# diagnose: what the doctor finds while the services start, with their user and limits.
+diagnose() {
+    if [ "$dry" = yes ]; then return; fi
+    if ! systemd_runs || [ "$reboot" = yes ]; then
+        echo "when the services run: rosrun gpr20_doctor doctor (docs/install.md) says what is" \
+            "wrong"
+        return
+    fi
+    echo "rosrun gpr20_doctor doctor:"
+    systemd-run --quiet --wait --pipe --collect --uid="$user" \
+        --setenv=ROS_LOG_DIR=/var/log/gpr20 -p EnvironmentFile="$SETTINGS" \
+        -p LimitRTPRIO=45 -p LimitMEMLOCK=infinity "$DEPLOY/run.sh" doctor ||
+        echo "left: what the doctor names above; the installation itself is complete"
 }
 
 # --- uninstall ---

@@ -132,11 +132,11 @@ put_block() {
 template() {
     local text
     text="$(<"$DEPLOY/$1")"
-    text="${text//@HARDENING@/$(<"$DEPLOY/systemd/hardening.conf")}"
-    text="${text//@CHECKOUT@/$GPR20_ROOT}"
-    text="${text//@USER@/$user}"
-    text="${text//@ROBOT@/$robot}"
-    text="${text//@SERVER@/$server}"
-    text="${text//@PART@/${part-}}"
-    printf '%s\n' "${text//@PARTS@/${parts-}}"
+    text="${text//@HARDENING@/"$(<"$DEPLOY/systemd/hardening.conf")"}"
+    text="${text//@CHECKOUT@/"$GPR20_ROOT"}"
+    text="${text//@USER@/"$user"}"
+    text="${text//@ROBOT@/"$robot"}"
+    text="${text//@SERVER@/"$server"}"
+    text="${text//@PART@/"${part-}"}"
+    printf '%s\n' "${text//@PARTS@/"${parts-}"}"
 }

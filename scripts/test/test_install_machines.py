@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import subprocess
 
 import machine_tree
@@ -145,6 +146,7 @@ WRONG = {
     "everybody gets in": ([*ADDRESSES, "--admin", "0.0.0.0/0"], "--admin '0.0.0.0/0'"),
     "no user": ([*ADDRESSES, *ADMIN, "--user", "a b"], "not the name of a user"),
     "no path": ([*ADDRESSES, *ADMIN, "--data", "surveys"], "not an absolute path"),
+    "quote in path": ([*ADDRESSES, *ADMIN, "--data", "/srv/o'neil"], "spaces, quotes"),
     "no value": (["--robot"], "--robot needs a value"),
     "unknown": (["--force"], "unknown argument '--force'"),
     "two and one": (["--one-machine", *ADDRESSES], "--one-machine needs no --robot"),
@@ -272,6 +274,46 @@ def test_a_service_that_runs_is_not_restarted_because_a_survey_may_run():
     assert commands == ["systemctl reload gpr20-firewall"]
     assert "left: gpr20-robot runs with its former settings" in printed
     assert "gpr20-firewall runs\n" in printed
+
+
+DIAGNOSE = """
+systemd_runs() { true; }
+systemd-run() { echo "systemd-run $*"; return 2; }
+SETTINGS=/etc/gpr20/environment DEPLOY=/opt/gpr20/deploy user=gpr20 dry=no reboot=no
+"""
+
+
+@pytest.mark.parametrize(
+    "setting, run, named", [("", 1, 1), ("dry=yes", 0, 0), ("reboot=yes", 0, 1)]
+)
+def test_at_its_end_the_doctor_looks_as_the_user_of_the_services(setting, run, named):
+    done = shell(DIAGNOSE, setting, "diagnose")
+    # What it finds does not make the installation fail.
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert len(re.findall("(?m)^systemd-run .*--uid=gpr20 .*run.sh doctor$", done.stdout)) == run
+    assert done.stdout.count("rosrun gpr20_doctor doctor") == named
+
+
+def test_a_machine_without_running_services_is_told_of_the_doctor(bare):
+    assert "rosrun gpr20_doctor doctor" in bare.install()
+
+
+def test_a_checkout_may_have_an_ampersand_in_its_path():
+    text = 'GPR20_ROOT="/opt/a&b" DEPLOY=%s/deploy'
+    done = shell(text % ROOT, "template systemd/gpr20-robot.service")
+    assert "ExecStart=/opt/a&b/deploy/run.sh" in done.stdout, done.stdout
+
+
+def test_a_firewall_of_an_earlier_run_is_named(robot):
+    robot.install()
+    assert "left: the firewall of an earlier run" in robot.run(*ADDRESSES, "--no-firewall")
+
+
+def test_a_remote_shell_over_ipv6_is_told_what_to_do():
+    commands = ('fail() { echo "$*"; exit 1; }', "admins=(192.168.1.0/24)", "check_remote_shell")
+    done = shell(*commands, SSH_CONNECTION="fe80::1%eth0 50000 fe80::2%eth0 22")
+    assert done.returncode == 1
+    assert "closes IPv6" in done.stdout and "--admin" not in done.stdout
 
 
 OPTIONS = ["--robot", "--server", "--admin", "--no-firewall", "--one-machine", "--no-window"]

@@ -19,35 +19,52 @@ pytestmark = [pytest.mark.real_time, pytest.mark.takes(60)]
 
 CLIENT = "rosrun gpr20_user_interface run_survey --wait 60"
 UNIT = "gpr20-robot"
+SIDE = 8
+TRACES = 2 * SIDE * SIDE
+LIMIT_S = 60.0
 
 
-def test_stopping_the_service_stores_the_survey_that_runs_as_interrupted(tmp_path):
+def test_a_survey_whose_service_is_stopped_is_resumed_under_the_next_one(tmp_path):
     machine = machine_tree.one_machine(tmp_path / "machine")
     machine.install("--data", str(tmp_path / "surveys"))
     environment = service_environment(machine, tmp_path)
-    limit_s = float(*machine.unit_values(UNIT, "TimeoutStopSec"))
     with (tmp_path / "printed.log").open("wb") as log:
         service = start(machine, environment, log)
         client = Terminal(log, environment)
         try:
             wait_until(lambda: is_ready(tmp_path / "printed.log"), service)
-            survey = client.start(f"{CLIENT} --x-points 40 --y-points 40")
+            survey = client.start(f"{CLIENT} --x-points {SIDE} --y-points {SIDE}")
             wait_until(lambda: len(traces(tmp_path)) >= 5, service, survey)
-            below = psutil.Process(service.pid).children(recursive=True)
-            # KillMode=mixed: the signal goes to the main process alone.
-            service.send_signal(getattr(signal, *machine.unit_values(UNIT, "KillSignal")))
-            assert service.wait(limit_s) == 0
-            assert psutil.wait_procs(below, timeout=0)[1] == []
-            survey.wait(limit_s)
+            stop(machine, service)
+            survey.wait(LIMIT_S)
+            (folder,) = (tmp_path / "surveys").iterdir()
+            assert outcome(folder) == "interrupted"
+            before = {path: path.read_bytes() for path in traces(tmp_path)}
+            assert 5 <= len(before) < TRACES
+            service = start(machine, environment, log)
+            assert client.run(f"{CLIENT} --resume {folder.name}") == 0
+            stop(machine, service)
         finally:
             client.close()
             service.kill()
             service.wait()
-    (folder,) = (tmp_path / "surveys").iterdir()
-    description = json.loads((folder / "survey.json").read_text("utf-8"))
-    assert description["outcome"] == "interrupted"
-    for trace in traces(tmp_path):
-        json.loads(trace.read_text("utf-8"))
+    assert outcome(folder) == "finished"
+    stored = [json.loads(path.read_text("utf-8")) for path in traces(tmp_path)]
+    assert len(stored) == TRACES
+    assert before == {path: path.read_bytes() for path in before}
+
+
+def stop(machine, service):
+    """Stop the unit as systemd does; it ends in time, and nothing of it is left."""
+    below = psutil.Process(service.pid).children(recursive=True)
+    # KillMode=mixed: the signal goes to the main process alone.
+    service.send_signal(getattr(signal, *machine.unit_values(UNIT, "KillSignal")))
+    assert service.wait(float(*machine.unit_values(UNIT, "TimeoutStopSec"))) == 0
+    assert psutil.wait_procs(below, timeout=0)[1] == []
+
+
+def outcome(folder):
+    return json.loads((folder / "survey.json").read_text("utf-8"))["outcome"]
 
 
 def service_environment(machine, folder):

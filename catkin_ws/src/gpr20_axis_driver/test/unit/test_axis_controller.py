@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -14,9 +15,10 @@ from axis_machine import X_PARAMETERS
 from grbl_board import GrblBoard
 from tutorial_code import code_blocks
 
-from gpr20_axis_driver.axis_exceptions import MotionStopped
+from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.contract import AxisContract
 from gpr20_axis_driver.controller import ControllerError, ControllerState
+from gpr20_axis_driver.mid import controller_motions
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.controller_motions import ControllerMotions
 from gpr20_axis_driver.mid.controllers import (
@@ -252,6 +254,31 @@ def test_a_stop_is_passed_on_once(scripted):
     with pytest.raises(MotionStopped, match="stopped at 1 mm, before the target 5 mm"):
         driver.move_to_coordinate(5.0, lambda: True)
     assert made[0].stopped == 1 and driver.homing_done
+
+
+@pytest.mark.parametrize("method", ["stop", "begin_move", "read"])
+def test_a_controller_that_hangs_in_any_method_is_an_error_in_time(scripted, monkeypatch, method):
+    driver, made = scripted
+    monkeypatch.setattr(controller_motions, "CALL_LIMIT_S", 0.2)
+    driver.homing()
+    moved, go_on = [], threading.Event()
+    made[0].begin_move = lambda steps: (
+        moved.append(steps) or setattr(made[0], "state", ControllerState(100, True, True))
+    )
+    setattr(made[0], method, lambda *_: go_on.wait(60.0))
+    if method == "read":
+        _until(lambda: driver.failure is not None)  # at rest, too
+    try:
+        with pytest.raises(AxisException, match="did not answer|is not homed"):
+            driver.move_to_coordinate(5.0, lambda: True)
+        assert "did not answer" in str(driver.failure)
+        with pytest.raises(ControllerError, match="did not answer"):
+            driver.homing()
+    finally:
+        go_on.set()
+    # A command that had to wait is not carried out late.
+    time.sleep(0.1)
+    assert bool(moved) is (method == "stop")
 
 
 def _until(condition):

@@ -4,6 +4,7 @@
 import json
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -129,6 +130,28 @@ class DoctorTest(unittest.TestCase):
         _status, found, _took_s = doctor("--ns", "mixed", "--quick", "--wait", "2")
         self.assertEqual(found["versions"]["level"], "WARNING")
         self.assertIn("0.1.0 (a1) on pc; 0.1.0 (b2) on pi", found["versions"]["text"])
+
+    def test_6_a_master_that_starts_later_is_waited_for(self):
+        port = free_port()
+        late = f"sleep 3; exec rosmaster --core -p {port}"
+        with subprocess.Popen(["bash", "-c", late], start_new_session=True) as core:
+            master = f"http://127.0.0.1:{port}"
+            _status, found, _took_s = doctor("--quick", "--wait", "8", ROS_MASTER_URI=master)
+            os.killpg(core.pid, signal.SIGTERM)
+        self.assertEqual(levels(found, "FAULT") & {"master", "control"}, {"control"})
+
+    def test_7_a_folder_of_no_user_is_a_sentence_and_no_verdict(self):
+        master = f"http://127.0.0.1:{free_port()}"
+        ended = subprocess.run(
+            ["rosrun", "gpr20_doctor", "doctor", "--quick", "--language", "en"],
+            env={**os.environ, "ROS_MASTER_URI": master, "GPR20_CONFIG": "~no_such_user/robot"},
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+        )
+        self.assertEqual(ended.returncode, 3)
+        self.assertTrue(ended.stderr.startswith("The doctor could not work: "), ended.stderr)
 
 
 if __name__ == "__main__":

@@ -122,6 +122,14 @@ def test_each_fault_is_found(changes, level, words):
     assert fault.remedy is not None
 
 
+def test_axes_of_other_controllers_need_no_pins():
+    facts = replace(HEALTHY, pins=False, gpio=None, realtime=None)
+    alone = replace(facts, groups=replace(GROUPS, member=frozenset({"spi"})))
+    for found in (findings(None, facts), findings(None, alone)):
+        assert exit_status(found) == GOOD
+        assert [one.level for one in found if one.check in ("gpio", "realtime")] == [Level.NOTE]
+
+
 def test_a_robot_that_was_not_restarted_after_an_update_is_found():
     assert exit_status(findings(facts(), replace(HEALTHY, software=SAME))) == GOOD
     updated = replace(SAME, revision="new", host="")

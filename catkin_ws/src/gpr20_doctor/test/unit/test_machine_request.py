@@ -44,6 +44,23 @@ def test_everything_of_a_real_robot_on_one_computer_is_looked_at(root):
     assert (request.data, request.vna) == (Path("/s"), "10.0.0.9")
 
 
+def test_only_axes_without_another_controller_need_pins(root):
+    (root / "config").mkdir()
+    axes = root / "config/axes.yaml"
+    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\n")
+    assert machine(root).request({}, robot=REAL).pins
+    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\nz: {controller: a.b:C}\n")
+    assert not machine(root).request({}, robot=REAL).pins
+    found = nodes()
+    found["x_axis/axis_driver"] = NodeDescription(
+        "x_axis/axis_driver", Hardware("GRBL on USB", False), {"controller": "a.b:C"}
+    )
+    assert not machine(root).request(found, robot=REAL).pins
+    found["z_axis/axis_driver"] = nodes()["x_axis/axis_driver"]
+    request = machine(root).request(found, robot=REAL)
+    assert request.pins and request.pin_library == "pigpio"
+
+
 def test_a_simulated_robot_needs_no_hardware(root):
     request = machine(root).request(nodes(simulated=True))
     assert (request.hardware, request.vna) == (HardwareUse.SIMULATED, None)

@@ -1,8 +1,10 @@
 """The probes: of trees of files as computers have them, and of this computer."""
 
+import errno
 import os
 import socket
 import stat
+import threading
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,7 @@ from gpr20_doctor.low import (
     pin_libraries,
     realtime_limits,
 )
+from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, PortFacts
 from gpr20_doctor.mid.machine_probe import probe_machine
@@ -156,6 +159,24 @@ def test_a_raspberry_pi_that_shows_nothing_is_not_called_good(tmp_path):
     facts = probe_machine(MachineRequest(HardwareUse.NEEDED, {}, thorough=False, root=tmp_path))
     assert isinstance(facts.power, Unknown) and isinstance(facts.temperature_c, Unknown)
     assert facts.disk is None and facts.clock is None
+
+
+def test_a_folder_that_may_not_be_searched_is_not_known(monkeypatch, tmp_path):
+    def refuse(path):
+        raise PermissionError(errno.EACCES, "no", str(path))
+
+    monkeypatch.setattr(Path, "is_dir", refuse)
+    request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path / "a", thorough=False)
+    assert isinstance(probe_machine(request).disk, Unknown)
+
+
+def test_a_disk_that_hangs_is_not_waited_for(monkeypatch, tmp_path):
+    ended = threading.Event()
+    monkeypatch.setattr(machine_probe, "DISK_LIMIT_S", 0.05)
+    monkeypatch.setattr(machine_probe, "free_bytes", lambda _folder: ended.wait(60.0))
+    request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path, thorough=False)
+    assert isinstance(probe_machine(request).disk, Unknown)
+    ended.set()
 
 
 def test_a_folder_that_does_not_exist_yet_has_the_disk_of_its_parent(tmp_path):

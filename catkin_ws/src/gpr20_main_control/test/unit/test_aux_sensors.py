@@ -11,7 +11,7 @@ from fake_robot import Bench
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.aux_sensors import KEPT, AuxSensors, SensorInput
+from gpr20_main_control.mid.aux_sensors import KEPT, LONGEST_LAG_S, AuxSensors, SensorInput
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.aux_value import AuxValue
@@ -120,6 +120,18 @@ def test_of_a_fast_sensor_few_messages_are_kept_and_only_those_needed_are_read(c
     assert one.at(clock.s).value == 20 * KEPT - 1
     assert one.at(clock.s - 1.0).value == pytest.approx(20 * KEPT - 1001, abs=12)
     assert len(calls) == 2
+
+
+def test_messages_that_no_trace_can_need_are_not_kept(clock):
+    one = SensorInput(sensor(longest_age_s=3600.0), read, clock)
+    for number in range(100):
+        clock.s = 100.0 + number
+        one.note(float(number))
+    assert len(one._kept) <= LONGEST_LAG_S + 2
+    assert one.at(clock.s - LONGEST_LAG_S).value == 99 - LONGEST_LAG_S
+    clock.s += 60.0
+    one.note(100.0)
+    assert one.at(clock.s - 1.0).value == 99.0
 
 
 def test_many_silent_sensors_leave_room_for_other_remarks(clock):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from typing import Callable, Optional
+from typing import Callable, List, Optional
 
 from gpr20_axis_driver.axis_exceptions import (
     AxisException,
@@ -30,6 +30,11 @@ RESTING_PERIOD_S = 0.1
 # A motion may take this many times its computed duration, and this much longer [s].
 SLOWEST_FACTOR = 2.0
 MARGIN_S = 5.0
+SILENT = Message(
+    "the controller of this axis did not answer for {limit_s:g} s; check its power and cable, and "
+    "home the axis",
+    limit_s=CALL_LIMIT_S,
+)
 
 
 class _Limits:
@@ -65,8 +70,10 @@ class ControllerMotions:
         self._calls = threading.Lock()
         self._closed = threading.Event()
         self._failure: Optional[Message] = None
+        # Since when the state is being read [s]; 0: it is not.
+        self._asked_s = 0.0
         self._presses = 0
-        self._open()
+        self._limited(self._open)
         self._reader = threading.Thread(target=self._keep_reading, daemon=True)
         self._reader.start()
 
@@ -89,6 +96,9 @@ class ControllerMotions:
     def failure(self) -> Optional[Message]:
         """Why no motion is possible now; None if one is."""
         with self._changed:
+            asked_s = self._asked_s
+            if self._failure is None and asked_s and time.monotonic() - asked_s > CALL_LIMIT_S:
+                self._failure = SILENT
             return self._failure
 
     @property
@@ -176,9 +186,7 @@ class ControllerMotions:
             AxisException: It cannot be reached.
         """
         if self.failure is not None:
-            with self._calls:
-                self._release()
-                self._open()
+            self._limited(self._renew)
             self._set_failure(None)
 
     def close(self) -> None:
@@ -187,7 +195,14 @@ class ControllerMotions:
         with self._changed:
             self._changed.notify_all()
         self._reader.join(CALL_LIMIT_S)
-        self._release()
+        # The process ends with a controller that hangs.
+        with contextlib.suppress(ControllerError):
+            self._limited(self._release)
+
+    def _renew(self) -> None:
+        with self._calls:
+            self._release()
+            self._open()
 
     def _open(self) -> None:
         try:
@@ -208,14 +223,41 @@ class ControllerMotions:
 
     def _call(self, command: Callable[[], None]) -> None:
         """Give the controller a command, and read its state before anybody looks at it."""
-        try:
+
+        def give() -> None:
             with self._calls:
+                # It may have waited for a call that hung: nothing must move that late.
+                self._check()
                 command()
                 self._note(self._controller.read())
-        except Exception as error:
-            failure = self._reason(error)
-            self._set_failure(failure)
-            raise ControllerError(failure) from error
+
+        try:
+            self._limited(give)
+        except ControllerError as error:
+            self._set_failure(error.message)
+            raise
+
+    def _limited(self, action: Callable[[], None]) -> None:
+        """Carry out what a class that is not ours may never end.
+
+        Raises:
+            ControllerError: It failed, or did not end in time.
+        """
+        failures: List[Exception] = []
+        ended = threading.Event()
+
+        def act() -> None:
+            try:
+                action()
+            except Exception as error:  # a class that is not ours may raise anything
+                failures.append(error)
+            ended.set()
+
+        threading.Thread(target=act, daemon=True).start()
+        if not ended.wait(CALL_LIMIT_S):
+            raise ControllerError(SILENT)
+        if failures:
+            raise ControllerError(self._reason(failures[0])) from failures[0]
 
     def _wait_for_rest(
         self, stop_requested: StopRequested, limits: _Limits, guarded: bool
@@ -256,13 +298,7 @@ class ControllerMotions:
                 lambda: self._state is not state or self._failure is not None, CALL_LIMIT_S
             )
         if not answered:
-            self._set_failure(
-                Message(
-                    "the controller of this axis did not answer for {limit_s:g} s; check its power "
-                    "and cable, and home the axis",
-                    limit_s=CALL_LIMIT_S,
-                )
-            )
+            self._set_failure(SILENT)
         self._check()
         return self._state
 
@@ -272,9 +308,12 @@ class ControllerMotions:
                 continue
             try:
                 with self._calls:
+                    self._asked_s = time.monotonic()
                     self._note(self._controller.read())
             except Exception as error:  # a class that is not ours may raise anything
                 self._set_failure(self._reason(error))
+            finally:
+                self._asked_s = 0.0
 
     def _note(self, state: ControllerState) -> None:
         with self._changed:

@@ -11,6 +11,7 @@ import threading
 from typing import List, Mapping, Optional, Sequence, Tuple
 
 import rosgraph
+import rospy
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.catalogue_file import (
@@ -19,8 +20,11 @@ from gpr20_common.low.catalogue_file import (
     languages,
     read_catalogue,
 )
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_doctor.high.graph import Graph, master_answers
-from gpr20_doctor.mid.arguments import add_arguments
+from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
+from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import exit_status, findings
 from gpr20_doctor.mid.listener import without_master
 from gpr20_doctor.mid.machine_probe import probe_machine
@@ -32,6 +36,7 @@ from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, NodeDes
 HEIGHT_LIMIT_S = 5.0
 ANALYZER_LIMIT_S = 8.0
 REPORT_LIMIT_S = 2.5
+POLL_S = 0.5
 REFUSED = 3
 EXIT_STATUS = (
     "exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault, 3 the doctor "
@@ -66,10 +71,13 @@ def main() -> int:
 
 def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check everything and print it; return the exit status."""
-    robot, nodes = _robot(given)
-    machine = ThisMachine(socket.gethostname(), os.environ, config=given.config)
-    request = machine.request(nodes, robot.surveying, given.robot, not given.quick)
-    found = findings(robot, probe_machine(request))
+    try:
+        found = _find(given)
+    except (OSError, RuntimeError, rospy.ROSException) as error:
+        # ~USER without such a user, a master that ends while it is asked.
+        failed = Message("The doctor could not work: {reason}", reason=str(error))
+        print(catalogue.text(failed), file=sys.stderr)
+        return REFUSED
     shown: Sequence[str] = (
         [as_json(found, catalogue)] if given.json else list(lines(found, catalogue))
     )
@@ -77,9 +85,16 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     return exit_status(found)
 
 
+def _find(given: argparse.Namespace) -> Tuple[Finding, ...]:
+    robot, nodes = _robot(given)
+    machine = ThisMachine(socket.gethostname(), os.environ, config=given.config)
+    request = machine.request(nodes, robot.surveying, given.robot, not given.quick)
+    return findings(robot, probe_machine(request))
+
+
 def _robot(given: argparse.Namespace) -> Tuple[RobotFacts, Mapping[str, NodeDescription]]:
     master = rosgraph.get_master_uri()
-    if not master_answers(master):
+    if not _wait_for_master(master, given.wait):
         return without_master(master), {}
     graph = Graph(given.ns, master)
     try:
@@ -88,6 +103,17 @@ def _robot(given: argparse.Namespace) -> Tuple[RobotFacts, Mapping[str, NodeDesc
         return graph.listener.facts(analyzer), graph.listener.descriptions
     finally:
         graph.leave()
+
+
+def _wait_for_master(master: str, limit_s: float) -> bool:
+    """Return whether the master answers; one that is starting gets time if it was asked for."""
+    clock = Clock()
+    deadline_s = clock.now_s() + (limit_s if limit_s > DEFAULT_WAIT_S else 0.0)
+    while not master_answers(master):
+        if clock.now_s() >= deadline_s:
+            return False
+        clock.wait_s(threading.Event(), POLL_S)
+    return True
 
 
 def _test(graph: Graph) -> Optional[AnalyzerFacts]:

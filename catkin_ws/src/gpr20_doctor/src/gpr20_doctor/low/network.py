@@ -11,7 +11,7 @@ def is_own_address(address: str) -> bool:
         try:
             # Only an own address can be bound.
             probe.bind((address, 0))
-        except OSError:
+        except (OSError, UnicodeError):
             return False
     return True
 

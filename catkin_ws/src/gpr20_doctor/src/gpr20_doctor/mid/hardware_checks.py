@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, Iterator
+from typing import Dict, Iterator, Sequence
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
@@ -18,7 +18,8 @@ from gpr20_doctor.mid.machine_facts import (
 from gpr20_doctor.mid.not_known import not_known
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
-GROUPS = ("gpio", "spi")
+SPI = "spi"
+GROUPS = ("gpio", SPI)
 PIGPIO = "pigpio"
 # Each axis locks its memory, some 30 MB.
 LOCKED_BYTES = 100_000_000
@@ -41,25 +42,29 @@ def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
     if facts.hardware is not HardwareUse.NEEDED:
         yield Finding("hardware", Level.NOTE, SKIPPED[facts.hardware])
         return
-    yield from _groups(facts.groups)
+    yield from _groups(facts.groups, GROUPS if facts.pins else (SPI,))
     yield _spi(facts.spi)
+    if not facts.pins:
+        text = Message("GPIO, real-time limits: not needed, other controllers move the axes.")
+        yield Finding("gpio", Level.NOTE, text)
+        return
     yield _gpio(facts.gpio)
     yield _realtime(facts.realtime)
 
 
-def _groups(groups: object) -> Iterator[Finding]:
+def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
     if not isinstance(groups, GroupFacts):
         yield not_known("groups", Message("the user's groups"), groups)
         return
     if groups.is_root:
         yield Finding("groups", Level.OK, Message("Groups: not needed by the user root"))
         return
-    missing = [one for one in GROUPS if one not in groups.member]
+    missing = [one for one in needed if one not in groups.member]
     if not missing:
         yield Finding(
             "groups",
             Level.OK,
-            Message("Groups of {user}: {groups}", user=groups.user, groups=", ".join(GROUPS)),
+            Message("Groups of {user}: {groups}", user=groups.user, groups=", ".join(needed)),
         )
     for name in missing:
         yield _missing_group(groups, name)

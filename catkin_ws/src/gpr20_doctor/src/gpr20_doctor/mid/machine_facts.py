@@ -184,6 +184,7 @@ class MachineFacts:
         disk: Disk of the surveys.
         clock: What chrony says.
         vna: Whether the VNA can be reached.
+        pins: Whether an axis has pins; False: other controllers move all axes.
     """
 
     hardware: HardwareUse
@@ -198,3 +199,4 @@ class MachineFacts:
     disk: Union[DiskFacts, Unknown, None] = None
     clock: Union[ClockFacts, Unknown, None] = None
     vna: Union[PortFacts, Unknown, None] = None
+    pins: bool = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import threading
@@ -57,6 +58,7 @@ Fact = TypeVar("Fact")
 def probe_machine(request: MachineRequest) -> MachineFacts:
     """Return what is known about this computer; what fails is `Unknown`."""
     needed = request.hardware is HardwareUse.NEEDED
+    pins = needed and request.pins
     spi = device_files.spi_device(request.root, *request.spi)
     pi = pi_sensors.is_raspberry_pi(request.root)
     return MachineFacts(
@@ -66,12 +68,13 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         temperature_c=_known(lambda: _temperature_c(request.root, pi)),
         groups=_known(lambda: _groups(request.root)) if needed else None,
         spi=_known(lambda: _device(spi)) if needed else None,
-        gpio=_known(lambda: _gpio(request)) if needed else None,
-        realtime=_known(_realtime) if needed else None,
+        gpio=_known(lambda: _gpio(request)) if pins else None,
+        realtime=_known(_realtime) if pins else None,
         power=_known(lambda: _power(request.root)) if pi else None,
         disk=None if request.data is None else _disk(request.data, request.thorough),
         clock=_known(_clock) if request.thorough else None,
         vna=_vna(request.vna) if request.thorough else None,
+        pins=request.pins,
     )
 
 
@@ -155,33 +158,47 @@ def _power(root: Path) -> PowerFacts:
 
 def _disk(folder: Path, thorough: bool) -> Union[DiskFacts, Unknown]:
     # A launch makes the folder; until then its disk is that of the folder around it.
-    existing = next(one for one in (folder, *folder.parents) if one.is_dir())
-    free = _known(lambda: free_bytes(existing))
+    around = (folder, *folder.parents)
+    existing = _known(lambda: _in_time(lambda: next(one for one in around if one.is_dir())))
+    if isinstance(existing, Unknown):
+        return existing
+    free = _known(lambda: _in_time(lambda: free_bytes(existing)))
     if isinstance(free, Unknown):
         return free
     return DiskFacts(folder, free, _known(lambda: _trace_s(existing)) if thorough else None)
 
 
-def _trace_s(folder: Path) -> float:
-    """Return how long the disk takes for one trace [s]; infinite if it hangs."""
-    trace_bytes = needed_bytes(1, MAX_FREQUENCY_POINTS, 0.0)
-    found: List[Union[float, OSError]] = []
+def _in_time(probe: Callable[[], Fact]) -> Fact:
+    """Return what a probe finds on a disk, which cannot be interrupted if it hangs.
 
-    def measure() -> None:
+    Raises:
+        OSError: The probe failed, or took too long.
+    """
+    found: List[Union[Fact, OSError]] = []
+
+    def look() -> None:
         try:
-            found.append(disk_speed.slowest_trace_s(folder, trace_bytes))
+            found.append(probe())
         except OSError as error:
             found.append(error)
 
-    # A disk that hangs cannot be interrupted.
-    thread = threading.Thread(target=measure, daemon=True)
+    thread = threading.Thread(target=look, daemon=True)
     thread.start()
     thread.join(DISK_LIMIT_S)
     if not found:
-        return math.inf
+        raise TimeoutError(errno.ETIMEDOUT, os.strerror(errno.ETIMEDOUT))
     if isinstance(found[0], OSError):
         raise found[0]
     return found[0]
+
+
+def _trace_s(folder: Path) -> float:
+    """Return how long the disk takes for one trace [s]; infinite if it hangs."""
+    trace_bytes = needed_bytes(1, MAX_FREQUENCY_POINTS, 0.0)
+    try:
+        return _in_time(lambda: disk_speed.slowest_trace_s(folder, trace_bytes))
+    except TimeoutError:
+        return math.inf
 
 
 def _clock() -> ClockFacts:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Mapping, Optional, Tuple, Union
+from typing import List, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -33,6 +33,7 @@ class MachineRequest:
         hardware: Whether this computer drives the hardware of a robot.
         environment: The environment variables.
         pin_library: Library of the pins in the configuration; empty: not known.
+        pins: Whether an axis has pins; False: other controllers move all axes.
         spi: Bus and device of the height sensor's converter.
         data: Folder of the surveys; None: not on this computer.
         vna: Address of the VNA; None: not to be checked.
@@ -43,6 +44,7 @@ class MachineRequest:
     hardware: HardwareUse
     environment: Mapping[str, str]
     pin_library: str = ""
+    pins: bool = True
     spi: Tuple[int, int] = DEFAULT_SPI
     data: Optional[Path] = None
     vna: Union[str, Unknown, None] = None
@@ -82,12 +84,14 @@ class ThisMachine:
             thorough: Whether to do what takes longer.
         """
         axis = nodes.get(axis_node(AxisId.X))
+        libraries = self._pin_libraries(nodes)
         if robot == AUTOMATIC and axis is not None:
             robot = SIMULATED if axis.hardware.simulated else REAL
         return MachineRequest(
             hardware=self._hardware(robot, axis),
             environment=self.environment,
-            pin_library=_pin_library(axis),
+            pin_library=libraries[0] if libraries else "",
+            pins=bool(libraries),
             spi=self._spi(nodes.get(HEIGHT_SENSOR)),
             data=self._data(nodes.get(STORAGE)),
             vna=None if surveying or robot == SIMULATED else self._vna(nodes.get(ANALYZER)),
@@ -103,6 +107,20 @@ class ThisMachine:
         if robot == REAL or self._is("GPR20_ROBOT") or pi_sensors.is_raspberry_pi(self.root):
             return HardwareUse.NEEDED
         return HardwareUse.NO_PI
+
+    def _pin_libraries(self, nodes: Mapping[str, NodeDescription]) -> List[str]:
+        """Return the library of each axis that has pins; empty: not known."""
+        found = []
+        for axis_id in AxisId:
+            node = nodes.get(axis_node(axis_id))
+            own: object
+            if node is None:
+                own = config_files.configured(self._config, "axes.yaml", axis_id.value)
+            else:
+                own = node.configuration
+            if not (isinstance(own, Mapping) and own.get("controller")):
+                found.append(_pin_library(node))
+        return found
 
     def _spi(self, sensor: Optional[NodeDescription]) -> Tuple[int, int]:
         numbers = []

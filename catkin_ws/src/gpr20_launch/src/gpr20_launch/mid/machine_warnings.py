@@ -12,6 +12,7 @@ from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_launch.mid.launch_request import REAL, SERVER, LaunchRequest
 from gpr20_launch.mid.robot_files import Sections
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import Backend
 
 ROOT = Path("/")
@@ -34,13 +35,17 @@ def machine_warnings(
     if request.robot != REAL:
         return ()
     elsewhere = request.part == SERVER
+    axes = [sections.get(f"{one.value}_axis", {}) for one in AxisId]
+    with_pins = [one for one in axes if not one.get("controller")]
+    libraries = [str(one.get("backend", Backend.RPI_GPIO.value)) for one in with_pins]
     sensor = sections.get("height_sensor", {})
     data = sections.get("storage", {}).get("data")
     facts = probe_machine(
         MachineRequest(
             hardware=HardwareUse.ELSEWHERE if elsewhere else HardwareUse.NEEDED,
             environment=environment,
-            pin_library=str(sections["x_axis"].get("backend", Backend.RPI_GPIO.value)),
+            pin_library=libraries[0] if libraries else "",
+            pins=bool(libraries),
             spi=(sensor.get("spi_bus", 0), sensor.get("spi_device", 0)),
             data=Path(str(data)) if data else None,
             thorough=False,

@@ -80,6 +80,9 @@ class SensorInput:
             self._last = now_s, content
             if not self._kept or now_s - self._kept[-1][0] >= SPACING_S:
                 self._kept.append(self._last)
+            # Images of a camera would fill the memory otherwise.
+            while len(self._kept) > 1 and self._kept[1][0] <= now_s - LONGEST_LAG_S:
+                self._kept.popleft()
 
     def at(self, moment_s: float) -> Measured:
         """Return what was known at a moment of the clock [s]."""
