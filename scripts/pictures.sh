@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The pictures of docs/architecture.md, from its text, into docs/images.
+# The pictures of docs/architecture.md and docs/ros.md, from their text, into docs/images.
 #   scripts/pictures.sh
 set -euo pipefail
 # shellcheck source=scripts/environment.sh

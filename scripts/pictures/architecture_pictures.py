@@ -1,4 +1,4 @@
-"""Write the pictures of docs/architecture.md from its text, into docs/images.
+"""Write the pictures of docs/architecture.md and docs/ros.md from their text, into docs/images.
 
 With --check it fails if a picture is not up to date.
 """
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import Dict
 
+from frames_picture import frames_picture
 from graph_picture import graph_picture
 from states_picture import states_picture
 
@@ -18,14 +19,22 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 def pictures() -> Dict[Path, str]:
     """Return the pictures by their files."""
-    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
-    found = re.search(r"```mermaid\n(.*?)```", page, re.DOTALL)
-    if found is None:
-        raise ValueError("docs/architecture.md has no diagram of the states")
     return {
-        DOCS / "images/graph.svg": graph_picture(page),
-        DOCS / "images/states.svg": states_picture(found[1]),
+        DOCS / "images/graph.svg": graph_picture(_page("architecture.md")),
+        DOCS / "images/states.svg": states_picture(_diagram("architecture.md")),
+        DOCS / "images/frames.svg": frames_picture(_diagram("ros.md")),
     }
+
+
+def _page(name: str) -> str:
+    return (DOCS / name).read_text(encoding="utf-8")
+
+
+def _diagram(name: str) -> str:
+    found = re.search(r"```mermaid\n(.*?)```", _page(name), re.DOTALL)
+    if found is None:
+        raise ValueError(f"docs/{name} has no diagram")
+    return found[1]
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ MACHINES = {
 }
 EVERY_NODE = "every node"
 BESIDE = "Beside the robot"
+COMMON = "On all of these nodes"
 # Client and node: who calls whom.
 CALLS = [
     ("main_control", "vna_acquisition"),
@@ -74,9 +75,10 @@ def graph_picture(architecture: str) -> str:
     nodes = nodes_of(architecture)
     placed = {name for row in MACHINES.values() for name in row}
     # The window is a client only, and shares a row of the table with the terminal client.
+    placed.add(EVERY_NODE)
     beside = [name for name in nodes if name not in placed and "user_interface" not in name]
     chunks = [beside[at : at + COLUMNS] for at in range(0, len(beside), COLUMNS)]
-    rows = [*MACHINES.items(), *((BESIDE, chunk) for chunk in chunks)]
+    rows = [*MACHINES.items(), *((BESIDE, chunk) for chunk in chunks), (COMMON, [EVERY_NODE])]
     width = GAP + COLUMNS * (WIDTH + GAP) + GAP
     heights = [max(_height(nodes.get(name, [])) for name in row) for _title, row in rows]
     total = sum(heights) + len(rows) * (HEAD + 3 * GAP)
@@ -90,7 +92,7 @@ def graph_picture(architecture: str) -> str:
         for column, name in enumerate(row):
             corners[name] = (GAP + column * (WIDTH + GAP) + GAP / 2, top + HEAD + 8)
             bottoms[name] = corners[name][1] + _height(nodes.get(name, []))
-            _draw(picture, corners[name], name, nodes.get(name, []), title == BESIDE)
+            _draw(picture, corners[name], name, nodes.get(name, []), title in (BESIDE, COMMON))
         top += height + HEAD + 2 * GAP + 14
     for client, server in CALLS:
         _call(picture, corners, bottoms, client, server)

@@ -16,7 +16,11 @@ from ros_interfaces import interfaces_markdown
 from site_files import DOCS, INTERFACES, ROOT, outside_pages, repository_path, site_path
 from site_markdown import heading_anchor, indent_lists, relative_link, rewrite_links
 
-STATES = "![States of a survey](images/states.svg)"
+# By the first word of their Mermaid text, which needs a network.
+DIAGRAMS = {
+    "stateDiagram-v2": "![States of a survey](images/states.svg)",
+    "graph": "![Frames of the robot](images/frames.svg)",
+}
 API = '\n<a href="api/gpr20_analysis.html">The complete reference</a>\n'
 # A drawing with small words can be opened alone.
 DRAWING = re.compile(r"^(!\[[^\]]*\]\((\S+\.svg)\))$", re.MULTILINE)
@@ -68,8 +72,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def _without_mermaid(markdown: str) -> str:
-    """Return the text with the picture of the states, whose Mermaid text needs a network."""
-    return re.sub(r"^```mermaid\n.*?^```$", STATES, markdown, flags=re.DOTALL | re.MULTILINE)
+    """Return the text with pictures instead of diagrams."""
+    fence = re.compile(r"^```mermaid\n(\S+).*?^```$", re.DOTALL | re.MULTILINE)
+    return fence.sub(lambda found: DIAGRAMS[found[1]], markdown)
 
 
 def _outside_page(source: str) -> str:

@@ -57,6 +57,26 @@ def test_every_page_of_the_repository_is_on_the_site(site):
     assert (site / "project/changelog.html").exists()
 
 
+def test_each_page_is_once_in_the_menu_and_linked_from_the_start(site):
+    text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    start = (DOCS / "index.md").read_text(encoding="utf-8")
+    for page in DOCS.rglob("*.md"):
+        name = page.relative_to(DOCS).as_posix()
+        assert text.count(f": {name}\n") == 1, name
+        assert name == "index.md" or f"]({name}" in start, name
+
+
+@pytest.mark.parametrize(
+    ("page", "picture"), [("architecture", "states"), ("architecture", "graph"), ("ros", "frames")]
+)
+def test_each_page_shows_its_own_diagrams(site, page, picture):
+    shown = re.findall(
+        r'src="images/(\w+)\.svg"', (site / f"{page}.html").read_text(encoding="utf-8")
+    )
+    assert shown.count(picture) == 1
+    assert page == "architecture" or "states" not in shown
+
+
 def test_nothing_is_loaded_from_a_network(site):
     loads = r"""<(?:script|img|iframe|source)[^>]*\ssrc="(//|https?:)[^>]*>"""
     styles = r"""<link[^>]*rel="(?:stylesheet|preload|preconnect|icon)"[^>]*href="https?:[^>]*>"""

@@ -74,7 +74,10 @@ def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
 def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path):
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     section = readme.split("## Look at a sample survey without ROS\n")[1].split("\n## ")[0]
-    install, *commands = section.split("```\n")[1].splitlines()
+    make, activate, install, *commands = section.split("```\n")[1].splitlines()
+    # Debian's and Ubuntu's pip refuse to install outside of a virtual environment.
+    assert make == "python3 -m venv ~/gpr20_venv"
+    assert activate == "source ~/gpr20_venv/bin/activate"
     assert install == "pip install 'catkin_ws/src/gpr20_analysis[all]'"
     printed = "".join(gpr20(*shlex.split(command)[1:]) for command in commands)
     # Three bodies are buried below the sample.
