@@ -67,7 +67,7 @@ def test_it_has_the_language_of_the_window(tmp_path, arguments, remembered, lang
     found = waiting_screen.language_of(
         {"GPR20_WINDOW_ARGUMENTS": arguments}, tmp_path / "window.yaml"
     )
-    assert found is language
+    assert found == language
 
 
 SHOW = """
