@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 
 import pytest
@@ -11,10 +12,16 @@ from roslaunch.xmlloader import XmlLoader
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 
 
-def nodes_of(file: str, *arguments: str):
+# Several tests ask about the same launch; each takes a second to read.
+@functools.lru_cache(maxsize=None)
+def all_nodes(file: str, *arguments: str):
     config = ROSLaunchConfig()
     XmlLoader(resolve_anon=True).load(str(LAUNCH / file), config, argv=list(arguments))
-    return {node.name: node for node in config.nodes}
+    return tuple(config.nodes)
+
+
+def nodes_of(file: str, *arguments: str):
+    return {node.name: node for node in all_nodes(file, *arguments)}
 
 
 @pytest.mark.parametrize("robot, comes_back", [("gpr20", True), ("simulated", False)])
@@ -46,7 +53,8 @@ def test_the_window_covers_the_screen_of_the_real_robot(arguments, covers_screen
 
 
 def test_the_window_keeps_its_language_unless_the_launch_names_one():
-    assert "_language:=auto" in nodes_of("survey.launch")["user_interface"].args
+    window = nodes_of("survey.launch", "robot:=simulated")["user_interface"]
+    assert "_language:=auto" in window.args
     assert "_language:=es" in nodes_of("survey.launch", "language:=es")["user_interface"].args
 
 
@@ -58,6 +66,5 @@ def test_stop_on_a_real_robot_is_always_its_own(robot, chooses):
 
 @pytest.mark.parametrize("file", ["survey.launch", "robot.launch", "server.launch"])
 def test_every_node_of_a_robot_is_in_its_namespace(file):
-    config = ROSLaunchConfig()
-    XmlLoader(resolve_anon=True).load(str(LAUNCH / file), config, argv=["ns:=robot7"])
-    assert {node.namespace.split("/")[1] for node in config.nodes} == {"robot7"}
+    nodes = all_nodes(file, "ns:=robot7")
+    assert {node.namespace.split("/")[1] for node in nodes} == {"robot7"}

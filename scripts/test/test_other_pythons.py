@@ -65,8 +65,9 @@ LONG_TESTS = [
         "test_image_of_damaged_surveys",
     ),
     *("test_imaging_methods", "test_interrupted_command", "test_kirchhoff_of_the_group"),
-    *("test_large_surveys", "test_lazy_steps", "test_notebook", "test_permittivity_estimate"),
-    *("test_survey_report", "test_texts_of_figures", "test_varying_heights", "test_verify"),
+    *("test_large_surveys", "test_lazy_steps", "test_many_surveys", "test_notebook"),
+    *("test_permittivity_estimate", "test_report_in_own_language", "test_survey_report"),
+    *("test_texts_of_figures", "test_varying_heights", "test_verify"),
     *("test_view_model", "test_view_picks", "test_view_window", "test_work_in_parts"),
 ]
 # A simulated disk loses power; what it keeps does not depend on the Python.

@@ -121,6 +121,9 @@ class FakeMainControl:
     def listeners(self) -> int:
         return self._data.get_num_connections()
 
+    def watchers(self) -> int:
+        return self._status.get_num_connections()
+
     def pause(self, message: Union[Message, str]) -> None:
         self._say(ControlStatus.PAUSED, message)
 

@@ -114,17 +114,14 @@ class Program(unittest.TestCase):
             fake.pause("waiting for the operator")
         process = self.program("_settings:=/tmp/gpr20_no_settings.yaml", namespace="/nowhere")
         robot = fakes["/beside"]
-        # The sheet opens by itself; the second button of its first row is that of /beside.
-        deadline_s = time.monotonic() + LIMIT_S
-        while robot.listeners() == 0 and time.monotonic() < deadline_s:
-            self.touch(600, 150)
-            self.assertIsNone(process.poll())
+        # The sheet opens by itself; while it is open the window follows every robot.
+        wait_until(lambda: fakes["/alone"].watchers() == 1, "the sheet is open")
+        # The second button of its first row is that of /beside.
+        self.touch(600, 150)
         wait_until(lambda: robot.listeners() == 1, "the window of the robot listens")
         self.assertNotIn("/nowhere/window", rosnode.get_node_names())
-        deadline_s = time.monotonic() + LIMIT_S
-        while robot.stops == 0 and time.monotonic() < deadline_s:
-            self.touch(750, 36)
-        self.assertGreater(robot.stops, 0)
+        # It listens a little before it takes a touch.
+        wait_until(lambda: robot.stops > 0, "STOP reaches it", lambda: self.touch(750, 36))
         self.assertEqual(fakes["/alone"].stops, 0)
         process.terminate()
         output, _ = process.communicate(timeout=LIMIT_S)
