@@ -22,6 +22,7 @@ class RobotsClient(RosEvents):
     def __init__(self, listener: Callable[[Any], None]) -> None:
         super().__init__(listener)
         self._watched = False
+        self._found: FrozenSet[str] = frozenset()
         self._statuses: Dict[str, rospy.Subscriber] = {}
 
     def listen(self) -> None:
@@ -32,8 +33,7 @@ class RobotsClient(RosEvents):
         """Listen to the states of all robots, or stop to."""
         with self._emitting:
             self._watched = watched
-            if not watched:
-                self._listen_to(frozenset())
+            self._listen_to(self._found if watched else frozenset())
 
     def close(self) -> None:
         """Call the listener no more."""
@@ -48,6 +48,7 @@ class RobotsClient(RosEvents):
         found = robots_on_master(name for name, _providers in services)
         self._emit(RobotsFound(found))
         with self._emitting:
+            self._found = found
             if self._watched and not self._closed:
                 self._listen_to(found)
 
