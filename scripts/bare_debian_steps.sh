@@ -9,8 +9,9 @@
 set -euo pipefail
 
 checkout="$PWD"
-# Of the robot that a step starts; a chroot has no other.
-export ROS_MASTER_URI=http://127.0.0.1:11311
+# Of the robot that a step starts; the chroot shares the network of the machine around it.
+port="$(bash -c 'source scripts/environment.sh && gpr20_free_port')"
+export ROS_MASTER_URI="http://127.0.0.1:$port"
 log=~/launch.log launch=''
 
 say() { printf '\n== %s\n' "$*"; }
@@ -24,7 +25,7 @@ fail() {
 expect() {
     local wanted="$1" status=0
     shift
-    say "$*"
+    say "${*/as_root/sudo}"
     "$@" || status=$?
     echo "-- exit status $status"
     [ "$status" -eq "$wanted" ] || fail "'$*' ended with status $status instead of $wanted"
@@ -42,7 +43,7 @@ source_workspace() {
 start_robot() {
     local deadline=$((SECONDS + 120))
     say "roslaunch gpr20 survey.launch ui:=false $*"
-    setsid roslaunch gpr20 survey.launch ui:=false "$@" >"$log" 2>&1 &
+    setsid roslaunch -p "$port" gpr20 survey.launch ui:=false "$@" >"$log" 2>&1 &
     launch=$!
     until grep -q "/main_control is ready" "$log"; do
         if ! kill -0 "$launch" 2>/dev/null || [ "$SECONDS" -ge "$deadline" ]; then
@@ -136,7 +137,8 @@ install_and_uninstall() {
 step_services() {
     local link=(--robot 10.20.0.1 --server 10.20.0.2 --admin 192.168.1.0/24)
     say "git clone $checkout /opt/gpr20"
-    as_root apt-get install -y -qq --no-install-recommends git systemd >/dev/null
+    as_root apt-get install -y -qq --no-install-recommends git systemd >"$log" 2>&1 ||
+        { cat "$log" >&2; fail "apt-get did not install git and systemd"; }
     as_root git clone --quiet "$checkout" /opt/gpr20
     install_and_uninstall install_server.sh "${link[@]}"
     install_and_uninstall install_robot.sh --one-machine
