@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# For maintainers: run the README's commands on a bare Debian 12, as root and as a user with sudo.
+# For maintainers: run the README's commands, the install space, the doctor and the installation of
+# the services on a bare Debian 12, as root and as a user with sudo.
 #   scripts/bare_debian.sh                      the commands of COMMANDS below
 #   scripts/bare_debian.sh --tests              all tests as well
 #   scripts/bare_debian.sh --as root|user       only as one of the two
@@ -19,6 +20,10 @@ LIMIT_S=5400
 COMMANDS=(
     "scripts/survey.sh"
     "scripts/setup.sh --check"
+    "scripts/install_space.sh ~/space"
+    "scripts/bare_debian_steps.sh copied_space"
+    "scripts/bare_debian_steps.sh doctor"
+    "scripts/bare_debian_steps.sh services"
 )
 
 folder="$(realpath -ms "${GPR20_BARE_DEBIAN:-/var/tmp/gpr20_bare_debian}")"
@@ -71,10 +76,15 @@ make_chroot() {
     echo "127.0.0.1 localhost" >"$root/etc/hosts"
     # A machine behind a proxy has certificates of its own.
     cp /etc/ssl/certs/ca-certificates.crt "$root/etc/certificates_of_the_host.crt"
+    # No package starts a program here: chrony would set the clock of this machine.
+    printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d"
+    chmod 755 "$root/usr/sbin/policy-rc.d"
     if [ "$1" = user ]; then
         chroot "$root" sh -ec "apt-get update && apt-get install -y --no-install-recommends sudo
             useradd --create-home --shell /bin/bash user
-            echo 'user ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/user" >"$folder/sudo.log" 2>&1
+            echo 'user ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/user
+            echo 'Defaults env_keep += \"PIP_CERT http_proxy https_proxy no_proxy\"' \
+                >>/etc/sudoers.d/user" >"$folder/sudo.log" 2>&1
         rm -rf "$root"/var/lib/apt/lists/* "$root"/var/cache/apt/*
     fi
     home="$(home_of "$1")"

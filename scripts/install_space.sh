@@ -45,15 +45,21 @@ fi
 build="$(mktemp -d)"
 trap 'rm -rf "$build"' EXIT
 
-install_workspace() {
-    echo "building and installing the workspace in $folder"
-    if ! run_clean catkin_make -C "$GPR20_WORKSPACE" --build "$build/build" install \
-        -DCATKIN_DEVEL_PREFIX="$build/devel" -DCMAKE_INSTALL_PREFIX="$folder" \
-        -DPYTHON_EXECUTABLE="$PYTHON" -DCATKIN_ENABLE_TESTING=OFF >"$build/log" 2>&1; then
+# run_quietly WHAT COMMAND...: run it clean; what it prints is shown only if it fails.
+run_quietly() {
+    if ! run_clean "${@:2}" >"$build/log" 2>&1; then
         cat "$build/log" >&2
-        echo "install_space.sh: the catkin build failed; the lines above say where" >&2
+        echo "install_space.sh: $1 failed; the lines above say where" >&2
         exit 1
     fi
+}
+
+install_workspace() {
+    echo "building and installing the workspace in $folder (typically 30 s)"
+    run_quietly "the catkin build" \
+        catkin_make -C "$GPR20_WORKSPACE" --build "$build/build" install \
+        -DCATKIN_DEVEL_PREFIX="$build/devel" -DCMAKE_INSTALL_PREFIX="$folder" \
+        -DPYTHON_EXECUTABLE="$PYTHON" -DCATKIN_ENABLE_TESTING=OFF
     # Its user may not write there. By content, because a copy may have other times.
     "$PYTHON" -m compileall -q --invalidation-mode checked-hash "$folder/lib/python3"
 }
@@ -71,17 +77,19 @@ install_python_packages() {
     if [ "$robot" = no ] || [ "$analysis" = yes ]; then
         arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]")
     fi
-    echo "installing the Python packages in $folder/venv"
+    echo "installing the Python packages in $folder/venv (typically 1 min)"
     "$PYTHON" -m venv --system-site-packages "$folder/venv"
     pip=("$folder/venv/bin/python3" -m pip --quiet --disable-pip-version-check)
     # That of Ubuntu 20.04 does not know the wheels of today.
     case "$(run_clean "${pip[@]}" --version)" in
-        "pip 20."* | "pip 21."*) run_clean "${pip[@]}" install --upgrade pip ;;
+        "pip 20."* | "pip 21."*)
+            run_quietly "the update of pip" "${pip[@]}" install --upgrade pip ;;
     esac
-    run_clean "${pip[@]}" install --constraint "$pins" "${arguments[@]}"
+    run_quietly "the installation of Python packages" \
+        "${pip[@]}" install --constraint "$pins" "${arguments[@]}"
     # Only what it needs: the analysis itself is in the workspace.
     if run_clean "${pip[@]}" show gpr20_analysis >/dev/null 2>&1; then
-        run_clean "${pip[@]}" uninstall --yes gpr20_analysis
+        run_quietly "pip" "${pip[@]}" uninstall --yes gpr20_analysis
     fi
 }
 

@@ -164,9 +164,15 @@ ensure_packages() {
 }
 
 install_packages() {
-    apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y -qq \
-        --no-install-recommends "$@" >/dev/null
+    local printed
+    printed="$(mktemp)"
+    if ! { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 \
+        install -y --no-install-recommends "$@"; } >"$printed" 2>&1; then
+        tail -n 15 "$printed" >&2
+        rm "$printed"
+        fail "apt-get did not install $*; the lines above say why"
+    fi
+    rm "$printed"
 }
 
 # ensure_software ARGUMENT...: what scripts/setup.sh installs with these arguments.
