@@ -147,11 +147,11 @@ class StandardMessagesTest(unittest.TestCase):
         self.assertLess(len(stamps), 11 * (stamps[-1] - stamps[0]).to_sec() + 5)
 
     def _check_joints(self, joints, positions):
-        told = {one.header.stamp: one for one in positions.messages}
-        states = [one for one in joints.messages if one.header.stamp in told]
+        published = {one.header.stamp: one for one in positions.messages}
+        states = [one for one in joints.messages if one.header.stamp in published]
         self.assertGreater(len(states), 5)
         for state in states:
-            place = told[state.header.stamp]
+            place = published[state.header.stamp]
             self.assertEqual(state.name, ["y_axis_joint", "x_axis_joint", "z_axis_joint"])
             expected = (place.y_mm / 1000.0, place.x_mm / 1000.0, math.radians(place.z_deg))
             np.testing.assert_allclose(state.position, expected, atol=1e-12)

@@ -1,4 +1,4 @@
-"""What every axis must do, as tests: whoever writes a controller runs them on it with pytest."""
+"""What every axis must do, as tests: run them with pytest on a controller of your own."""
 
 from __future__ import annotations
 

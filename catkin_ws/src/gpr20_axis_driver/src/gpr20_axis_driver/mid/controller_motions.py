@@ -49,7 +49,7 @@ class ControllerMotions:
     """Carries out motions with an `AxisController`, and watches it; an `AxisMotions`.
 
     One thread reads the state all the time, which also shows the controller that the driver is
-    alive. After an error the controller is closed; the next homing makes it anew.
+    alive. After an error the controller is closed; the next homing makes a new one.
     """
 
     def __init__(
@@ -180,7 +180,7 @@ class ControllerMotions:
         )
 
     def revive(self) -> None:
-        """Make the controller anew if it has failed.
+        """Replace a controller that has failed.
 
         Raises:
             AxisException: It cannot be reached.

@@ -1,1 +1,1 @@
-"""The program, and what the graph tells it."""
+"""The program, and what it reads from the graph."""
