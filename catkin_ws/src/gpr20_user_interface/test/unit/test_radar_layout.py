@@ -12,7 +12,7 @@ from PyQt5.QtWidgets import QLabel, QPushButton
 from view_kit import depth_echo, make_grid, trace_at
 from window_helpers import application, close, new_window
 
-from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.radar_records import RadarSettings
 from gpr20_user_interface.mid.shown_band import ShownBand
@@ -29,7 +29,7 @@ PADDING_PX = 4
 BAND = ShownBand(Message("PAST SURVEY: {name}", name="2026-11-21 05:10:00 UTC"), True)
 
 
-@pytest.fixture(scope="module", params=itertools.product(Language, SIZES), ids=str)
+@pytest.fixture(scope="module", params=itertools.product(languages(), SIZES), ids=str)
 def screen(request, application):
     """One window for all tests on a screen, with a survey of some traces."""
     language, size = request.param
