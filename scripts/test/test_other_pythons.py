@@ -70,11 +70,11 @@ LONG_TESTS = [
     *("test_texts_of_figures", "test_varying_heights", "test_verify"),
     *("test_view_model", "test_view_picks", "test_view_window", "test_work_in_parts"),
 ]
-# A simulated disk loses power; what it keeps does not depend on the Python.
-POWER_CUTS = ["test_power_cuts"]
+# What these compute does not depend on the Python, and two others repeat it.
+NOT_ON_THE_ROBOT = ["test_power_cuts", "test_many_surveys", "test_report_in_own_language"]
 # That of ROS Noetic, and a new one: the analysis also runs on other computers.
 PYTHONS = [
-    OtherPython("3.8", ".venv38", EVERYTHING, POWER_CUTS),
+    OtherPython("3.8", ".venv38", EVERYTHING, NOT_ON_THE_ROBOT),
     OtherPython("3.13", ".venv313", ["gpr20_analysis", "gpr20_common", "gpr20_survey"], LONG_TESTS),
 ]
 RUNS = [
