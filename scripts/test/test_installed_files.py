@@ -16,7 +16,7 @@ from machine_tree import ADMIN
 from network_namespaces import two_machines
 from user_shell import ROOT, wait_until
 
-from gpr20_axis_driver.low.scheduling import PRIORITY
+from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
 UNITS = {
     machine_tree.robot: ["gpr20-firewall", "gpr20-robot", "gpr20-window"],
@@ -111,10 +111,10 @@ def test_the_programs_of_the_units_exist_in_the_checkout(installed):
 
 
 def test_the_axes_get_the_real_time_priority_that_they_ask_for(robot):
-    assert robot.unit_values("gpr20-robot", "LimitRTPRIO") == [str(PRIORITY)]
+    assert robot.unit_values("gpr20-robot", "LimitRTPRIO") == [str(PULSE_PRIORITY)]
     assert robot.unit_values("gpr20-robot", "LimitMEMLOCK") == ["infinity"]
     limits = (robot.folder / "etc/security/limits.d/gpr20.conf").read_text("utf-8")
-    assert f"@gpr20 - rtprio {PRIORITY}\n@gpr20 - memlock unlimited\n" in limits
+    assert f"@gpr20 - rtprio {PULSE_PRIORITY}\n@gpr20 - memlock unlimited\n" in limits
 
 
 @pytest.mark.parametrize("name", ["robot", "server"])

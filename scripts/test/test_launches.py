@@ -73,17 +73,17 @@ def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
 
 def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends_them(robot):
     robot.start()
-    nodes = robot.processes()
-    roslaunch = psutil.Process(next(iter(nodes.values())).ppid())
+    roslaunch = psutil.Process(next(iter(robot.processes().values())).ppid())
+    nodes = roslaunch.children()
     roslaunch.kill()
     roslaunch.wait(LIMIT_S)
     master = os.environ["ROS_MASTER_URI"]
     said = launch("gpr20", "survey.launch", "ui:=false")
     assert f"a robot is running on {master} since 20" in said
     (command,) = re.findall(r"can be resumed: (kill [\d ]+)", said)
-    assert {int(word) for word in command.split()[1:]} == {one.pid for one in nodes.values()}
+    assert {int(word) for word in command.split()[1:]} == {one.pid for one in nodes}
     subprocess.run(command.split(), check=True)
-    _ended, alive = psutil.wait_procs(nodes.values(), LIMIT_S)
+    _ended, alive = psutil.wait_procs(nodes, LIMIT_S)
     assert alive == []
 
 
