@@ -24,13 +24,13 @@ import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.candidates.candidate import SECONDARY, CandidateList
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.background import Background, remove_background
+from gpr20_simulator.mid.refraction import refracted_path
+from gpr20_survey.results.candidates import CandidateList
 
 PLACE_M = 0.015 * np.arange(25)
 HEIGHT_M = 0.20
@@ -75,6 +75,12 @@ def echo(delay_s: np.ndarray) -> np.ndarray:
     return level[..., None] * np.exp(-2j * np.pi * FREQUENCY_HZ * delay_s[..., None])
 
 
+def two_way_delay_s(depth_m: float, across_m: np.ndarray, permittivity: float) -> np.ndarray:
+    path = refracted_path(HEIGHT_M, np.full(across_m.size, depth_m), across_m.ravel(), permittivity)
+    path_m = path.air_m + np.sqrt(permittivity) * path.soil_m
+    return 2.0 * path_m.reshape(across_m.shape) / speed_of_light
+
+
 def targets(random: np.random.Generator) -> List[Place]:
     found: List[Place] = []
     while len(found) < random.integers(1, 4):
@@ -90,7 +96,7 @@ def scene(
     s21 = np.zeros((2, PLACE_M.size, PLACE_M.size, FREQUENCY_HZ.size), dtype=np.complex128)
     for x_m, y_m, depth_m in there:
         across_m = np.hypot(PLACE_M[None, :] - x_m, PLACE_M[:, None] - y_m)
-        s21 += echo(2.0 * one_way_delay_s(HEIGHT_M, depth_m, across_m, permittivity))
+        s21 += echo(two_way_delay_s(depth_m, across_m, permittivity))
     if rough:
         height_m = HEIGHT_M + ROUGHNESS_M * random.standard_normal(across_m.shape)
         delay_s = 2.0 * height_m / speed_of_light
@@ -112,7 +118,7 @@ def scored(found: CandidateList, there: Sequence[Place]) -> Tuple[int, int, int,
             and abs(one.depth_m - depth_m) < DEEPER_M
         ]
         hit.update(near)
-        if SECONDARY & set(one.flags):
+        if one.is_doubtful:
             doubtful += not near
         else:
             plain.update(near)

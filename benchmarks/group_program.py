@@ -30,7 +30,7 @@ from imaging_speed import DEPTH_M, HEIGHT_M, PERMITTIVITY, traces
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.processing.sweep import Window
+from gpr20_survey.radar.frequency_to_delay import Window
 
 MODULE = Path("APP-Procesamiento", "Funciones", "parallel_kirchhoff_migration.py")
 

@@ -19,13 +19,13 @@ import numpy as np
 import xarray as xr
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.candidates.candidate import Candidate
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
-from gpr20_analysis.imaging.refraction import one_way_delay_s
-from gpr20_analysis.processing.sweep import Window
+from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.results.candidates import Candidate
 
 PLACE_M = 0.05 + 0.010 * np.arange(41)
 HEIGHT_M = 0.20

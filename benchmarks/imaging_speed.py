@@ -34,10 +34,10 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.read.load import load_survey
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 STEP_M = 0.010
 HEIGHT_M = 0.20

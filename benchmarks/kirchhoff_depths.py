@@ -18,8 +18,8 @@ from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.kirchhoff import GroupTime
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 PLACE_M = 0.010 * np.arange(31)
 HEIGHT_M, PERMITTIVITY, NEAR_M = 0.20, 4.0, 0.04

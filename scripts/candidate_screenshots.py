@@ -19,10 +19,10 @@ from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging import Imaging
 from gpr20_main_control.mid.survey_status import NO_PARAMETERS
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.imaging_events import CandidatesFound
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
 from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.views.look import DESIGN_HEIGHT_PX, DESIGN_WIDTH_PX, Look
@@ -51,7 +51,7 @@ class LocalImaging:
     ) -> None:
         """Find the candidates of a survey; wait until they are found."""
         found = self._imaging.find_candidates(request_id, survey, permittivity, language)
-        self._listener(CandidatesFound(request_id, found.candidates_json, found.remarks))
+        self._listener(CandidatesFound(request_id, found.found, found.remarks))
 
     def cancel(self, request_id: str) -> None:
         """End a request."""
@@ -69,7 +69,7 @@ def take_pictures(folder: Path, survey: Path, application: QApplication) -> None
     """Search for candidates and take a picture in each language."""
     languages = Languages(application, Language.ENGLISH)
     described = json.loads((survey / "survey.json").read_text(encoding="utf-8"))
-    chosen = PastSurvey(
+    chosen = SurveySummary(
         survey.name, described["survey_id"], described["started"], "", 0, 0, None, True,
         described["simulated"], None,
     )  # fmt: skip

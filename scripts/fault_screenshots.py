@@ -18,9 +18,9 @@ from robot_kit import simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.mid.faults import ADC, VNA

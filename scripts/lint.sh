@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Style and types: ruff and mypy everywhere, who may import whom, translations, catkin_lint, shell.
+# Style and types: ruff and mypy everywhere, who may import whom, no decision by words,
+# translations, catkin_lint, shell.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -19,6 +20,8 @@ MYPYPATH="$(printf '%s:' "${packages[@]}" scripts scripts/pictures benchmarks)$m
     scripts/pytest_gpr20
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
+mapfile -t programs < <(git ls-files 'catkin_ws/src/*/src/*.py' 'deploy/*.py')
+python3 scripts/word_decisions.py "${programs[@]}" "${nodes[@]}"
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
 if grep -nE '^.{101}' deploy/*.sh scripts/*.sh .ci/run >&2; then

@@ -1,129 +1,76 @@
-"""Write docs/messages.md: every sentence of the software in both languages, with what to do.
+"""Write docs/messages.md: every fault by its code, with what to do first in both languages.
 
 Started by scripts/translations.sh; with --check it fails if the page is not up to date.
 """
 
 from __future__ import annotations
 
+import itertools
 import re
-import string
 import sys
 import textwrap
 from pathlib import Path
-from typing import Dict, Iterator, List
+from typing import Iterator, List, Mapping
 
 import polib
-from fault_templates import fault_templates, filled
-from value_names import NAMES, shown_name
+from fault_table import fault_table
 
-from gpr20_doctor.mid.remedies import find_remedy
+from gpr20_common.message import Fault, Severity
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/messages.md"
 CATALOGUE = ROOT / "catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po"
-WIDTH = 98
-# Words of a button or a column are no sentence.
-FEWEST_BLANKS = 3
+WIDTH = 94
 
-SECTIONS = {
-    "gpr20_main_control": "Survey",
-    "gpr20_axis_driver": "Axes",
-    "gpr20_height_sensor": "Height sensor",
-    "gpr20_vna_acquisition": "Network analyzer",
-    "gpr20_vna_processing": "Storage",
-    "gpr20_survey": "Plan, files and traces",
-    "gpr20_common": "Connections and nodes",
-    "gpr20_doctor": "Doctor",
-    "gpr20_launch": "Configuration and launch",
-    "gpr20_imaging": "Focused images and export",
-    "gpr20_simulator": "Simulated robot",
-    "gpr20_visualization": "RViz and other ROS tools",
-    "gpr20_user_interface": "Window and terminal",
-    "gpr20_analysis": "Offline analysis",
-}
+INTRODUCTION = """# Faults and what to do first
 
-INTRODUCTION = """# Messages
+The window's card, `gpr20` and the doctor show a sentence, its fault's code and what to do first.
+The code has the form `area.what` and stays when a sentence is reworded: it is in `fault_code` of
+services, `control_status`, results and diagnostics, and in survey.json. Below stand all codes, with
+the first step in English and Spanish.
 
-Every sentence that the robot, its window and the command `gpr20` can show, in English and Spanish.
-Search for words of the message that are no numbers or names: on the site, type them into the field
-above; elsewhere, use the search of your reader (Ctrl-F). *First* is what the window's card says to
-do first; a message without it says itself what to do, or needs nothing done.
+*La ventana, `gpr20` y el doctor muestran una frase, el código del fallo y lo primero que se debe
+hacer. Abajo están todos los códigos, con el primer paso en inglés y en español.*
 
-*Todas las frases del robot, de su ventana y de la orden `gpr20`, en inglés y en español. Busque
-palabras del mensaje que no sean números ni nombres. «Primero» es lo que la ventana indica hacer
-primero.*
-
-{value} stand for a [value](#values). `scripts/messages_page.py` writes this page
-from the catalogue of the messages.
+`scripts/messages_page.py` writes this page from the modules `faults` of the packages.
 """
+
+REMARKS = {Severity.NOTE: "note", Severity.WARNING: "warning"}
 
 
 def page() -> str:
     """Return the page."""
-    catalogue = polib.pofile(str(CATALOGUE))
-    spanish = {entry.msgid: entry.msgstr for entry in catalogue}
-    faults = set(fault_templates())
-    sections: Dict[str, List[str]] = {name: [] for name in SECTIONS}
-    for entry in sorted(catalogue, key=lambda one: _sort_key(one.msgid)):
-        if entry.msgid.count(" ") < FEWEST_BLANKS:
-            continue
-        first = find_remedy(filled(entry.msgid)) if entry.msgid in faults else None
-        lines = ["**" + _markdown(entry.msgid, "en") + "**", _markdown(entry.msgstr, "es")]
-        if first is not None:
-            lines.append("*First: " + _markdown(first.template, "en") + "*")
-            lines.append("*Primero: " + _markdown(spanish[first.template], "es") + "*")
-        sections[_package(entry)].append(_item(lines))
-    text = [INTRODUCTION.format(value=_value("Words in these signs"))]
-    for package, title in SECTIONS.items():
-        text.append(f"## {title}\n\nPackage `{package}`.\n\n" + "\n".join(sections[package]) + "\n")
-    return "\n".join([*text, *_values()])
+    spanish = {entry.msgid: entry.msgstr for entry in polib.pofile(str(CATALOGUE))}
+    faults = sorted(fault_table().faults.values(), key=lambda one: one.code)
+    text = [INTRODUCTION]
+    for area, members in itertools.groupby(faults, key=lambda one: one.code.split(".")[0]):
+        text.append(f"## {area}\n")
+        text += [line for fault in members for line in _item(fault, spanish)]
+        text.append("")
+    return "\n".join(text)
 
 
-def _values() -> Iterator[str]:
-    yield "## Values\n\nThe less obvious ones:\n\n| value | valor | meaning | significado |"
-    yield "| --- | --- | --- | --- |"
-    for _name, (english, meaning, spanish, significado) in NAMES.items():
-        if meaning:
-            yield f"| {_value(english)} | {_value(spanish)} | {meaning} | {significado} |"
-    yield ""
-
-
-def _value(name: str) -> str:
-    return f"\u2039{name}\u203a"
-
-
-def _package(entry: polib.POEntry) -> str:
-    # The programs of deploy/ belong to the window.
-    packages = {
-        "gpr20_user_interface" if path.startswith("deploy/") else path.split("/")[2]
-        for path, _line in entry.occurrences
-    }
-    return next(name for name in SECTIONS if name in packages)
-
-
-def _sort_key(template: str) -> str:
-    return re.sub(r"[^a-z ]", "", re.sub(r"\{.*?\}", "", template.lower())).strip()
-
-
-def _markdown(template: str, language: str) -> str:
-    """Return a template as a reader sees it, with its values as words."""
-    text = ""
-    for words, name, _spec, _conversion in string.Formatter().parse(template):
-        text += re.sub(r"([\\*_\[\]<>`#|])", r"\\\1", " ".join(words.split("\n")))
-        if name:
-            text += _value(shown_name(name, language))
-    return text
-
-
-def _item(lines: List[str]) -> str:
-    text: List[str] = []
+def _item(fault: Fault, spanish: Mapping[str, str]) -> Iterator[str]:
+    remarks = [REMARKS[fault.severity]] if fault.severity in REMARKS else []
+    if fault.may_move:
+        remarks.append("something may still move")
+    if not fault.can_continue:
+        remarks.append("the survey cannot continue")
+    lines = [f"`{fault.code}`" + (f" ({', '.join(remarks)})" if remarks else "")]
+    if fault.remedy is not None:
+        template = fault.remedy.template
+        lines += [_markdown(template), f"*{_markdown(spanish[template])}*"]
+    wrapped: List[str] = []
     for line in lines:
-        text += textwrap.wrap(line.strip(), WIDTH - 4, break_on_hyphens=False)
-        text[-1] += "<br>"
-    text[-1] = text[-1][: -len("<br>")]
-    # A wrapped line may not begin a list of its own.
-    safe = [text[0]] + [re.sub(r"^([-+]|\d+(?=[.)]))(?= |[.)] )", r"\\\1", one) for one in text[1:]]
-    return "- " + "\n  ".join(safe)
+        wrapped += textwrap.wrap(line, WIDTH, break_on_hyphens=False)
+        wrapped[-1] += "<br>"
+    wrapped[-1] = wrapped[-1][: -len("<br>")]
+    yield "- " + wrapped[0]
+    yield from (f"  {line}" for line in wrapped[1:])
+
+
+def _markdown(text: str) -> str:
+    return re.sub(r"([\\*_\[\]<>`#|])", r"\\\1", " ".join(text.split()))
 
 
 if __name__ == "__main__":

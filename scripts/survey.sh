@@ -36,9 +36,17 @@ shut_down() {
 }
 trap shut_down EXIT
 
+# Whether the master knows the main control's service; rosservice takes a second to ask that.
+has_main_control() {
+    /usr/bin/python3 -c 'import sys, xmlrpc.client
+master = xmlrpc.client.ServerProxy(sys.argv[1])
+sys.exit(master.lookupService("/survey", "/set_survey_parameters")[0] != 1)' \
+        "$ROS_MASTER_URI" 2>/dev/null
+}
+
 # The first start is slow on a small or busy machine: nothing is compiled yet.
 deadline=$((SECONDS + 120))
-until grep -q "/main_control is ready" "$log" || [ "$SECONDS" -ge "$deadline" ]; do
+until has_main_control || [ "$SECONDS" -ge "$deadline" ]; do
     if ! kill -0 "$launch" 2>/dev/null; then
         tail -n 20 "$log" >&2
         echo "the simulated robot did not start; the whole log of the nodes is $log" >&2

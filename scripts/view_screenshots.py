@@ -54,7 +54,7 @@ def take_picture(survey: Path, language: Language, path: Path) -> None:
         window.show()
         window.candidates.searched.setChecked(True)
         wait_for_image(window)
-        listed = [one for one in window.scene.candidates if not one.is_secondary]
+        listed = [one for one in window.scene.candidates if not one.is_doubtful]
         for one in reversed(listed[:MOST_PICKS]):
             window.move_to(Place(one.x_m, one.y_m, one.depth_m))
             window.pick()

@@ -66,7 +66,7 @@ def figures() -> Iterator[Figure]:
     cleaned = process_survey(survey, "background:method=surface")
     a_scans = to_time(cleaned).isel(polarization=0)
     whole = image_survey(cleaned, ImageOptions(permittivity=PERMITTIVITY))
-    bodies = [one for one in find_candidates(whole).candidates if not one.is_secondary]
+    bodies = [one for one in find_candidates(whole).candidates if not one.is_doubtful]
     lines, stops = survey.sizes["y"], survey.sizes["x"]
     brightest = float(np.abs(whole.image).max())
     picture = None

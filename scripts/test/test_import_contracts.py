@@ -70,6 +70,11 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
             "use the topics and services of the other nodes",
         ),
         (
+            "gpr20_simulator/mid/ground.py",
+            "import gpr20_survey.radar.refraction",
+            "solve it in gpr20_simulator, by another method",
+        ),
+        (
             "gpr20_height_sensor/high/__init__.py",
             "from PyQt5.QtCore import QObject",
             "do it there and pass plain values or a function to the other code",

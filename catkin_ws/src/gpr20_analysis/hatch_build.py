@@ -7,13 +7,8 @@ from typing import Any, Dict
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-NEEDED = {
-    "gpr20_survey": [""],
-    "gpr20_common": [
-        *("__init__.py", "catalogue.py", "errors.py", "message.py", "os_reason.py"),
-        *("low", "mid", "translations"),
-    ],
-}
+NEEDED = ("gpr20_common", "gpr20_survey")
+ROS = "high"
 
 
 class NeededPackages(BuildHookInterface):  # type: ignore[type-arg]
@@ -27,7 +22,8 @@ class NeededPackages(BuildHookInterface):  # type: ignore[type-arg]
         """Add the files to the wheel."""
         if version == "editable":
             return
-        for package, parts in NEEDED.items():
+        for package in NEEDED:
             source = Path(self.root).parent / package / "src" / package
-            for part in parts:
-                build_data["force_include"][str(source / part)] = f"{package}/{part}".rstrip("/")
+            for part in source.iterdir():
+                if part.name not in (ROS, "__pycache__"):
+                    build_data["force_include"][str(part)] = f"{package}/{part.name}"

@@ -87,6 +87,7 @@ class AnotherAnalyzerTest(unittest.TestCase):
         self.server.drop_all()
         status = self.client.wait_for_status(ControlStatus.PAUSED, ControlStatus.FINISHED)
         self.assertEqual(status.code, ControlStatus.PAUSED, status.message)
+        self.assertEqual(status.fault_code, "vna.replaced", status.message)
         self.assertIn("SIMULATED-2", status.message)
         self.assertTrue(self.client.stop().success)
         self.client.wait_for_status(ControlStatus.STOPPED)
@@ -94,7 +95,8 @@ class AnotherAnalyzerTest(unittest.TestCase):
     def test_an_address_of_another_kind_is_refused(self):
         self.client.begin(vna_address="127.0.0.1")
         status = self.client.wait_for_status(ControlStatus.FAILED, ControlStatus.PAUSED)
-        self.assertIn("it must be the name of a VISA resource", status.message)
+        self.assertEqual(status.fault_code, "value.not_allowed", status.message)
+        self.assertIn("127.0.0.1", status.message)
         if status.code == ControlStatus.PAUSED:
             self.assertTrue(self.client.stop().success)
             self.client.wait_for_status(ControlStatus.STOPPED)

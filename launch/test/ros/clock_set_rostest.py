@@ -14,11 +14,13 @@ import rostest
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_common.sent_message import received_message
 from gpr20_msgs.msg import ControlStatus
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from survey_client import SurveyClient, json_traces
 
+CLOCK_SET = "clock.set_during_survey"
 HOUR_S = 3600
 STALL_LIMIT_S = 20.0
 TRACES = 50
@@ -59,17 +61,19 @@ class ClockSetTest(unittest.TestCase):
             self.assertLess(trace["sweep_started"], trace["sweep_ended"])
         return json_traces(folder)
 
-    def check_said(self, survey_id, text):
+    def check_said(self, survey_id, code, step_s=None):
         """Check that it is in the status from then on, in the report, and with one trace."""
-        said = [one.message for one in self.client.statuses if text in one.message]
-        self.assertIn("Warning: ", said[0])
         # From that moment on to the end.
-        self.assertIn(text, self.client.statuses[-1].message)
+        self.assertEqual(self.client.statuses[-1].fault_code, code)
         self.assertEqual(self.client.statuses[-1].code, ControlStatus.FINISHED)
         folder = self.client.folder(survey_id)
         report = json.loads((folder / "survey.json").read_text())["report"]
-        self.assertEqual([text in one["warning"] for one in report["warnings"]], [True])
-        remarked = [one for one in json_traces(folder) if text in str(one["quality"])]
+        (warning,) = report["warnings"]
+        message = received_message("", json.dumps(warning["warning_message"]))
+        self.assertEqual(message.fault_code, code)
+        if step_s is not None:
+            self.assertIn(str(step_s), str(message))
+        remarked = [one for one in json_traces(folder) if str(message)[:60] in str(one["quality"])]
         # While the survey is paused, the status says it before the next trace is measured.
         self.assertLessEqual(len(remarked), 1)
 
@@ -79,8 +83,7 @@ class ClockSetTest(unittest.TestCase):
         begun_s = time.monotonic()
         traces = self.check_complete(survey_id)
         self.assertLess(time.monotonic() - begun_s, STALL_LIMIT_S)
-        direction = "back" if offset_s < 0 else "forward"
-        self.check_said(survey_id, f"clock was set {direction} by {abs(offset_s)} s")
+        self.check_said(survey_id, CLOCK_SET, abs(offset_s))
         return [trace["timestamp"] for trace in traces]
 
     def test_01_back_by_an_hour(self):
@@ -101,17 +104,17 @@ class ClockSetTest(unittest.TestCase):
         self.check_complete(survey_id)
         report = json.loads((self.client.folder(survey_id) / "survey.json").read_text())["report"]
         self.assertEqual(len(report["controls"]), 1)
-        self.check_said(survey_id, "s behind the last stored trace")
+        self.check_said(survey_id, "clock.behind_last_trace")
 
     def test_04_back_while_paused(self):
         survey_id = self.begin()
         self.assertTrue(self.client.pause().success)
         self.client.wait_for_status(ControlStatus.PAUSED)
         self.set_clock(-HOUR_S)
-        self.client.wait(lambda: "clock was set back" in self.client.statuses[-1].message)
+        self.client.wait(lambda: self.client.statuses[-1].fault_code == CLOCK_SET)
         self.client.go_on(survey_id)
         self.check_complete(survey_id)
-        self.check_said(survey_id, "clock was set back by 3600 s")
+        self.check_said(survey_id, CLOCK_SET, HOUR_S)
 
 
 if __name__ == "__main__":

@@ -47,10 +47,10 @@ class DiskFaultsTest(unittest.TestCase):
             self.fault.unlink()
 
     def test_1_a_full_disk_pauses_the_survey_until_space_was_made(self):
-        self.pause_and_go_on(errno.ENOSPC, "make space")
+        self.pause_and_go_on(errno.ENOSPC, "disk.full")
 
     def test_2_a_read_only_disk_pauses_the_survey_until_it_can_be_written(self):
-        self.pause_and_go_on(errno.EROFS, "read-only; look for disk errors")
+        self.pause_and_go_on(errno.EROFS, "disk.refuses")
 
     def test_3_a_slow_disk_makes_the_survey_wait(self):
         self.begin_fault("slow", SLOW_S)
@@ -66,7 +66,7 @@ class DiskFaultsTest(unittest.TestCase):
         before = set(self.client.data.iterdir())
         _, status = self.client.run_to_end()
         self.assertEqual(status.code, ControlStatus.FAILED, status.message)
-        self.assertIn("read-only", status.message)
+        self.assertEqual(status.fault_code, "disk.refuses", status.message)
         for folder in set(self.client.data.iterdir()) - before:
             self.assertEqual(list(folder.glob("traces/*")), [])
         self.repair()
@@ -74,12 +74,12 @@ class DiskFaultsTest(unittest.TestCase):
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         self.assert_whole(survey_id)
 
-    def pause_and_go_on(self, error, advice):
+    def pause_and_go_on(self, error, code):
         survey_id = self.client.begin()
         self.client.wait_for_visited(3)
         self.begin_fault("fail", error)
         paused = self.client.wait_for_status(ControlStatus.PAUSED)
-        self.assertIn(advice, paused.message)
+        self.assertEqual(paused.fault_code, code, paused.message)
         acknowledged = self.client.progress[-1].visited_points
         stored = json_traces(self.client.folder(survey_id))
         self.assertGreaterEqual(len(stored), acknowledged)

@@ -17,8 +17,8 @@ import rostest
 import vxi11
 from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import (
     ControlStatus,
     SurveyCoverage,
@@ -46,7 +46,6 @@ from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 
 TRACES = 18
-RESUMABLE = "Fix the fault and resume, or stop."
 NAN = float("nan")
 SPANISH = read_translations(FOLDER / "es.po")
 LAST_MESSAGES = (ControlStatus(), SurveyData(), SurveyCoverage())
@@ -63,7 +62,7 @@ REFUSED = (
     ("get_calibration_status", GetCalibrationStatus),
     ("open_survey", OpenSurvey, "../..", rospy.Time(), "[]", 2**64 - 1, False),
     ("store_data", StoreData, Trace()),
-    ("close_survey", CloseSurvey, "../..", "lost", "", *LAST_MESSAGES),
+    ("close_survey", CloseSurvey, "../..", "lost", "", "", *LAST_MESSAGES),
     ("simulator/set_fault", SetFault, "toaster", "BURNT", -1),
 )
 NODES = (
@@ -105,8 +104,8 @@ class FaultsTest(unittest.TestCase):
     def true_steps(self):
         return [self.state.steps(axis) for axis in AxisId]
 
-    def wait_for_pause(self, *words):
-        """Wait until the survey pauses; what the operator reads must hold the words.
+    def wait_for_pause(self, code, *values):
+        """Wait until the survey pauses with a fault; the operator must read these values.
 
         A window in Spanish translates all of it.
         """
@@ -114,8 +113,9 @@ class FaultsTest(unittest.TestCase):
             ControlStatus.PAUSED, ControlStatus.FAILED, ControlStatus.FINISHED
         )
         self.assertEqual(status.code, ControlStatus.PAUSED, status.message)
-        for word in (*words, RESUMABLE):
-            self.assertIn(word, status.message)
+        self.assertEqual(status.fault_code, code, status.message)
+        for value in values:
+            self.assertIn(value, status.message)
         self.assertTrue(status.message.isprintable(), status.message)
         message = message_from(status)
         self.assertEqual(str(message), status.message)
@@ -167,7 +167,7 @@ class FaultsTest(unittest.TestCase):
     def test_01_an_endstop_stuck_open_at_homing(self):
         self.fault("endstop_x", "STUCK_OPEN")
         survey_id = self.client.begin()
-        self.wait_for_pause("homing the x axis failed", "stuck open")
+        self.wait_for_pause("axis.endstop_not_reached")
         self.assertEqual(json_traces(self.client.folder(survey_id)), [])
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
@@ -177,9 +177,9 @@ class FaultsTest(unittest.TestCase):
         survey_id = self.begin_and_meet(
             "endstop_x", ("STUCK_CLOSED", 0), after=7, x_stop_mm=self.FAR_MM
         )
-        self.wait_for_pause("x axis did not reach", "endstop was pressed")
+        self.wait_for_pause("axis.endstop_pressed")
         self.client.go_on(survey_id)
-        self.wait_for_pause("homing the x axis failed", "stuck closed")
+        self.wait_for_pause("axis.endstop_stuck")
         self.fault("endstop_x", "NONE")
         self.finish(survey_id)
         # The axis has its zero back: it is where it reports to be.
@@ -190,52 +190,52 @@ class FaultsTest(unittest.TestCase):
 
     # The network analyzer.
 
-    def check_vna_fault(self, fault, *words):
+    def check_vna_fault(self, fault, code, *values):
         survey_id = self.begin_and_meet("vna", (fault, 0))
-        self.wait_for_pause("VNA", *words)
+        self.wait_for_pause(code, *values)
         self.fault("vna", "NONE")
         self.finish(survey_id)
 
     def test_10_an_instrument_that_hangs(self):
-        self.check_vna_fault("HANG", "no connection to the VNA at 127.0.0.1", "check its address")
+        self.check_vna_fault("HANG", "vna.no_link", "127.0.0.1")
 
     def test_11_an_instrument_that_drops_its_connections(self):
-        self.check_vna_fault("DROP", "no connection to the VNA at 127.0.0.1", "closed by the other")
+        self.check_vna_fault("DROP", "vna.no_link", "127.0.0.1")
 
     def test_12_an_instrument_that_stays_silent(self):
-        self.check_vna_fault("SILENT", "127.0.0.1 failed", "IO timeout", "check the VNA and its")
+        self.check_vna_fault("SILENT", "vna.no_answer", "127.0.0.1")
 
     def test_13_an_instrument_that_answers_late(self):
-        self.check_vna_fault("LATE", "127.0.0.1 failed", "IO timeout", "check the VNA and its")
+        self.check_vna_fault("LATE", "vna.no_answer", "127.0.0.1")
 
     def test_14_a_block_that_is_cut(self):
-        self.check_vna_fault("TRUNCATE", "data are incomplete", "look at the VNA's display")
+        self.check_vna_fault("TRUNCATE", "vna.bad_data")
 
     def test_15_numbers_that_are_none(self):
-        self.check_vna_fault("NAN", "numbers from the VNA are not finite", "VNA's display")
+        self.check_vna_fault("NAN", "vna.bad_data")
 
     def test_16_an_instrument_that_babbles(self):
-        self.check_vna_fault("GARBAGE", "the VNA identifies itself", "expected Anritsu MS2026C")
+        self.check_vna_fault("GARBAGE", "vna.wrong_instrument", "MS2026C")
 
     def test_17_data_of_the_sweep_before(self):
-        self.check_vna_fault("STALE", "a part is that of the previous sweep")
+        self.check_vna_fault("STALE", "vna.old_data")
 
     def test_18_another_instrument_at_the_same_address(self):
         # Only a new link asks who is there.
         survey_id = self.begin_and_meet("vna", ("WRONG_IDENTITY", 0), ("DROP", 1))
-        self.wait_for_pause("the VNA identifies itself as 'Rohde&Schwarz,ZNL6", "address")
+        self.wait_for_pause("vna.wrong_instrument", "Rohde&Schwarz,ZNL6")
         self.fault("vna", "NONE")
         self.finish(survey_id)
 
     def test_19_settings_that_are_refused(self):
         # The instrument keeps what it has, so it must have something else to be noticed.
         survey_id = self.begin_and_meet("adc", ("STUCK", 0))
-        self.wait_for_pause("height sensor")
+        self.wait_for_pause("height.sensor_off")
         self.turn_knob(":SENS:FREQ:STAR 700E6")
         self.fault("vna", "REFUSE_SETTINGS")
         self.fault("adc", "NONE")
         self.client.go_on(survey_id)
-        self.wait_for_pause("the VNA did not accept a setting", "instead of 600000000")
+        self.wait_for_pause("vna.setting_refused", "600000000")
         self.fault("vna", "NONE")
         self.finish(survey_id)
 
@@ -244,7 +244,9 @@ class FaultsTest(unittest.TestCase):
         self.fault("vna", "REFUSE_SETTINGS")
         _survey_id, status = self.client.run_to_end(frequency_points=52)
         self.assertEqual(status.code, ControlStatus.FAILED)
-        self.assertIn("number of points is '51' instead of 52", status.message)
+        self.assertEqual(status.fault_code, "vna.setting_refused", status.message)
+        for points in ("51", "52"):
+            self.assertIn(points, status.message)
         self.assertEqual(self.true_steps(), before)
 
     def turn_knob(self, command):
@@ -256,17 +258,17 @@ class FaultsTest(unittest.TestCase):
 
     # The converter of the height sensor.
 
-    def check_adc_fault(self, fault, *words):
+    def check_adc_fault(self, fault, code, *values):
         survey_id = self.begin_and_meet("adc", (fault, 0))
-        self.wait_for_pause("the antenna height could not be measured", "height sensor", *words)
+        self.wait_for_pause(code, *values)
         self.fault("adc", "NONE")
         self.finish(survey_id)
 
     def test_30_a_converter_that_is_stuck(self):
-        self.check_adc_fault("STUCK", "is stuck", "check its plug and supply")
+        self.check_adc_fault("STUCK", "height.sensor_off")
 
     def test_31_a_height_out_of_range(self):
-        self.check_adc_fault("OUT_OF_RANGE", "it measures from 0.1 to 0.8 m", "sees the ground")
+        self.check_adc_fault("OUT_OF_RANGE", "height.out_of_range", "0.1", "0.8")
 
     # What hangs, and what waits.
 
@@ -276,14 +278,14 @@ class FaultsTest(unittest.TestCase):
         pid = node_pid("/vna_acquisition")
         os.kill(pid, signal.SIGSTOP)
         try:
-            self.wait_for_pause("the VNA driver stopped answering", "no answer within 3 s")
+            self.wait_for_pause("survey.part_not_back")
         finally:
             os.kill(pid, signal.SIGCONT)
         self.finish(survey_id)
 
     def test_41_nobody_is_busy_while_a_survey_waits_for_its_operator(self):
         survey_id = self.begin_and_meet("adc", ("STUCK", 0))
-        self.wait_for_pause("height sensor")
+        self.wait_for_pause("height.sensor_off")
         pids = {node: node_pid(node) for node in NODES}
         begun_s = time.monotonic()
         before_s = {node: cpu_s(pid) for node, pid in pids.items()}

@@ -49,7 +49,7 @@ class FullDiskTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
         self.client.start()
         failed = self.client.wait_for_status(ControlStatus.FAILED)
-        self.assertIn("make space", failed.message)
+        self.assertEqual(failed.fault_code, "disk.full", failed.message)
         self.assertEqual(list(self.client.data.glob("*/traces/*")), [])
 
     def test_2_a_disk_that_fills_pauses_the_survey_and_nothing_is_lost(self):
@@ -57,7 +57,7 @@ class FullDiskTest(unittest.TestCase):
         self.client.wait_for_visited(3)
         ballast = self.fill()
         paused = self.client.wait_for_status(ControlStatus.PAUSED)
-        self.assertIn("make space", paused.message)
+        self.assertEqual(paused.fault_code, "disk.full", paused.message)
         folder = self.client.folder(survey_id)
         stored = json_traces(folder)
         self.assertLess(len(stored), TRACES)

@@ -13,8 +13,8 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from survey_client import SurveyClient, json_traces
 
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.srv import SetFault
 
@@ -71,11 +71,12 @@ class InstrumentFaultsTest(unittest.TestCase):
             self.assertIn(one.template, SPANISH)
         return status
 
-    def wait_for_pause(self, *words):
+    def wait_for_pause(self, code, *values):
         status = self.wait_for_end()
         self.assertEqual(status.code, ControlStatus.PAUSED, status.message)
-        for word in words:
-            self.assertIn(word, status.message)
+        self.assertEqual(status.fault_code, code, status.message)
+        for value in values:
+            self.assertIn(value, status.message)
 
     def check_complete(self, survey_id, **settings):
         """The survey must end with every point once, measured by a sweep of its own."""
@@ -141,10 +142,11 @@ class InstrumentFaultsTest(unittest.TestCase):
             self.fault(fault, count=1)
         self.check_complete(survey_id)
         self.check_never_paused()
-        again = [one.message for one in self.client.statuses if "again" in one.message]
+        changed = [
+            one.message for one in self.client.statuses if one.fault_code == "vna.settings_changed"
+        ]
         for fault, setting in HANDS.items():
-            words = f"settings were changed during the sweep: {setting}"
-            said = [one for one in again if words in one]
+            said = [one for one in changed if setting in one]
             self.assertTrue(said, f"{fault}: nobody was informed")
 
     def test_07_a_link_that_is_lost_for_20_s_is_waited_for(self):
@@ -157,7 +159,7 @@ class InstrumentFaultsTest(unittest.TestCase):
             if outage_s > SAID_WITHIN_S:
                 self.client.wait(
                     lambda: any(
-                        "Waiting for the VNA" in one.message for one in self.client.statuses
+                        one.fault_code == "survey.takes_long" for one in self.client.statuses
                     )
                 )
                 # The sweep before may have ended well; the fault strikes the next exchange.
@@ -170,7 +172,7 @@ class InstrumentFaultsTest(unittest.TestCase):
         self.client.wait_for_visited(3)
         begun_s = time.monotonic()
         self.fault("LINK_GONE")
-        self.wait_for_pause("no connection to the VNA at 127.0.0.1", "check its address")
+        self.wait_for_pause("vna.no_link", "127.0.0.1")
         self.assertGreater(time.monotonic() - begun_s, 30.0)
         self.assertLess(time.monotonic() - begun_s, 60.0)
         self.fault("NONE")
@@ -182,13 +184,13 @@ class InstrumentFaultsTest(unittest.TestCase):
         self.client.wait_for_visited(3)
         self.fault("OTHER_SERIAL")
         self.fault("DROP", count=1)
-        self.wait_for_pause("SIMULATED-2", "and was")
+        self.wait_for_pause("vna.replaced", "SIMULATED-2")
         # The first resumption finds out; each one without consent is refused with both names.
         for _ in range(2):
             answer = self.client.resume(survey=survey_id)
             if answer.success:
                 self.client.wait(lambda: self.client.statuses[-1].code != ControlStatus.PAUSED)
-                self.wait_for_pause("SIMULATED-2")
+                self.wait_for_pause("vna.replaced", "SIMULATED-2")
                 answer = self.client.resume(survey=survey_id)
             self.assertFalse(answer.success)
             self.assertIn("SIMULATED-2", answer.other_analyzer)
@@ -209,9 +211,7 @@ class InstrumentFaultsTest(unittest.TestCase):
         self.fault("LOSES_CALIBRATION")
         _survey_id, status = self.client.run_to_end(frequency_points=401)
         self.assertEqual(status.code, ControlStatus.FAILED)
-        self.assertIn(
-            "lost its calibration when it was set up (the number of points)", status.message
-        )
+        self.assertEqual(status.fault_code, "vna.calibration_lost", status.message)
         # The operator calibrates; the settings are already right and are not written again.
         self.fault("NONE")
         self.fault("LOSES_CALIBRATION")
@@ -223,7 +223,7 @@ class InstrumentFaultsTest(unittest.TestCase):
         self.client.wait_for_visited(3)
         begun_s = time.monotonic()
         self.fault("ENDLESS_DIGITS")
-        self.wait_for_pause("is not a number")
+        self.wait_for_pause("vna.bad_data")
         self.assertLess(time.monotonic() - begun_s, 45.0)
         self.fault("NONE")
         self.client.go_on(survey_id)

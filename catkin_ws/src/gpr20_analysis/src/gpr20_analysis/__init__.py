@@ -12,11 +12,10 @@ from typing import Any, Dict, List, Tuple
 __version__ = "0.1.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
-    "candidates.candidate": ("Candidate", "CandidateList"),
     "candidates.files": ("write_candidates",),
     "candidates.marker_files": ("write_markers",),
     "candidates.marker_list": ("MarkerList", "survey_markers"),
-    "candidates.search": ("CandidateOptions", "find_candidates"),
+    "candidates.search": ("Candidate", "CandidateList", "CandidateOptions", "find_candidates"),
     "candidates.table": ("candidate_lines",),
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Iterator
 
 from gpr20_analysis.errors import ExportError
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 
@@ -42,7 +43,8 @@ def atomic_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
                     path=path,
                     needed_mb=bytes_needed / 1e6,
                     free_mb=free / 1e6,
-                )
+                ),
+                fault=DISK_FULL,
             )
         beside = Path(tempfile.mkdtemp(prefix=BESIDE, dir=str(path.parent)))
     except OSError as error:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Seque
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import A_SCAN, POLARIZATION, S21, Y
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.progress import Progress, no_progress
@@ -55,7 +56,8 @@ def connected(address: Optional[str]) -> Iterator[None]:
                 address=address,
                 limit_s=TIME_LIMIT_S,
                 details=error,
-            )
+            ),
+            fault=faults.CLUSTER,
         ) from error
     with client:
         if not client.nthreads():
@@ -64,7 +66,8 @@ def connected(address: Optional[str]) -> Iterator[None]:
                     "the cluster at {address} has no workers; start them with "
                     "'dask worker {address}'",
                     address=address,
-                )
+                ),
+                fault=faults.CLUSTER,
             )
         yield
 

@@ -15,6 +15,7 @@ from typing import List, Sequence
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.sentences import first_of
 from gpr20_common.message import Message
@@ -175,5 +176,6 @@ def require_complete(survey: xr.Dataset, purpose: Message) -> None:
                 count=len(absent),
                 samples=first_of(absent, NAMED),
                 purpose=purpose,
-            )
+            ),
+            fault=faults.SAMPLES_MISSING,
         )

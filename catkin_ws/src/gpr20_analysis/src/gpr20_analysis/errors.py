@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import PurePath
 from typing import Iterable
 
+from gpr20_analysis import faults
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 
@@ -12,33 +13,49 @@ from gpr20_common.message import Message
 class AnalysisError(Gpr20Error):
     """Base of every error of the analysis."""
 
+    fault = faults.OPTION
+
 
 class UnreadableFileError(AnalysisError, ValueError):
     """A file is damaged or has another content than it should."""
+
+    fault = faults.FILE_DAMAGED
 
 
 class DamagedSurveyError(AnalysisError, ValueError):
     """Samples of a survey are damaged or missing; the message names them."""
 
+    fault = faults.SURVEY_DAMAGED
+
 
 class WrongDatasetError(AnalysisError, ValueError):
     """A Dataset does not suit a step, or an option is not allowed."""
+
+    fault = faults.STEPS
 
 
 class TooLargeError(AnalysisError, MemoryError):
     """The data do not fit into the memory."""
 
+    fault = faults.TOO_LARGE
+
 
 class ExportError(AnalysisError, ValueError):
     """An output cannot be written, or the format cannot hold the survey."""
+
+    fault = faults.OUTPUT
 
 
 class MissingLibraryError(AnalysisError, ImportError):
     """An optional library is not installed."""
 
+    fault = faults.LIBRARY
+
 
 class RecipeError(AnalysisError, ValueError):
     """A chain of steps is malformed, or a step or parameter is unknown."""
+
+    fault = faults.RECIPE
 
 
 def library_missing(library: str, extra: str = "") -> Message:

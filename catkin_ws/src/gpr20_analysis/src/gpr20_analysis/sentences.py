@@ -10,7 +10,8 @@ import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row, received_message
+from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
+from gpr20_common.sent_message import received_message
 
 # The command line needs this module before it knows which libraries a command needs.
 if TYPE_CHECKING:

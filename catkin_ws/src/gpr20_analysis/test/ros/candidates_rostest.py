@@ -14,9 +14,9 @@ import numpy as np
 import rospy
 from visualization_msgs.msg import Marker, MarkerArray
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_msgs.msg import CandidateList
+from gpr20_survey.no_clearance import NO_CLEARANCE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
 from test_image_noise import survey

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import shutil
 import subprocess
@@ -23,9 +24,11 @@ from std_msgs.msg import Header, String
 from gpr20_analysis.high import old_configuration
 from gpr20_msgs.msg import (
     AuxValue,
+    AxisActionResult,
     ControlStatus,
     NodeDescription,
     RobotConfiguration,
+    ServiceStatus,
     SurveyCoverage,
     Trace,
 )
@@ -35,6 +38,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
 from survey_kit import POINTS, make_survey, planned_trace
 
 TIME_LIMIT_S = 60.0
+FAULT_CODE = "string fault_code"
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "replay"
 
 
@@ -132,7 +136,7 @@ class ReplayTest(unittest.TestCase):
     def test_the_configuration_of_an_older_robot_arrives_as_that_of_today(self) -> None:
         added = ("string version", "string revision", "string host")
         old_description = old_message(NodeDescription, *added)
-        old_robot = old_message(RobotConfiguration, *added)
+        old_robot = old_message(RobotConfiguration, *added, FAULT_CODE)
         self.assertEqual(old_robot._md5sum, old_configuration.FORMER_MD5SUM)
         nodes = [
             old_description(node=node, hardware="DRV8825", time_scale=2.0)
@@ -163,7 +167,7 @@ class ReplayTest(unittest.TestCase):
         )
 
     def test_messages_of_an_older_version_arrive_as_those_of_today(self) -> None:
-        old_status = old_message(ControlStatus, "string message_json")
+        old_status = old_message(ControlStatus, "string message_json", FAULT_CODE)
         old_coverage = old_message(SurveyCoverage, "string[] failures_json", "string verdict_json")
         recording = self.data / "old.mcap"
         write_latched(
@@ -193,6 +197,33 @@ class ReplayTest(unittest.TestCase):
         (coverage,) = [one for one in received if isinstance(one, SurveyCoverage)]
         self.assertEqual((coverage.failures, coverage.verdict), (["1: lost"], "INCOMPLETE"))
         self.assertEqual((coverage.failures_json, coverage.verdict_json), ([], ""))
+
+    def test_messages_of_the_version_before_the_fault_codes_arrive_without_one(self) -> None:
+        kinds = (ControlStatus, ServiceStatus, RobotConfiguration, AxisActionResult)
+        messages = [old_message(kind, FAULT_CODE)() for kind in kinds]
+        *said, result = messages
+        for one in (*said, result.result):
+            one.message, one.message_json = "the axis is not homed", '{"template": "x"}'
+        said[2].site_json = "{1}"
+        topics = ("/control_status", "/service_status", "/robot_configuration", "/x_axis/result")
+        recording = self.data / "old.mcap"
+        write_latched(recording, *zip(topics, messages))
+        received = {}
+        for topic, kind in zip(topics, kinds):
+            take = functools.partial(received.__setitem__, topic)
+            self.subscribers.append(rospy.Subscriber(topic, kind, take))
+        self.run_node(recording, "--rate", "1")
+        deadline_s = time.monotonic() + TIME_LIMIT_S
+        while len(received) < len(topics) and time.monotonic() < deadline_s:
+            time.sleep(0.01)
+        self.assertEqual(sorted(received), sorted(topics))
+        self.assertEqual(received["/robot_configuration"].site_json, "{1}")
+        received["/x_axis/result"] = received["/x_axis/result"].result
+        for one in received.values():
+            self.assertEqual(
+                (one.message, one.message_json, one.fault_code),
+                ("the axis is not homed", '{"template": "x"}', ""),
+            )
 
     def test_beside_a_robot_it_is_refused_and_no_trace_is_published(self) -> None:
         robot = rospy.Publisher("/trace", Trace, queue_size=1)

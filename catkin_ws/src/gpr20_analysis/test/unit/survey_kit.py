@@ -158,6 +158,6 @@ def make_survey(
     if outcome is None:
         folder = Path(shutil.copytree(str(folder), str(data / folder.name)))
     elif outcome != INTERRUPTED:  # as the shut down below does
-        processing.close_survey(SURVEY, outcome, "")
+        processing.close_survey(SURVEY, outcome)
     processing.shut_down()
     return folder

@@ -6,15 +6,16 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import UnreadableFileError, WrongDatasetError
 from gpr20_analysis.formats import group_csv
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.processing.delay import to_time
-from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_survey.radar.frequency_to_delay import Window
 
 STEP_MM = 16.0
 X_MM = Y_MM = np.arange(160.0, 321.0, STEP_MM)
@@ -123,16 +124,21 @@ def test_times_that_do_not_fit_the_names_are_refused(survey, tmp_path):
     write_as_the_group(survey, tmp_path / "t", True)
     path = tmp_path / "t" / "time"
     lines = path.read_text().splitlines()
-    for wrong in (lines[:-1], [*lines[:5], "1e-9", *lines[6:]], ["Zeit", *lines[1:]], ["x", "y"]):
+    for wrong, fault in (
+        (lines[:-1], faults.FILE_CONTENT),
+        ([*lines[:5], "1e-9", *lines[6:]], faults.FILE_CONTENT),
+        (["Zeit", *lines[1:]], faults.FILE_CONTENT),
+        (["x", "y"], faults.FILE_DAMAGED),
+    ):
         path.write_text("\n".join(wrong) + "\n")
-        with pytest.raises(UnreadableFileError, match="time"):
+        with raises_fault(fault, "time"):
             group_csv.read_group_csv(tmp_path / "t")
 
 
 def test_files_over_frequency_and_over_time_are_not_mixed(survey, tmp_path):
     group_csv.write_group_csv(survey, tmp_path / "t")
     group_csv.write_group_csv(to_time(survey), tmp_path / "t")
-    with pytest.raises(UnreadableFileError, match="separate folder"):
+    with raises_fault(faults.FILE_CONTENT):
         group_csv.read_group_csv(tmp_path / "t")
 
 
@@ -154,5 +160,5 @@ def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(survey, t
 
 @pytest.mark.parametrize("band", [(1e9, 9e8, 5), (1e9, 2e9, 1), (1e9, 1e12, 5), (-1.0, 2e9, 5)])
 def test_bands_that_the_times_do_not_hold_are_refused(survey, band):
-    with pytest.raises(WrongDatasetError, match="is not allowed"):
+    with raises_fault(faults.OPTION):
         to_frequency(to_time(survey), *band)

@@ -6,18 +6,19 @@ import math
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-from gpr20_analysis.candidates.candidate import Candidate
+from gpr20_analysis import faults
 from gpr20_analysis.commands.outputs import save_figure
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import ExportError, WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps, projections, ranges, scans
-from gpr20_analysis.plotting.style import NOT_MEASURED, decibels, remarks_of
+from gpr20_analysis.plotting.style import NOT_MEASURED, relative_db, remarks_of
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
+from gpr20_survey.results.candidates import Candidate
 
 PLACES_MM = np.linspace(160.0, 320.0, 9)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
@@ -71,7 +72,7 @@ def test_figures_are_written_in_each_format(tmp_path, ending):
 
 
 def test_other_formats_are_refused(tmp_path):
-    with pytest.raises(ExportError, match="must end in"):
+    with raises_fault(faults.OUTPUT):
         save_figure(FIGURES["a-scan"](), tmp_path / "figure.bmp")
 
 
@@ -151,12 +152,12 @@ def test_coverage_counts_what_is_usable():
 
 def test_a_scan_of_a_missing_place_is_refused():
     alone = to_time(HOLED.isel(polarization=[0]))
-    with pytest.raises(WrongDatasetError, match="no sample"):
+    with raises_fault(faults.OPTION):
         scans.a_scan_figure(alone, float(PLACES_MM[3]) / 1e3, float(PLACES_MM[2]) / 1e3)
 
 
 def test_decibels_are_below_the_maximum_and_keep_nan():
-    values = decibels(np.array([1.0, 0.1, np.nan, 0.0]))
+    values = relative_db(np.array([1.0, 0.1, np.nan, 0.0]))
     np.testing.assert_allclose(values[:2], [0.0, -20.0])
     assert np.isnan(values[2]) and values[3] < -200.0
 

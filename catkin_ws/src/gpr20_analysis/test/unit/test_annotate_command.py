@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.read.load import load_survey
@@ -67,7 +68,8 @@ def test_a_heading_is_set_removed_and_an_attribute(folder, capsys):
     assert annotate(folder, "--no-heading") == 0
     assert stored(folder) == Annotation(position=EXAMPLE.position)
     assert annotate(folder, "--heading", "400") == 3
-    assert "heading is 400 deg; it must lie between 0 and 360 deg" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "400 deg" in error and "360 deg" in error
 
 
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -80,7 +82,7 @@ def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (["--position", "91,0"], "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        (["--position", "91,0"], "91 deg"),
         (["--position", "4.6"], "it must be latitude and longitude in degrees"),
         (["--position", "4.6,nan"], "longitude is 'nan'; it must be a decimal number"),
         (["--position", "٤,5"], "it must be a decimal number"),
@@ -96,10 +98,10 @@ def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys, options, r
     assert (folder / "survey.json").read_bytes() == before
 
 
-def test_a_survey_that_has_not_ended_is_refused(tmp_path, capsys):
+def test_a_survey_that_has_not_ended_is_refused(tmp_path, refusals):
     folder = make_survey(tmp_path, 3, None)
     assert annotate(folder, *OPTIONS) == 3
-    assert "has not ended, and a robot may be writing it" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.SURVEY_RUNS.code]
     assert annotate(folder) == 0
 
 

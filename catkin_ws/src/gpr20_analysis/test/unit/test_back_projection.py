@@ -21,9 +21,9 @@ from gpr20_analysis.imaging.lattice_projection import lattice_image
 from gpr20_analysis.imaging.pair_projection import pair_image
 from gpr20_analysis.imaging.projection_scene import scene_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import in_stages, no_progress
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 SWEEP = FrequencyGrid(600e6, 54e6, 101)
 DEPTH_M = np.array([0.0, 0.03, 0.08, 0.15])

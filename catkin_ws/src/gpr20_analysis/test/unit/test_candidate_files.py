@@ -11,18 +11,18 @@ from dataclasses import replace
 import numpy as np
 import pyogrio
 import pytest
+from fault_kit import raises_fault
 from test_candidates import image_of
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, AreaPosition
-from gpr20_analysis.candidates.earth import on_earth
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.files import write_candidates
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.candidates.table import SIMULATED
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_common.message import Message
+from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
+from gpr20_survey.results.area_position import AreaPosition
 
 PEAKS = [(0, 0.15, 0.15, 0.15, 20.0), (1, 0.15, 0.15, 0.15, 15.0), (0, 0.05, 0.24, 0.2, 18.0)]
 POSITION = {"latitude_deg": 4.60283, "longitude_deg": -74.06514, "heading_deg": 30.0}
@@ -83,7 +83,7 @@ def test_gdal_reads_points_on_the_earth(tmp_path, ending):
     assert list(columns["id"]) == [one.id for one in listed.candidates]
     for wkb, one in zip(geometry, listed.candidates):
         assert np.frombuffer(wkb[-16:]) == pytest.approx(
-            on_earth(listed.position, one.x_m, one.y_m), abs=1e-8
+            listed.position.on_earth(one.x_m, one.y_m), abs=1e-8
         )
 
 
@@ -99,7 +99,7 @@ def test_without_a_place_gpkg_is_in_metres_and_geojson_is_refused(tmp_path):
     with sqlite3.connect(str(path)) as database:
         assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
         assert database.execute("PRAGMA foreign_key_check").fetchall() == []
-    with pytest.raises(ExportError, match="WGS 84"):
+    with raises_fault(faults.NO_POSITION):
         write_candidates(listed, tmp_path / "list.geojson")
     assert not (tmp_path / "list.geojson").exists()
 
@@ -110,7 +110,7 @@ def test_places_on_the_earth_are_as_far_and_in_the_direction_they_should_be(seed
     latitude, longitude = random.uniform(-80.0, 80.0), random.uniform(-180.0, 180.0)
     heading = random.uniform(0.0, 360.0)
     x_m, y_m = random.uniform(-5.0, 5.0, 2)
-    there = on_earth(AreaPosition(latitude, longitude, heading), x_m, y_m)
+    there = AreaPosition(latitude, longitude, heading).on_earth(x_m, y_m)
     offset = cartesian(*there) - cartesian(longitude, latitude)
     lam, phi = np.radians([longitude, latitude])
     east = np.array([-np.sin(lam), np.cos(lam), 0.0])

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, OMITTED, Flag
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import (
-    SECONDARY_TITLE,
+    DOUBTFUL_TITLE,
     candidate_lines,
     candidate_row,
-    false_alarm_text,
-    shown_candidates,
 )
 from gpr20_analysis.dataset import DEPTH, IMAGE, NOISE, POLARIZATION, X, Y
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.results.candidates import OMITTED, Flag
 
 STEP_M = 0.01
 SHAPE = (31, 30, 30)
@@ -105,12 +106,12 @@ def test_residue_of_the_surface_over_the_whole_area_is_clutter_and_hides_no_cand
     assert found.omitted > 10
     everything = find_candidates(image_of(peaks, clutter=30.0), CandidateOptions(most=10_000))
     assert len(everything.candidates) == found.omitted + 5 and everything.omitted == 0
-    shown = shown_candidates(everything)
-    assert shown == everything.candidates[:11] and not shown[0].is_secondary
+    shown = everything.shown()
+    assert shown == everything.candidates[:11] and not shown[0].is_doubtful
     lines = candidate_lines(everything)
-    assert lines[3] == str(SECONDARY_TITLE) and len(lines) == 3 + 11 + 3
+    assert lines[3] == str(DOUBTFUL_TITLE) and len(lines) == 3 + 11 + 3
     assert f"--most {len(everything.candidates)}" in lines[-1]
-    assert not any("--most" in one for one in candidate_lines(everything, most_secondary=None))
+    assert not any("--most" in one for one in candidate_lines(everything, most_doubtful=None))
 
 
 def test_only_doubtful_candidates_are_left_out_of_a_list_that_is_too_long():
@@ -167,7 +168,8 @@ def test_lines_say_that_it_is_no_clearance_in_each_language():
     [(1.0, "100 %"), (0.5, "50 %"), (0.097, "10 %"), (0.003, "0.3 %"), (1e-9, "< 0.0001 %")],
 )
 def test_a_probability_is_readable(probability, text):
-    assert false_alarm_text(probability) == text
+    (one,) = find_candidates(image_of([(0, 0.15, 0.15, 0.15, 20.0)])).candidates
+    assert replace(one, false_alarm_probability=probability).false_alarm_text == text
 
 
 @pytest.mark.parametrize(

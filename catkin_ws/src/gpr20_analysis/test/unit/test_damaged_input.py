@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from survey_kit import POINTS, SURVEY, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.sources import read_trace
+from gpr20_survey.faults import TRACE_DAMAGED
 
 ALL = len(POINTS)
 VICTIM = 4
@@ -95,8 +100,9 @@ DAMAGES = [
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda one: one.__name__)
 def test_a_damaged_file_is_refused_and_named(folder, damage):
     damage(folder)
-    with pytest.raises(DamagedSurveyError, match=f"trace {VICTIM}|{VICTIM:06d}_"):
+    with raises_fault(faults.SURVEY_DAMAGED) as caught:
         load_survey(folder)
+    assert re.search(rf"\b{VICTIM}\b|{VICTIM:06d}_", str(caught.value))
 
 
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda one: one.__name__)
@@ -120,7 +126,7 @@ def test_files_alone_with_one_trace_twice_are_refused(folder):
     turned = f"{copy['z_coord_deg']:+07.2f}"
     path = folder / "traces" / f"{name.rsplit('_Z', 1)[0]}_Z{turned}.json"
     path.write_text(json.dumps(copy) + "\n")
-    with pytest.raises(DamagedSurveyError, match="stored twice with different content"):
+    with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(folder / "traces")
 
 
@@ -132,7 +138,7 @@ def test_two_samples_of_one_place_are_refused(folder):
     name = trace_file(folder, VICTIM).name.replace(f"{VICTIM:06d}", f"{VICTIM + 1:06d}")
     path.rename(path.with_name(name))
     assert other.index == VICTIM + 1
-    with pytest.raises(DamagedSurveyError, match="same position"):
+    with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(folder / "traces")
     survey = load_survey(folder / "traces", accept_damaged=True)
     assert not np.isin(survey["index"].values, [VICTIM, VICTIM + 1]).any()
@@ -141,7 +147,7 @@ def test_two_samples_of_one_place_are_refused(folder):
 def test_half_of_the_traces_with_other_frequencies_are_refused_whatever_is_accepted(folder):
     for index in range(1, ALL):
         change(folder, index, frequency_hz=np.linspace(1e9, 6e9, 5).tolist())
-    with pytest.raises(DamagedSurveyError, match="mixes frequencies"):
+    with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(folder, accept_damaged=True)
 
 
@@ -184,7 +190,7 @@ def test_samples_with_the_same_numbers_are_noted(tmp_path):
 
 def test_a_damaged_description_is_refused(folder):
     (folder / "survey.json").write_text("{")
-    with pytest.raises(DamagedSurveyError, match=r"survey\.json"):
+    with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(folder)
 
 
@@ -199,5 +205,12 @@ def test_positions_on_no_grid_are_refused(folder):
         name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{values['z_coord_deg']:+07.2f}.json"
         (folder / "traces" / name).write_text(json.dumps(values) + "\n")
     assert SURVEY
-    with pytest.raises(DamagedSurveyError, match="not a grid"):
+    with raises_fault(faults.NO_GRID):
         load_survey(folder / "traces")
+
+
+@pytest.mark.parametrize("harm", [truncate, put_nan, empty])
+def test_a_file_that_is_not_json_is_a_damaged_trace(folder, harm):
+    harm(folder)
+    with raises_fault(TRACE_DAMAGED):
+        read_trace(trace_file(folder, VICTIM))

@@ -9,11 +9,13 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from random_surveys import random_survey
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats.conversion import export_survey
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.migrated_hdf5 import read_migrated
@@ -52,7 +54,7 @@ def test_the_command_that_imports_it_is_given_and_works(
     steps = ["--step", "background"] if word == "process" else []
     assert main([word, *more, str(path), *steps, *options]) == 3
     error = capsys.readouterr().err
-    found = re.search(r"import it first: (gpr20 import .*)", error)
+    found = re.search(r"(gpr20 import .*)", error)
     assert found, error
     _program, *arguments = shlex.split(found.group(1).strip())
     assert main(arguments) in (0, 1)
@@ -61,7 +63,7 @@ def test_the_command_that_imports_it_is_given_and_works(
 
 def test_a_folder_over_time_is_recognized(tmp_path):
     export_survey(to_time(random_survey(1)), tmp_path / "t", "group-csv")
-    with pytest.raises(AnalysisError, match="--format group-csv"):
+    with raises_fault(faults.IMPORT_FIRST, "--format group-csv"):
         load_survey(tmp_path / "t")
 
 
@@ -72,7 +74,7 @@ def test_simulations_of_gprmax_are_recognized(tmp_path, ending):
     with h5py.File(folder / f"scan1{ending}", "w") as file:
         file.create_group("rxs")
     for path in (folder, folder / f"scan1{ending}"):
-        with pytest.raises(AnalysisError, match="--format gprmax"):
+        with raises_fault(faults.IMPORT_FIRST, "--format gprmax"):
             load_survey(path)
 
 
@@ -108,10 +110,10 @@ def test_migrated_images_are_written_and_read_again(survey_folder, tmp_path, cap
         == 0
     )
     assert main([*command, "-o", str(tmp_path / "i.h5")]) == 3
-    assert "i.nc exists" in capsys.readouterr().err
+    assert "i.nc" in capsys.readouterr().err
     (tmp_path / "i.nc").unlink()
     assert main([*command, "-o", str(tmp_path / "i.h5")]) == 3
-    assert "i_000.h5 exists" in capsys.readouterr().err
+    assert "i_000.h5" in capsys.readouterr().err
 
 
 def test_a_migrated_image_of_the_group_is_read_with_its_doubts(tmp_path):

@@ -8,14 +8,15 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from fault_kit import raises_fault
 from ground_kit import IMAGING_SCENE, survey_of
 from survey_kit import POINTS, make_survey, planned_trace
 
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.focused import FEWEST_LINES, focus
 from gpr20_analysis.commands.focus_command import FocusService
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.growing_survey import GrowingSurvey
 from gpr20_analysis.read.load import load_survey
 from gpr20_survey.folder.survey_folder import trace_file_name
@@ -74,11 +75,11 @@ def test_noise_alone_has_the_level_of_noise_also_half_way(survey, seed, measured
     # It is the brighter of two polarizations; the target of this scene is 70 dB above noise.
     assert abs(np.median(levels_db) - 0.5) < 2.0
     assert levels_db.max() < 13.0
-    assert not [one for one in found.found.candidates if not one.is_secondary]
+    assert not [one for one in found.found.candidates if not one.is_doubtful]
 
 
 def test_too_few_lines_are_refused(survey):
-    with pytest.raises(AnalysisError, match=f"{FEWEST_LINES} lines; 2 have any"):
+    with raises_fault(faults.TOO_FEW_LINES, FEWEST_LINES, 2):
         focus(without(survey, slice(2, None)), 5.0)
 
 
@@ -134,7 +135,7 @@ def ask(tmp_path, **request):
 def test_what_cannot_be_imaged_is_answered_with_its_reason(tmp_path):
     folder = make_survey(tmp_path, 4, None)
     for request in ({"survey": str(folder)}, {"survey": str(tmp_path / "nowhere")}):
-        assert "template" in json.loads(ask(tmp_path, **request)["error"])
+        assert ask(tmp_path, **request)["error"]["fault_code"]
 
 
 def test_the_command_answers_every_line(tmp_path, monkeypatch, capsys):

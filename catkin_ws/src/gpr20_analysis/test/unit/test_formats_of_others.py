@@ -10,10 +10,11 @@ import pandas as pd
 import pytest
 import segyio
 import skrf
+from fault_kit import raises_fault
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_analysis.formats import group_csv, merged_hdf5
 from gpr20_analysis.read.load import load_survey
 
@@ -160,7 +161,7 @@ def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
 
 
 def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, tmp_path):
-    with pytest.raises(ExportError, match="height"):
+    with raises_fault(faults.FORMAT):
         group_csv.write_group_csv(survey.assign(height=survey.height * np.nan), tmp_path / "c")
 
 
@@ -168,14 +169,14 @@ def test_a_file_of_the_group_with_lines_missing_is_refused(survey, tmp_path):
     group_csv.write_group_csv(survey, tmp_path)
     victim = sorted(tmp_path.iterdir())[3]
     victim.write_text("".join(victim.read_text().splitlines(keepends=True)[:-1]))
-    with pytest.raises(UnreadableFileError, match=victim.name):
+    with raises_fault(faults.FILE_DAMAGED, victim.name):
         group_csv.read_group_csv(tmp_path)
 
 
 def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
     group_csv.write_group_csv(survey, tmp_path)
     group_csv.write_group_csv(survey.isel(frequency=slice(0, 3)), tmp_path)
-    with pytest.raises(AnalysisError, match="mixes frequencies"):
+    with raises_fault(faults.FILE_CONTENT):
         group_csv.read_group_csv(tmp_path)
 
 
@@ -186,5 +187,5 @@ def test_scans_that_do_not_fill_the_grid_of_a_merged_file_are_refused(survey, tm
         kept = file["A-Scan/Re{S21 x-pol}"][:-1]
         del file["A-Scan/Re{S21 x-pol}"]
         file["A-Scan/Re{S21 x-pol}"] = kept
-    with pytest.raises(UnreadableFileError, match="shape"):
+    with raises_fault(faults.FILE_CONTENT):
         merged_hdf5.read_merged(path)

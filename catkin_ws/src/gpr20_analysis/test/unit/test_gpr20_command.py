@@ -8,10 +8,12 @@ import sys
 import pytest
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands import info_command
 from gpr20_analysis.commands.command import SUMMARIES
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.verify import main as gpr20_verify
+from gpr20_common.sent_message import received_message
 
 ALL = len(POINTS)
 
@@ -36,7 +38,19 @@ def test_a_wrong_call_is_status_3(arguments):
 def test_an_error_says_which_command_and_what(tmp_path, capsys):
     assert main(["info", str(tmp_path / "nowhere")]) == 3
     error = capsys.readouterr().err
-    assert error.startswith("gpr20 info: ") and "nowhere does not exist" in error
+    assert error.startswith("gpr20 info: ") and "nowhere" in error
+    assert error.splitlines()[1] == f"First: {faults.NO_INPUT.remedy}"
+
+
+def test_a_step_that_the_message_says_is_not_said_twice(tmp_path, capsys):
+    folder = make_survey(tmp_path, ALL, "finished")
+    assert main(["report", str(folder), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
+    printed = capsys.readouterr()
+    assert len(printed.err.splitlines()) == 1
+    error = json.loads(printed.out)["error"]
+    assert error["fault_code"] == faults.OUTPUT.code
+    message = received_message("", error["message_json"])
+    assert message.cause == faults.OUTPUT and str(message) == error["message"]
 
 
 @pytest.mark.parametrize(("stored", "status"), [(ALL, 0), (ALL - 3, 1)])
@@ -67,7 +81,7 @@ def test_gpr20_verify_and_its_former_name_say_the_same(tmp_path, capsys):
 
 def test_replay_without_a_survey_is_refused(tmp_path, capsys):
     assert main(["replay", str(tmp_path / "nowhere")]) == 3
-    assert "does not exist" in capsys.readouterr().err
+    assert "nowhere" in capsys.readouterr().err
 
 
 def test_a_library_that_is_not_installed_is_named_with_its_extra(tmp_path, capsys, monkeypatch):
@@ -84,7 +98,7 @@ def test_a_fault_of_the_program_is_told_in_one_line(tmp_path, capsys, monkeypatc
     folder = make_survey(tmp_path, ALL, "finished")
     assert main(["info", str(folder)]) == 3
     error = capsys.readouterr().err
-    assert "program error ZeroDivisionError" in error
+    assert "ZeroDivisionError" in error
     assert "Traceback" not in error
     monkeypatch.setenv("GPR20_TRACEBACK", "1")
     assert main(["info", str(folder)]) == 3

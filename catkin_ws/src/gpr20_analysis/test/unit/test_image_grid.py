@@ -6,11 +6,11 @@ import argparse
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.commands import image_command
-from gpr20_analysis.errors import TooLargeError, WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 
@@ -70,28 +70,26 @@ def test_positions_that_are_not_regular_are_imaged_on_a_regular_grid_by_back_pro
     image = imaged(survey, Method.BACK_PROJECTION, 0.004)
     assert np.ptp(np.diff(image.x)) < 1e-9
     assert brightest_voxel_error_mm(image, target) < 4.0
-    with pytest.raises(WrongDatasetError, match="use --method back-projection"):
+    with raises_fault(faults.METHOD):
         imaged(survey, Method.PHASE_SHIFT, 0.004)
 
 
 @pytest.mark.parametrize("step_m", [0.0009, 0.0, -0.01, 1.1, float("nan")])
 def test_steps_out_of_range_are_refused(step_m):
-    with pytest.raises(
-        WrongDatasetError, match="the step of the image is .* mm; it must lie between 1 and 1000 mm"
-    ):
+    with raises_fault(faults.OPTION):
         ImageOptions(Method.PHASE_SHIFT, 4.0, grid_step_m=step_m)
 
 
 @pytest.mark.parametrize("method", [Method.KIRCHHOFF, Method.KIRCHHOFF_2D])
 def test_the_methods_of_the_group_keep_the_positions_of_the_survey(method):
-    with pytest.raises(WrongDatasetError, match="use --grid-step with --method phase-shift"):
+    with raises_fault(faults.OPTION, "use --grid-step with --method phase-shift"):
         ImageOptions(method, 4.0, grid_step_m=0.01)
 
 
 def test_an_image_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
     survey = survey_with(point(200, 200, 0.1))
     monkeypatch.setattr(lazy, "available_bytes", lambda: 20_000_000)
-    with pytest.raises(TooLargeError, match="1 x 30 x 241 x 301 voxels needs"):
+    with raises_fault(faults.TOO_LARGE, "1 x 30 x 241 x 301 voxels needs"):
         imaged(survey, Method.PHASE_SHIFT, 0.001)
     assert imaged(survey, Method.PHASE_SHIFT, 0.01).image.any()
 

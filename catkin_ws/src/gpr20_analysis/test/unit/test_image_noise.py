@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import Flag
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.dataset import NOISE, S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.noise import Law, law_of
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.background import remove_background
+from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.results.candidates import Flag
 
 pytestmark = pytest.mark.takes(30)
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
+from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import Background, remove_background
@@ -36,7 +38,7 @@ METHODS = list(Method)
 
 @pytest.mark.parametrize("method", METHODS)
 def test_missing_samples_are_refused_and_counted(method):
-    with pytest.raises(DamagedSurveyError, match="3 samples have no data"):
+    with raises_fault(faults.SAMPLES_MISSING, "3 samples have no data"):
         image_survey(survey(*HOLES), ImageOptions(method, 4.0))
 
 
@@ -64,7 +66,7 @@ def test_filled_samples_are_said_and_near_the_measured():
 
 
 def test_too_many_holes_are_not_filled():
-    with pytest.raises(DamagedSurveyError, match="more than the share"):
+    with raises_fault(faults.SAMPLES_MISSING):
         fill_missing(
             survey(*[(0, row, 5) for row in range(21)] * 1, *[(0, 2, c) for c in range(21)])
         )
@@ -72,7 +74,7 @@ def test_too_many_holes_are_not_filled():
 
 def test_a_hole_without_neighbours_is_not_filled():
     block = [(0, row, column) for row in range(4, 7) for column in range(4, 7)]
-    with pytest.raises(DamagedSurveyError, match="cannot be interpolated"):
+    with raises_fault(faults.SAMPLES_MISSING):
         fill_missing(survey(*block))
 
 
@@ -85,23 +87,23 @@ def test_a_missing_sample_does_not_spread_through_the_background(method):
 
 
 def test_svd_refuses_missing_samples():
-    with pytest.raises(DamagedSurveyError, match="SVD"):
+    with raises_fault(faults.SAMPLES_MISSING):
         remove_background(survey(*HOLES), Background.SVD)
 
 
 def test_nan_in_a_sample_that_is_called_good_is_refused():
     broken = survey()
     broken.s21.values[0, 3, 3, 7] = np.nan
-    with pytest.raises(WrongDatasetError, match="contain NaN from an earlier step"):
+    with raises_fault(faults.STEPS):
         image_survey(broken, ImageOptions(permittivity=4.0))
 
 
 def test_missing_heights_are_refused_and_one_height_can_be_given():
     unknown = survey()
     unknown.height.values[0, 5, 6] = np.nan
-    with pytest.raises(DamagedSurveyError, match="1 usable samples have no height"):
+    with raises_fault(faults.NO_HEIGHT, "1 usable samples have no height"):
         image_survey(unknown, ImageOptions(permittivity=4.0))
-    with pytest.raises(DamagedSurveyError, match="height"):
+    with raises_fault(faults.NO_HEIGHT):
         set_time_zero(unknown)
     image_survey(unknown, ImageOptions(permittivity=4.0, height_m=0.2))
 
@@ -110,12 +112,12 @@ def test_mixed_frequencies_are_refused():
     uneven = survey()
     frequency_hz = uneven.frequency.values.copy()
     frequency_hz[50:] += 20e6
-    with pytest.raises(WrongDatasetError, match="not evenly spaced"):
+    with raises_fault(faults.SWEEP):
         image_survey(uneven.assign_coords(frequency=frequency_hz), ImageOptions(permittivity=4.0))
 
 
 def test_data_with_gain_are_not_imaged():
-    with pytest.raises(WrongDatasetError, match="display"):
+    with raises_fault(faults.STEPS):
         image_survey(apply_gain(to_time(survey())), ImageOptions(permittivity=4.0))
 
 

@@ -10,9 +10,10 @@ import math
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis import faults
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.kirchhoff import GroupTime
@@ -123,7 +124,7 @@ def test_the_image_is_that_of_the_published_algorithm(seed, sweep):
 def test_positions_that_are_not_regular_are_refused():
     x_mm = np.array([0.0, 20.0, 47.0, 60.0])
     survey = survey_of(scene([]), x_mm, x_mm, np.linspace(6e8, 6e9, 51), (0.0,))
-    with pytest.raises(WrongDatasetError, match="not evenly spaced"):
+    with raises_fault(faults.METHOD):
         image_survey(survey, ImageOptions(Method.KIRCHHOFF, 4.0))
 
 
@@ -131,5 +132,5 @@ def test_a_single_line_is_imaged_in_two_dimensions_alone():
     x_mm = 60 + 20.0 * np.arange(9)
     survey = survey_of(scene([point(130, 0, 0.1)]), x_mm, [0.0], np.linspace(6e8, 6e9, 51), (0.0,))
     assert image_survey(survey, ImageOptions(Method.KIRCHHOFF_2D, 4.0)).image.max() > 0.0
-    with pytest.raises(WrongDatasetError, match="1 position along y"):
+    with raises_fault(faults.METHOD, "1 position along y"):
         image_survey(survey, ImageOptions(Method.KIRCHHOFF, 4.0))

@@ -5,9 +5,10 @@ from __future__ import annotations
 import dask.array
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.processing import background
 from gpr20_analysis.processing.chain import apply_steps, step_from_text
@@ -125,5 +126,5 @@ def test_a_sample_without_neighbours_is_not_filled_in_a_lazy_survey_either():
     survey = noise()
     survey.s21.values[0, :2, :2] = np.nan
     survey.quality.values[0, :2, :2] = int(Quality.MISSING)
-    with pytest.raises(DamagedSurveyError, match="row 0, column 0 of polarization 0"):
+    with raises_fault(faults.SAMPLES_MISSING, "row 0, column 0 of polarization 0"):
         fill_missing(lazy(survey), most=0.5)

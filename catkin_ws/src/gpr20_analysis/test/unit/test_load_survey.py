@@ -7,11 +7,11 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
+from fault_kit import raises_fault
 from survey_kit import POINTS, make_survey, planned_trace
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
@@ -116,7 +116,7 @@ def test_netcdf_is_read_by_plain_xarray(folder, tmp_path):
 def test_what_is_no_survey_is_refused_by_name(tmp_path, name):
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.txt").write_text("no survey")
-    with pytest.raises(AnalysisError, match=name):
+    with raises_fault(faults.NO_INPUT, name):
         load_survey(tmp_path / name)
 
 

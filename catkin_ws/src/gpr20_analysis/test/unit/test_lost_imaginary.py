@@ -6,10 +6,11 @@ import json
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import IMAGING_SCENE, point, scene, survey_of
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.formats import original_json
 from gpr20_analysis.formats.conversion import export_survey, import_survey
 from gpr20_analysis.formats.lost_imaginary import recover
@@ -136,7 +137,7 @@ def test_what_cannot_be_recovered_is_imported_but_never_imaged(tmp_path):
     folder = written(survey, tmp_path / "old")
     found = original_json.read_original(folder)
     assert any("cannot be recovered" in one for one in found.attrs["notes"])
-    with pytest.raises(WrongDatasetError, match="surface already has 1.33 ns"):
+    with raises_fault(faults.STEPS, "surface already has 1.33 ns"):
         image_survey(found, OPTIONS)
     sample = sorted(folder.iterdir())[0]
     assert json.loads(sample.read_text())["data"][0]["real_value"] == found.s21.values.flat[0].real

@@ -6,7 +6,11 @@ import pytest
 
 pytest.importorskip("gpr20_analysis.high")
 
-from gpr20_analysis.high.old_configuration import ADDED_TEXTS, completed_configuration
+from gpr20_analysis.high.old_configuration import (
+    ADDED_TEXT,
+    ADDED_TEXTS,
+    completed_configuration,
+)
 
 
 def text(words):
@@ -22,7 +26,8 @@ SITE = text(b"{}")
 def test_each_node_gets_empty_texts_for_what_is_new(nodes):
     count = struct.pack("<I", nodes)
     former = BEGIN + count + NODE * nodes + SITE
-    assert completed_configuration(former) == BEGIN + count + (NODE + ADDED_TEXTS) * nodes + SITE
+    today = BEGIN + count + (NODE + ADDED_TEXTS) * nodes + SITE + ADDED_TEXT
+    assert completed_configuration(former) == today
 
 
 @pytest.mark.parametrize("size", range(len(BEGIN + NODE)))

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from fault_kit import raises_fault
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import process_command
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import ExportError
 from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
@@ -68,26 +69,26 @@ def occupy(output):
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsys):
+def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsys, refusals):
     arguments, output = call
     precious = occupy(output)
     assert main(arguments) == 3
     error = capsys.readouterr().err
-    assert f"{output.name} exists; replace it with --overwrite" in error
+    assert output.name in error and refusals == [faults.OUTPUT.code]
     assert precious.read_text() == "precious"
     assert main([*arguments, "--overwrite"]) == 0
     assert output.exists()
     assert not precious.exists() or precious.read_bytes() != b"precious"
 
 
-def test_nothing_is_written_into_the_folder_of_a_survey(call, folder, capsys):
+def test_nothing_is_written_into_the_folder_of_a_survey(call, folder, refusals):
     arguments, output = call
     before = sorted(folder.rglob("*"))
     name = output.name.replace("_090", "")
     inside = [str(folder / name) if one == name else one for one in arguments]
     assert inside != arguments
     assert main([*inside, "--overwrite"]) == 3
-    assert "is in the folder of the survey" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]
     assert sorted(folder.rglob("*")) == before
 
 
@@ -106,19 +107,19 @@ def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, capsys):
     assert len(list((folder / "traces").iterdir())) == ALL
 
 
-def test_what_is_read_is_not_written(folder, tmp_path, capsys):
+def test_what_is_read_is_not_written(folder, tmp_path, refusals):
     path = tmp_path / "s.nc"
     assert main(["export", str(folder), str(path), "--format", "netcdf"]) == 0
     arguments = ["process", str(path), "--step", "background", "-o", str(path), "--overwrite"]
     assert main(arguments) == 3
-    assert "is an input of this command" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]
     load_survey(path)
 
 
-def test_one_name_for_two_outputs_is_refused(folder, tmp_path, capsys):
+def test_one_name_for_two_outputs_is_refused(folder, tmp_path, refusals):
     path = str(tmp_path / "i.nc")
     assert main(["image", str(folder), *IMAGE, "-o", path, "-o", path]) == 3
-    assert "given twice" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]
 
 
 @pytest.mark.parametrize("ending", [KeyboardInterrupt, MemoryError, OSError(28, "No space left")])
@@ -145,15 +146,15 @@ def test_work_that_is_cut_off_leaves_nothing_half_written(
     assert "Traceback" not in error and error.startswith("gpr20 process: ")
 
 
-def test_a_place_that_cannot_be_written_is_told_before_any_work(folder, tmp_path, capsys):
+def test_a_place_that_cannot_be_written_is_told_before_any_work(folder, tmp_path, refusals):
     (tmp_path / "file").write_text("")
     output = str(tmp_path / "file" / "x.nc")
     assert main(["process", str(folder), "--step", "background", "-o", output]) == 3
-    assert "is not a folder" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]
 
 
 def test_a_disk_that_refuses_is_told_with_the_outputs_own_name():
-    refused = pytest.raises(ExportError, match=r"/proc/x\.nc cannot be written")
+    refused = raises_fault(faults.OUTPUT, "/proc/x.nc")
     with refused, atomic_output(Path("/proc/x.nc")) as place:
         place.write_text("")
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 import yaml
+from fault_kit import raises_fault
 from tutorial_code import code_blocks
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands import main as gpr20
-from gpr20_analysis.errors import AnalysisError, RecipeError
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.processing.chain import (
     apply_steps,
@@ -91,63 +92,61 @@ def test_the_entry_point_is_that_of_the_page():
 
 def test_a_recipe_of_another_version_of_a_step_is_refused(installed):
     recipe = [{"step": "notch", "center_hz": 1e9, "origin": "my-steps 0.9, my_steps:notch"}]
-    with pytest.raises(
-        RecipeError, match="step 'notch' of my-steps 0.9.*now it is of my-steps 1.0"
-    ):
+    with raises_fault(faults.STEP_VERSION, "my-steps 0.9", "my-steps 1.0"):
         steps_from_recipe(recipe)
 
 
 def test_a_step_that_is_not_installed_is_unknown_and_nothing_is_imported():
     for name in ("notch", "my_steps:notch", "os:system", "my_steps.notch"):
-        with pytest.raises(RecipeError, match="unknown step"):
+        with raises_fault(faults.RECIPE):
             steps_from_recipe([{"step": name, "center_hz": 1e9}])
 
 
 def test_the_steps_that_exist_are_listed_with_those_installed(installed):
-    with pytest.raises(RecipeError, match="steps are .*background.*notch"):
+    with raises_fault(faults.RECIPE):
         step_from_text("no_such_step")
 
 
 def test_no_step_replaces_another(installed, tmp_path):
     install(installed, entries="[gpr20_analysis.steps]\nnotch = other:notch\n", name="other")
-    with pytest.raises(RecipeError, match="exists already"):
+    with raises_fault(faults.OWN_STEP):
         step_from_text(NOTCH)
     own = tmp_path / "own.py"
     own.write_text("def background(survey): return survey")
-    with pytest.raises(RecipeError, match="'background'.*exists already"):
+    with raises_fault(faults.OWN_STEP):
         StepLibrary(own)
 
 
 @pytest.mark.parametrize(
-    "code, text, error",
+    "code, text, shown",
     [
-        ("1 / 0", "own", "cannot be run: ZeroDivisionError"),
-        ("def own(survey, width): return survey", "own:width=1", "'width' .* must be annotated"),
-        ("def own(survey, names: list): return survey", "own:names=1", "must be annotated"),
+        ("1 / 0", "own", "ZeroDivisionError"),
+        ("def own(survey, width): return survey", "own:width=1", "width"),
+        ("def own(survey, names: list): return survey", "own:names=1", "names"),
     ],
 )
-def test_a_step_that_cannot_be_used_is_refused_with_the_reason(tmp_path, code, text, error):
+def test_a_step_that_cannot_be_used_is_refused_with_the_reason(tmp_path, code, text, shown):
     path = tmp_path / "own.py"
     path.write_text(code)
-    with pytest.raises(RecipeError, match=error):
+    with raises_fault(faults.OWN_STEP, shown):
         step_from_text(text, StepLibrary(path))
 
 
 @pytest.mark.parametrize(
-    "body, error",
+    "body, shown",
     [
-        ("return None", "returned NoneType; it must return an xarray.Dataset"),
-        ("return survey.isel(x=slice(1))", "changed x, quality"),
-        ("return survey.assign(s21=survey.s21.mean('frequency'))", "changed s21"),
-        ("return survey.assign_coords(y=survey.y + 1.0)", "changed y"),
-        ("return survey['no_such_variable']", "failed: KeyError"),
+        ("return None", "NoneType"),
+        ("return survey.isel(x=slice(1))", "x, quality"),
+        ("return survey.assign(s21=survey.s21.mean('frequency'))", "s21"),
+        ("return survey.assign_coords(y=survey.y + 1.0)", "y"),
+        ("return survey['no_such_variable']", "KeyError"),
     ],
 )
-def test_a_step_that_does_not_keep_the_survey_is_an_error(tmp_path, sample, body, error):
+def test_a_step_that_does_not_keep_the_survey_is_an_error(tmp_path, sample, body, shown):
     path = tmp_path / "own.py"
     path.write_text(f"def own(survey):\n    {body}\n")
     step = step_from_text("own", StepLibrary(path))
-    with pytest.raises(AnalysisError, match=error):
+    with raises_fault(faults.OWN_STEP, shown):
         apply_steps(sample, [step], never)
 
 

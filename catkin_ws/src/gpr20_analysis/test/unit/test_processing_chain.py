@@ -7,8 +7,10 @@ import json
 import numpy as np
 import pytest
 import yaml
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.processing.chain import (
@@ -66,24 +68,24 @@ def test_a_step_can_name_a_reference_survey(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "printed"),
+    ("text", "shown"),
     [
-        ("migrate", "steps are"),
-        ("background:rang=2", "has no parameter 'rang'"),
+        ("migrate", "background"),
+        ("background:rang=2", "'rang'"),
         ("background:rank=two", "'two'"),
         ("background:rank=1.5", "'1.5'"),
         ("background:rank=inf", "'inf'"),
         ("time:padding=nan", "'nan'"),
         ("background:method=average", "median"),
-        ("background:method", "parameter=value"),
-        ("background:rank=1,rank=2", "each only once"),
-        ("band:start_hz=1e9", "needs the parameter 'stop_hz'"),
-        ("coupling", "needs the parameter 'reference'"),
-        ("", "unknown step"),
+        ("background:method", "'method'"),
+        ("background:rank=1,rank=2", "'rank=2'"),
+        ("band:start_hz=1e9", "'stop_hz'"),
+        ("coupling", "'reference'"),
+        ("", "background"),
     ],
 )
-def test_steps_that_make_no_sense_are_refused_with_what_is_allowed(text, printed):
-    with pytest.raises(RecipeError, match=printed):
+def test_steps_that_make_no_sense_are_refused_with_what_is_allowed(text, shown):
+    with raises_fault(faults.RECIPE, shown):
         step_from_text(text)
 
 
@@ -96,7 +98,7 @@ def test_files_that_are_no_recipe_are_refused(recipe):
 def test_a_file_that_is_no_yaml_is_refused(tmp_path):
     path = tmp_path / "recipe.yaml"
     path.write_text("- [")
-    with pytest.raises(RecipeError, match="YAML"):
+    with raises_fault(faults.RECIPE, path):
         read_recipe(path)
 
 

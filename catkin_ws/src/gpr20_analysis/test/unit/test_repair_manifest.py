@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.folder import manifest
@@ -94,15 +95,15 @@ def test_nothing_is_sealed_that_disagrees(copy, capsys, name, keep):
 
 
 @pytest.mark.parametrize("outcome", [None, "reopened"])
-def test_a_survey_that_is_not_closed_is_refused(tmp_path, capsys, outcome):
+def test_a_survey_that_is_not_closed_is_refused(tmp_path, refusals, outcome):
     folder = make_survey(tmp_path, 4, None)
     if outcome is not None:
         path = folder / "survey.json"
         path.write_text(json.dumps({**json.loads(path.read_text()), "resumed": ["now"]}))
     assert main(["repair", str(folder)]) == 3
-    assert "the survey is not closed; resume it" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.NOT_CLOSED.code]
 
 
-def test_a_folder_that_is_no_survey_is_refused(tmp_path, capsys):
+def test_a_folder_that_is_no_survey_is_refused(tmp_path, refusals):
     assert main(["repair", str(tmp_path)]) == 3
-    assert "is not the folder of a survey" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.NO_INPUT.code]

@@ -6,9 +6,10 @@ import os
 from pathlib import Path
 
 import pytest
+from fault_kit import raises_fault
 from survey_kit import POINTS, STARTED_US, SURVEY, make_survey
 
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis import faults
 from gpr20_analysis.read.launched_path import with_survey
 from gpr20_analysis.read.playback import Pace, Playback
 from gpr20_analysis.read.replay import Due, describe, from_start, recorded
@@ -62,7 +63,7 @@ def test_a_stopped_replay_yields_nothing_more():
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_rate_that_is_none_is_refused(rate):
-    with pytest.raises(AnalysisError, match="rate"):
+    with raises_fault(faults.OPTION):
         Pace(rate)
 
 
@@ -138,7 +139,7 @@ def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once()
 
 @pytest.mark.parametrize("start_s", [-1.0, float("nan"), float("inf")])
 def test_a_start_that_is_none_is_refused(start_s):
-    with pytest.raises(AnalysisError, match="start"):
+    with raises_fault(faults.OPTION):
         Pace(start_s=start_s)
 
 

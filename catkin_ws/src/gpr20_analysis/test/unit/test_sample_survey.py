@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gpr20_analysis
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 
 MOST_BYTES = 1_500_000
@@ -22,16 +23,16 @@ def test_it_is_small_whole_and_simulated():
     assert lines["VNA"].split(",")[2] == "SIMULATED" and "SIMULATED" in lines["ground"]
 
 
-def test_the_command_writes_a_copy_and_replaces_nothing(tmp_path, capsys):
+def test_the_command_writes_a_copy_and_replaces_nothing(tmp_path, refusals):
     output = tmp_path / "sample.mcap"
     assert main(["sample", str(output)]) == 0
     assert output.read_bytes() == gpr20_analysis.sample_survey().read_bytes()
     assert main(["sample", str(output)]) == 3
-    assert "--overwrite" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]
     assert main(["sample", str(output), "--overwrite"]) == 0
 
 
 @pytest.mark.parametrize("name", ["sample.nc", "sample"])
-def test_the_copy_is_an_mcap(tmp_path, name, capsys):
+def test_the_copy_is_an_mcap(tmp_path, name, refusals):
     assert main(["sample", str(tmp_path / name)]) == 3
-    assert "must end in .mcap" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]

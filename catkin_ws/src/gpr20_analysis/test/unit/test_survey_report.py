@@ -10,6 +10,7 @@ import re
 import pytest
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
@@ -118,9 +119,9 @@ def test_words_of_a_survey_are_never_markup(tmp_path):
     )
 
 
-def test_a_report_must_be_html_or_pdf(tmp_path, capsys):
+def test_a_report_must_be_html_or_pdf(tmp_path, refusals):
     assert main(["report", str(tmp_path), "--output", str(tmp_path / "r.txt")]) == 3
-    assert "must end in .html, .pdf" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.OUTPUT.code]
 
 
 def test_a_report_as_pdf_has_its_text_and_a_page_for_each_figure(whole, tmp_path):

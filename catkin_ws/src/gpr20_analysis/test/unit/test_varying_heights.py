@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import HEIGHT, S21, Quality
-from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.one_height import TOLERANCE, points_needed, transform_at_one_height
@@ -85,7 +86,7 @@ def test_uneven_ground_is_refused_in_favour_of_back_projection(amplitude_m):
     uneven = replace(scene(TARGETS, noise_db=-90.0), surface=surface)
     survey = remove_background(survey_of(uneven, FEW_MM, FEW_MM, rotations_deg=(0.0,)))
     for method in (Method.PHASE_SHIFT, Method.KIRCHHOFF):
-        with pytest.raises(WrongDatasetError, match="use --method back-projection --ground uneven"):
+        with raises_fault(faults.METHOD):
             image_survey(survey, ImageOptions(method, 4.0))
     stated = image_survey(survey, ImageOptions(Method.PHASE_SHIFT, 4.0, ground=Ground.LEVEL))
     assert stated.attrs["notes"] == []

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from survey_kit import PARAMETERS, POINTS, make_survey, planned_trace
 
+from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -256,7 +257,8 @@ def test_settings_of_the_vna_that_are_not_recorded_are_not_compared(tmp_path, in
         ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
         ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
         ({"outcome": "finished"}, "the outcome finished, but"),
-        ({"report": {"verdict": "complete: all 7"}}, "the report in survey.json is complete, but"),
+        ({"report": {"complete": True}}, "the report in survey.json is complete, but"),
+        ({"report": {"coverage": "mmmrrrmmm" * 2}}, "the report in survey.json is complete, but"),
         ({"axes": {}}, "the plan is unknown"),
         ({"parameters": {**PARAMETERS, "x_points": 10**9}}, "number of traces"),
         ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
@@ -270,9 +272,51 @@ def test_words_that_contradict_the_files_are_faults(stopped, tmp_path, changes, 
     assert any(reason in fault for fault in texts(found.faults))
 
 
+@pytest.mark.parametrize(
+    "report",
+    [
+        {"complete": False, "coverage": "m" * 18},
+        {"coverage": "m" * 7 + "-" * 11},
+        {"coverage": "m" * 17 + "f"},
+        {"coverage": ""},
+        {"verdict": "INCOMPLETE: 7 of 18"},
+        None,
+        "complete",
+    ],
+)
+def test_a_report_that_does_not_claim_more_than_the_files_is_true(stopped, tmp_path, report):
+    folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
+    before = verify_survey(folder, use_manifest=False)
+    change_json(folder / "survey.json", report=report)
+    found = verify_survey(folder, use_manifest=False)
+    assert texts(found.faults) == texts(before.faults)
+
+
+def test_programs_get_the_result_as_json_with_codes(finished, stopped, copy, capsys):
+    (next((copy / "traces").iterdir())).write_text("{")
+    for folder, status, code in (
+        (finished, 0, ""),
+        (stopped, 1, faults.NOT_COMPLETE.code),
+        (copy, 2, faults.NOT_INTACT.code),
+    ):
+        assert main([str(folder), "--json"]) == status
+        answer = json.loads(capsys.readouterr().out)
+        assert (answer["status"], answer["verdict"]["fault_code"]) == (status, code)
+        assert all(one["fault_code"] and one["message"] for one in answer["faults"])
+        assert bool(answer["faults"]) == (status == 2)
+
+
+def test_a_lost_manifest_alone_is_repaired_first(copy, capsys):
+    (copy / "manifest.json").unlink()
+    assert main([str(copy)]) == 2
+    assert str(faults.MANIFEST.remedy) in capsys.readouterr().out
+
+
 def test_a_folder_that_is_no_survey_is_told_apart(tmp_path, capsys):
-    assert main([str(tmp_path)]) == 3
-    assert "is not the folder of a survey" in capsys.readouterr().err
+    assert main([str(tmp_path), "--json"]) == 3
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["error"]["fault_code"] == faults.NO_INPUT.code
+    assert str(tmp_path) in printed.err and str(faults.NO_INPUT.remedy) in printed.err
     assert main([str(tmp_path / "missing")]) == 3
 
 

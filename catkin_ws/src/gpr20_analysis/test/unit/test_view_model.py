@@ -6,12 +6,12 @@ import threading
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
 import gpr20_analysis.imaging.image as image_module
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import AnalysisError, DamagedSurveyError, TooLargeError
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate
 from gpr20_analysis.processing.chain import process_survey
@@ -152,7 +152,7 @@ def test_missing_samples_are_refused_unless_left_out_and_marked():
     survey = small()
     survey.s21[0, 4, 4] = np.nan
     survey.quality[0, 4, 4] = int(Quality.MISSING)
-    with pytest.raises(DamagedSurveyError, match="--leave-out-missing"):
+    with raises_fault(faults.SAMPLES_MISSING):
         ViewSession(survey, FIXED)
     session = ViewSession(survey, ImageOptions(permittivity=4.0, leave_out_missing=True))
     assert session.without_data(0).tolist() == [[PLACES_MM[4] / 1e3, PLACES_MM[4] / 1e3]]
@@ -166,12 +166,12 @@ def test_missing_samples_are_refused_unless_left_out_and_marked():
 
 def test_a_survey_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
     monkeypatch.setattr(lazy, "available_bytes", lambda: 1 << 20)
-    with pytest.raises(TooLargeError, match="the viewer"):
+    with raises_fault(faults.TOO_LARGE):
         ViewSession(small(), FIXED)
 
 
 def test_data_without_spectra_are_refused():
-    with pytest.raises(AnalysisError, match="'s21'"):
+    with raises_fault(faults.STEPS, "'s21'"):
         ViewSession(process_survey(small(), "time"), FIXED)
 
 

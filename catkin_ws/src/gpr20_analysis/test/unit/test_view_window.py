@@ -20,7 +20,7 @@ from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLineEdit
 
-from gpr20_analysis.candidates.candidate import Candidate, CandidateList
+from gpr20_analysis import faults
 from gpr20_analysis.commands import view_command
 from gpr20_analysis.commands.command import DAMAGED, DONE, REFUSED
 from gpr20_analysis.commands.main import main
@@ -37,6 +37,7 @@ from gpr20_analysis.viewer.views.pick_desk import PickDesk
 from gpr20_analysis.viewer.views.volume_view import ProjectionsView
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_survey.results.candidates import Candidate, CandidateList
 
 pytestmark = pytest.mark.takes(30)
 
@@ -437,14 +438,14 @@ def test_the_command_shows_the_window_until_it_is_closed(application, file):
     assert '"author": "Ana"' in picks
 
 
-def test_ctrl_c_closes_the_window(application, file, capsys):
+def test_ctrl_c_closes_the_window(application, file, refusals):
     timer = when_computed(lambda _window: os.kill(os.getpid(), signal.SIGINT))
     assert main(["view", str(file), "--permittivity", "4", "--flat"]) == REFUSED
     timer.stop()
-    assert "interrupted" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.INTERRUPTED.code]
 
 
-def test_a_damaged_survey_is_refused_unless_accepted(application, survey, tmp_path, capsys):
+def test_a_damaged_survey_is_refused_unless_accepted(application, survey, tmp_path, refusals):
     damaged = survey.copy(deep=True)
     damaged.s21[0, 4, 4] = np.nan
     damaged.quality[0, 4, 4] = 2
@@ -454,20 +455,20 @@ def test_a_damaged_survey_is_refused_unless_accepted(application, survey, tmp_pa
     arguments = ["view", str(path), "--permittivity", "4", "--flat"]
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED
-    assert "--leave-out-missing" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.SAMPLES_MISSING.code]
     timer = when_computed(lambda window: window.close())
     assert main([*arguments, "--accept-damaged", "--leave-out-missing"]) == DAMAGED
     timer.stop()
 
 
-def test_a_missing_library_names_the_extra(file, capsys, monkeypatch):
+def test_a_missing_library_names_the_extra(file, refusals, monkeypatch):
     monkeypatch.setattr(view_command, "LIBRARIES", {"no_such_library": "pyqtgraph"})
     assert main(["view", str(file)]) == REFUSED
-    assert "gpr20_analysis[view]" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.LIBRARY.code]
 
 
-def test_without_a_screen_it_is_refused(file, capsys, monkeypatch):
+def test_without_a_screen_it_is_refused(file, refusals, monkeypatch):
     for name in view_command.SCREENS:
         monkeypatch.delenv(name, raising=False)
     assert main(["view", str(file)]) == REFUSED
-    assert "no screen" in capsys.readouterr().err
+    assert refusals[-1:] == [faults.NO_SCREEN.code]

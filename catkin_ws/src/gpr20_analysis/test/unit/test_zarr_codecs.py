@@ -7,8 +7,9 @@ import pickle
 import numpy as np
 import pytest
 import xarray as xr
+from fault_kit import raises_fault
 
-from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis import faults
 from gpr20_analysis.formats.checksums import SUMS_FILE
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
@@ -42,7 +43,7 @@ def trapped(tmp_path):
 
 def test_pickled_objects_are_refused_unread(trapped):
     path, trace = trapped
-    with pytest.raises(UnreadableFileError, match="needs the codec 'pickle', which is not known"):
+    with raises_fault(faults.FILE_CONTENT, "needs the codec 'pickle', which is not known"):
         read_dataset(path)
     assert not trace.exists()
 
@@ -52,7 +53,7 @@ def test_metadata_behind_a_link_are_checked_too(trapped, tmp_path):
     linked = tmp_path / "linked.zarr"
     linked.mkdir()
     (linked / "a").symlink_to(path / "a", target_is_directory=True)
-    with pytest.raises(UnreadableFileError, match="pickle"):
+    with raises_fault(faults.FILE_CONTENT):
         refuse_unsafe_codecs(linked)
 
 
@@ -68,7 +69,7 @@ def test_metadata_behind_a_link_are_checked_too(trapped, tmp_path):
 )
 def test_a_codec_that_is_not_known_is_refused_wherever_it_is_named(tmp_path, metadata):
     (tmp_path / "zarr.json").write_text(json.dumps(metadata))
-    with pytest.raises(UnreadableFileError, match="not known to be safe"):
+    with raises_fault(faults.FILE_CONTENT):
         refuse_unsafe_codecs(tmp_path)
 
 

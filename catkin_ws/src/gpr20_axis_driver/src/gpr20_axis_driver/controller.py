@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional, Protocol
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
-# A controller whose state is not read for this long must end its move with its ramp [s].
-SILENT_DRIVER_S = 2.0
 # The longest that any method of a controller may take [s].
 CALL_LIMIT_S = 3.0
 
 
 class ControllerError(AxisException, OSError):
     """The controller does not answer, or reports a fault: the position is no longer known."""
+
+    fault = faults.CONTROLLER_FAILED
 
 
 @dataclass(frozen=True)

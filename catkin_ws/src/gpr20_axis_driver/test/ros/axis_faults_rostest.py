@@ -12,10 +12,12 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from axis_under_test import LIMIT_S, Axis, exists, killed_client, start_client, wait_until
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.high.goals import SILENCE_LIMIT_S
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.faults import NOT_HOMED
 
 X_TIME_SCALE = 10.0
 X_STEPS_PER_MM = 100
@@ -101,7 +103,7 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertFalse(self.x.last.homed)
         state, result = self.x.move(1.0)
         self.assertEqual(state, GoalStatus.ABORTED)
-        self.assertIn("not homed", result.message)
+        self.assertEqual(result.fault_code, NOT_HOMED.code)
         self.x.home()
         self.assertEqual(self.x.steps, 0)
 
@@ -111,7 +113,8 @@ class AxisFaultsTest(unittest.TestCase):
         os.kill(pulse_pid, signal.SIGKILL)
         state, result = self.x.finish()
         self.assertEqual(state, GoalStatus.ABORTED)
-        self.assertIn("ended by SIGKILL", result.message)
+        self.assertEqual(result.fault_code, faults.PULSES_ENDED.code)
+        self.assertIn("SIGKILL", result.message)
         self.assertTrue(self.x.pins_low)
         self.assertFalse(exists(pulse_pid))
         wait_until(lambda: not self.x.last.homed)
@@ -141,7 +144,7 @@ class AxisFaultsTest(unittest.TestCase):
         steps = self.z.steps
         response = self.z.call("homing")
         self.assertFalse(response.success)
-        self.assertIn("to their mark and set the zero of this axis", response.message)
+        self.assertEqual(response.fault_code, faults.ZERO_UNKNOWN.code)
         self.assertEqual(self.z.steps, steps)
         self.assertTrue(self.z.call("set_zero").success)
         wait_until(lambda: self.z.last.homed)
@@ -185,7 +188,7 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertLess(self.x.steps, FAR_MM * X_STEPS_PER_MM)
         state, result = self.x.finish()
         self.assertEqual(state, GoalStatus.ABORTED)
-        self.assertIn("the axis driver did not respond for 2 s", result.message)
+        self.assertEqual(result.fault_code, faults.DRIVER_HUNG.code)
         wait_until(lambda: round(self.x.last.coordinate * X_STEPS_PER_MM) == self.x.steps)
         self.assertTrue(self.x.last.homed)
         self.assertEqual(self.x.move(1.0)[0], GoalStatus.SUCCEEDED)

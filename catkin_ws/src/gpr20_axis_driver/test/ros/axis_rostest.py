@@ -8,12 +8,17 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from axis_under_test import LIMIT_S, Axis, wait_until
+from diagnostic_msgs.msg import DiagnosticArray
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.high.goals import LISTED_GOALS
-from gpr20_common.high.graph_message import message_from
+from gpr20_common.message import Severity
+from gpr20_common.sent_message import message_from
+from gpr20_msgs.msg import AxisActionGoal, AxisActionResult
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import NOT_HOMED
 
 # So far that a move there is still under way when a slow computer stops it: 9 s.
 FAR_MM = 600.0
@@ -32,8 +37,17 @@ class AxisTest(unittest.TestCase):
         state, result = self.x.move(5.0)
         self.assertEqual(state, GoalStatus.ABORTED)
         self.assertFalse(result.success)
-        self.assertIn("not homed", result.message)
+        self.assertEqual(result.fault_code, NOT_HOMED.code)
         self.assertEqual(self.x.steps, 800)
+        # The diagnostics name the same fault, as a warning.
+        wait_until(lambda: self.fault_in_diagnostics("/x_axis/axis_driver") == NOT_HOMED.code)
+
+    @staticmethod
+    def fault_in_diagnostics(node):
+        for status in rospy.wait_for_message("/diagnostics", DiagnosticArray, LIMIT_S).status:
+            if status.name.startswith(node.lstrip("/")):
+                return {one.key: one.value for one in status.values}["fault_code"]
+        return None
 
     def test_2_homing_finds_zero(self):
         self.x.home()
@@ -52,9 +66,9 @@ class AxisTest(unittest.TestCase):
         for target in (-0.01, 650.5, float("nan"), float("inf")):
             state, result = self.x.move(target)
             self.assertEqual(state, GoalStatus.ABORTED)
-            self.assertIn("outside the axis, 0 to 650 mm", result.message)
+            self.assertEqual(result.fault_code, faults.OUTSIDE_TRAVEL.code)
             message = message_from(result)
-            self.assertIn("outside the axis, {low:g} to {high:g}", message.template)
+            self.assertEqual(message.fault_code, result.fault_code)
             self.assertEqual((message.values["low"], message.values["high"]), (0.0, 650.0))
         self.assertEqual(self.x.steps, steps)
 
@@ -76,7 +90,32 @@ class AxisTest(unittest.TestCase):
         state, _result = self.x.move(1.0)
         self.assertEqual(state, GoalStatus.SUCCEEDED)
         self.assertEqual(self.x.steps, 100)
-        self.assertEqual(first.finish()[0], GoalStatus.PREEMPTED)
+        state, result = first.finish()
+        self.assertEqual((state, result.fault_code), (GoalStatus.PREEMPTED, faults.STOPPED.code))
+
+    def test_6a_a_goal_that_was_cancelled_before_it_came_is_answered_with_a_code(self):
+        statuses, results = [], []
+        goals = rospy.Publisher("x_axis/axis/goal", AxisActionGoal, queue_size=1)
+        cancels = rospy.Publisher("x_axis/axis/cancel", GoalID, queue_size=1)
+        subscribers = [
+            rospy.Subscriber("x_axis/axis/status", GoalStatusArray, statuses.append),
+            rospy.Subscriber("x_axis/axis/result", AxisActionResult, results.append),
+        ]
+        wait_until(lambda: goals.get_num_connections() and cancels.get_num_connections())
+        goal_id = GoalID(id="cancelled")
+        cancels.publish(goal_id)
+        wait_until(
+            lambda: any(
+                one.goal_id.id == goal_id.id for array in statuses for one in array.status_list
+            )
+        )
+        goals.publish(AxisActionGoal(goal_id=goal_id))
+        wait_until(lambda: results)
+        self.assertFalse(results[0].result.success)
+        self.assertEqual(results[0].result.fault_code, faults.NOT_BEGUN.code)
+        self.assertTrue(results[0].result.message)
+        for subscriber in subscribers:
+            subscriber.unregister()
 
     def test_7_the_stop_service_ends_a_move_and_a_homing(self):
         self.x.begin_move(FAR_MM)
@@ -92,10 +131,10 @@ class AxisTest(unittest.TestCase):
         self.x.call("stop")
         homing.join(LIMIT_S)
         self.assertEqual(refused_state, GoalStatus.ABORTED)
-        self.assertIn("busy", refused.message)
+        self.assertEqual(refused.fault_code, faults.BUSY.code)
         self.assertFalse(answers[0].success)
-        self.assertIn("stopped", answers[0].message)
-        self.assertIn("stopped", message_from(answers[0]).template)
+        self.assertEqual(answers[0].fault_code, faults.STOPPED.code)
+        self.assertIs(message_from(answers[0]).cause.severity, Severity.NOTE)
         wait_until(lambda: not self.x.last.moving)
         self.assertFalse(self.x.last.homed)
 

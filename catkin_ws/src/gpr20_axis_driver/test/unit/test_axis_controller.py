@@ -12,9 +12,11 @@ from pathlib import Path
 import pytest
 import yaml
 from axis_machine import X_PARAMETERS
+from fault_kit import raises_fault
 from grbl_board import GrblBoard
 from tutorial_code import code_blocks
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.contract import AxisContract
 from gpr20_axis_driver.controller import ControllerError, ControllerState
@@ -34,6 +36,7 @@ from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.scene import X_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import NOT_HOMED
 
 PAGE = Path(__file__).parents[5] / "docs/extend/axis_controller.md"
 FAULTS = {True: EndstopFault.STUCK_CLOSED, False: EndstopFault.STUCK_OPEN}
@@ -100,15 +103,11 @@ def test_the_configuration_of_the_page_is_accepted():
 @pytest.mark.parametrize(
     "controller, options, error",
     [
-        ("no_such_module:Axis", {}, "no_such_module cannot be imported: ModuleNotFoundError"),
-        ("grbl_axis:NoSuchClass", {"host": "x"}, "grbl_axis has no class NoSuchClass"),
-        (
-            "subprocess:Popen",
-            {"args": "true"},
-            "not usable as AxisController: it lacks begin_homing",
-        ),
-        ("grbl_axis:GrblController", {}, "controller_options do not suit .* 'host'"),
-        ("grbl_axis:GrblController", {"host": "x", "baud": 9600}, "unexpected .* 'baud'"),
+        ("no_such_module:Axis", {}, "no_such_module.*ModuleNotFoundError"),
+        ("grbl_axis:NoSuchClass", {"host": "x"}, "grbl_axis.*NoSuchClass"),
+        ("subprocess:Popen", {"args": "true"}, "AxisController.*begin_homing"),
+        ("grbl_axis:GrblController", {}, "controller_options.*'host'"),
+        ("grbl_axis:GrblController", {"host": "x", "baud": 9600}, "'baud'"),
     ],
 )
 def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller, options, error):
@@ -121,7 +120,7 @@ def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller,
 
 @pytest.mark.parametrize("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
 def test_a_controller_must_be_named_as_module_and_class(name):
-    with pytest.raises(InvalidValueError, match="it must have the form package.module:Class"):
+    with pytest.raises(InvalidValueError, match="package.module:Class"):
         dataclasses.replace(X_PARAMETERS, controller=name)
 
 
@@ -132,7 +131,7 @@ def test_a_board_that_does_not_answer_is_an_error_at_the_start():
     parameters = dataclasses.replace(
         X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
     )
-    with pytest.raises(ControllerError, match="does not answer"):
+    with raises_fault(faults.CONTROLLER_FAILED, error=ControllerError):
         open_controller(parameters)
 
 
@@ -212,7 +211,7 @@ def test_a_controller_that_rests_elsewhere_than_it_should_must_be_homed(scripted
         "states",
         [ControllerState(steps - 1, True, True), ControllerState(steps - 1, False, True)],
     )
-    with pytest.raises(Exception, match="ended a move to 5 mm at 4.99 mm; home the axis"):
+    with raises_fault(faults.POSITION_LOST, "5 mm", "4.99 mm"):
         driver.move_to_coordinate(5.0)
     assert not driver.homing_done
     driver.homing()
@@ -224,7 +223,7 @@ def test_a_controller_that_was_restarted_at_rest_must_be_homed(scripted):
     driver.homing()
     made[0].state = ControllerState(0, False, False)
     _until(lambda: not driver.homing_done)
-    assert "has lost the zero" in str(driver.failure)
+    assert driver.failure.fault_code == faults.POSITION_LOST.code
 
 
 def test_an_error_of_any_kind_in_the_class_of_a_controller_is_reported(scripted):
@@ -232,7 +231,8 @@ def test_an_error_of_any_kind_in_the_class_of_a_controller_is_reported(scripted)
     driver.homing()
     made[0].state = ZeroDivisionError("in a class that is not ours")
     _until(lambda: driver.failure is not None)
-    assert "the controller of this axis failed" in str(driver.failure)
+    assert driver.failure.fault_code == faults.CONTROLLER_FAILED.code
+    assert driver.failure.may_move
     assert "ZeroDivisionError" in str(driver.failure)
 
 
@@ -241,7 +241,7 @@ def test_homing_that_the_controller_reports_as_done_outside_the_travel_is_refuse
     made[0].begin_homing = lambda: setattr(
         made[0], "states", [ControllerState(0, True, False), ControllerState(-500, False, True)]
     )
-    with pytest.raises(Exception, match="did not find the zero"):
+    with raises_fault(faults.ENDSTOP_NOT_REACHED):
         driver.homing()
 
 
@@ -251,7 +251,7 @@ def test_a_stop_is_passed_on_once(scripted):
     made[0].begin_move = lambda steps: setattr(
         made[0], "states", [ControllerState(100, True, True)] * 50
     )
-    with pytest.raises(MotionStopped, match="stopped at 1 mm, before the target 5 mm"):
+    with raises_fault(faults.STOPPED, "1 mm", "5 mm", error=MotionStopped):
         driver.move_to_coordinate(5.0, lambda: True)
     assert made[0].stopped == 1 and driver.homing_done
 
@@ -269,10 +269,12 @@ def test_a_controller_that_hangs_in_any_method_is_an_error_in_time(scripted, mon
     if method == "read":
         _until(lambda: driver.failure is not None)  # at rest, too
     try:
-        with pytest.raises(AxisException, match="did not answer|is not homed"):
+        with pytest.raises(AxisException) as refused:
             driver.move_to_coordinate(5.0, lambda: True)
-        assert "did not answer" in str(driver.failure)
-        with pytest.raises(ControllerError, match="did not answer"):
+        expected = faults.CONTROLLER_SILENT.code
+        assert refused.value.message.fault_code in (expected, NOT_HOMED.code)
+        assert driver.failure.fault_code == expected
+        with raises_fault(faults.CONTROLLER_SILENT, error=ControllerError):
             driver.homing()
     finally:
         go_on.set()

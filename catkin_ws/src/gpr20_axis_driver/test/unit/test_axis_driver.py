@@ -7,7 +7,9 @@ import threading
 
 import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
+from fault_kit import raises_fault
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
     EndstopError,
@@ -16,6 +18,7 @@ from gpr20_axis_driver.axis_exceptions import (
     TravelError,
 )
 from gpr20_axis_driver.motion import never
+from gpr20_survey.faults import NOT_HOMED
 
 
 @pytest.fixture
@@ -33,7 +36,7 @@ def stop_after(pulses, machine):
 
 def test_an_axis_that_is_not_homed_does_not_move():
     axis = Axis(X_PARAMETERS)
-    with pytest.raises(NotHomedError, match="home it"):
+    with raises_fault(NOT_HOMED, error=NotHomedError):
         axis.driver.move_to_coordinate(10.0, never)
     assert axis.machine.pulses == []
 
@@ -46,7 +49,7 @@ def test_a_move_ends_at_its_target(axis):
 
 @pytest.mark.parametrize("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])
 def test_a_target_outside_the_axis_is_refused_and_moves_nothing(axis, target):
-    with pytest.raises(TravelError, match="outside the axis, 0 to 650 mm"):
+    with raises_fault(faults.OUTSIDE_TRAVEL, 0, 650, "mm", error=TravelError):
         axis.driver.move_to_coordinate(target, never)
     assert axis.machine.pulses == []
 
@@ -68,7 +71,7 @@ def test_a_long_move_reaches_the_top_speed(axis):
 
 
 def test_a_stopped_move_slows_down_and_keeps_an_exact_coordinate(axis):
-    with pytest.raises(MotionStopped, match="before the target 10 mm"):
+    with raises_fault(faults.STOPPED, "10 mm", error=MotionStopped):
         axis.driver.move_to_coordinate(10.0, stop_after(200, axis.machine))
     assert axis.machine.steps == 200 + 35
     assert axis.driver.current_coord == 2.35
@@ -108,7 +111,7 @@ def test_the_endstop_pressed_during_a_move_ends_it_and_clears_homed(axis, target
         axis.machine.stuck = abs(axis.machine.steps - 2000) >= 500 or None
         return False
 
-    with pytest.raises(EndstopError, match=f"pressed at {pressed}"):
+    with raises_fault(faults.ENDSTOP_PRESSED, pressed, error=EndstopError):
         axis.driver.move_to_coordinate(target, press_after_5_mm)
     assert not axis.driver.homing_done
     with pytest.raises(NotHomedError):
@@ -126,7 +129,7 @@ def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_fai
             try:
                 motion()
             except AxisBusyError as error:
-                refused.append(str(error))
+                refused.append(error.message.fault_code)
 
     def from_another_thread():
         thread = threading.Thread(target=try_another)
@@ -136,7 +139,7 @@ def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_fai
 
     with pytest.raises(RuntimeError):
         axis.driver.move_to_coordinate(5.0, from_another_thread)
-    assert len(refused) == 2
+    assert refused == [faults.BUSY.code] * 2
     assert not axis.driver.moving
     axis.driver.move_to_coordinate(5.0, never)
     assert axis.machine.steps == 500

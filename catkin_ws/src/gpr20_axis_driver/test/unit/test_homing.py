@@ -2,7 +2,9 @@
 
 import pytest
 from axis_machine import X_PARAMETERS, Axis
+from fault_kit import raises_fault
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import never
 
@@ -32,7 +34,7 @@ def test_the_endstop_is_touched_twice():
 def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
     axis = Axis(X_PARAMETERS)
     axis.machine.stuck = False
-    with pytest.raises(EndstopError, match="not reached within .*stuck open"):
+    with raises_fault(faults.ENDSTOP_NOT_REACHED, error=EndstopError):
         axis.driver.homing(never)
     assert not axis.driver.homing_done
     assert len(axis.machine.pulses) <= 65000 * 1.06
@@ -41,7 +43,7 @@ def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
 def test_an_endstop_stuck_closed_is_an_error():
     axis = Axis(X_PARAMETERS)
     axis.machine.stuck = True
-    with pytest.raises(EndstopError, match="stuck closed"):
+    with raises_fault(faults.ENDSTOP_STUCK, error=EndstopError):
         axis.driver.homing(never)
     assert not axis.driver.homing_done
 
@@ -49,7 +51,7 @@ def test_an_endstop_stuck_closed_is_an_error():
 def test_a_motor_that_does_not_turn_is_not_taken_for_success():
     axis = Axis(X_PARAMETERS, start_steps=-100)
     axis.machine.lose_steps = True
-    with pytest.raises(EndstopError, match="motor does not turn"):
+    with raises_fault(faults.ENDSTOP_STUCK, error=EndstopError):
         axis.driver.homing(never)
 
 
@@ -62,14 +64,14 @@ def test_an_endstop_that_switches_at_another_place_the_second_time_is_an_error()
             axis.machine.endstop_steps = -30
         return False
 
-    with pytest.raises(EndstopError, match="does not always switch at the same place"):
+    with raises_fault(faults.ENDSTOP_INACCURATE, error=EndstopError):
         axis.driver.homing(slip)
     assert not axis.driver.homing_done
 
 
 def test_homing_can_be_stopped_at_any_step():
     axis = Axis(X_PARAMETERS)
-    with pytest.raises(MotionStopped, match="not homed"):
+    with raises_fault(faults.STOPPED, error=MotionStopped):
         axis.driver.homing(lambda: len(axis.machine.pulses) >= 50)
     assert len(axis.machine.pulses) == 50
     assert not axis.driver.homing_done
@@ -91,6 +93,6 @@ def test_an_endstop_that_stays_pressed_after_the_first_touch_is_an_error():
         axis.machine.stuck = True if len(axis.machine.pulses) > 620 else None
         return False
 
-    with pytest.raises(EndstopError, match="still pressed after backing off by 1 mm"):
+    with raises_fault(faults.ENDSTOP_STUCK, "1 mm", error=EndstopError):
         axis.driver.homing(stick)
     assert not axis.driver.homing_done

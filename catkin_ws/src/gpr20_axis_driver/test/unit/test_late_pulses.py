@@ -4,9 +4,11 @@ import itertools
 
 import pytest
 from axis_machine import X_PARAMETERS, Axis
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import NotHomedError, PositionLostError
 from gpr20_axis_driver.motion import never
 from gpr20_survey.axes.ramp import Ramp
@@ -95,7 +97,7 @@ def test_a_late_falling_edge_slows_down_too():
 @pytest.mark.parametrize("edge", [200, 201])
 def test_a_gap_at_speed_ends_the_move_and_the_position_is_no_longer_trusted(edge):
     axis = homed_axis()
-    with pytest.raises(PositionLostError, match="60 ms late .* home the axis"):
+    with raises_fault(faults.PULSE_LATE, 60, error=PositionLostError):
         move(axis, 300, at(edge, 0.06))
     assert not axis.driver.homing_done
     assert not axis.pulses.trusted
@@ -107,7 +109,7 @@ def test_a_gap_at_speed_ends_the_move_and_the_position_is_no_longer_trusted(edge
 
 def test_two_delays_of_one_step_add_up_to_a_gap():
     axis = homed_axis()
-    with pytest.raises(PositionLostError, match="60 ms late"):
+    with raises_fault(faults.PULSE_LATE, 60, error=PositionLostError):
         move(axis, 300, [*at(201, 0.03), 0.03])
 
 

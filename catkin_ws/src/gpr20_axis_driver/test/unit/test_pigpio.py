@@ -5,10 +5,12 @@ import random
 
 import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, DirectPulses, SteppedClock
+from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded_pigpio import OUTPUT, PUD_UP, RecordedPigpio
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     MotionStopped,
     PinLibraryError,
@@ -163,7 +165,7 @@ def test_the_endstop_pressed_in_a_move_ends_it(axis):
 def test_a_dead_daemon_is_an_error_that_names_it(axis):
     axis.driver.homing(never)
     axis.daemon.running = False
-    with pytest.raises(PulseProcessError, match="pigpiod"):
+    with raises_fault(faults.PIGPIO_FAILED, error=PulseProcessError):
         axis.driver.move_to_coordinate(1.0, never)
 
 
@@ -171,14 +173,14 @@ def test_a_daemon_that_does_not_run_is_an_error_at_the_start(tmp_path):
     daemon = RecordedPigpio(SteppedClock())
     daemon.running = False
     lock = lock_wave_transmitter(tmp_path / "lock")
-    with pytest.raises(PinLibraryError, match="systemctl start pigpiod"):
+    with raises_fault(faults.PIGPIO_FAILED, error=PinLibraryError):
         WaveRunner(daemon, lock, Z_PARAMETERS, SteppedClock(), Count())
     lock.close()
 
 
 def test_only_one_axis_gets_the_transmitter(tmp_path):
     first = lock_wave_transmitter(tmp_path / "lock")
-    with pytest.raises(PinLibraryError, match="one axis and rpi_gpio"):
+    with raises_fault(faults.PIGPIO_TAKEN, error=PinLibraryError):
         lock_wave_transmitter(tmp_path / "lock")
     first.close()
     lock_wave_transmitter(tmp_path / "lock").close()

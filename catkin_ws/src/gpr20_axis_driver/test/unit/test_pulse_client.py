@@ -13,8 +13,10 @@ from pathlib import Path
 
 import pytest
 from axis_machine import X_PARAMETERS
+from fault_kit import raises_fault
 from simulated_axis import LIMIT_S, SimulatedAxis, exists, wait_until
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisException,
     MotionStopped,
@@ -28,6 +30,7 @@ from gpr20_axis_driver.mid import pulse_client
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import never
+from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
@@ -125,7 +128,7 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
         os.kill(before, number)
         error = move.result()
         assert isinstance(error, PulseProcessError)
-        assert "home the axis" in str(error)
+        assert error.message.fault_code == faults.PULSES_ENDED.code
         assert axis.pins_low
         assert not exists(before)
         assert not axis.driver.homing_done
@@ -141,11 +144,25 @@ def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
     process_id = axis.pulses.process_id
     os.kill(process_id, signal.SIGKILL)
     wait_until(lambda: axis.driver.failure)
-    assert "ended by SIGKILL" in str(axis.driver.failure)
+    assert axis.driver.failure.fault_code == faults.PULSES_ENDED.code
+    assert "SIGKILL" in axis.driver.failure.details
     assert not axis.driver.homing_done
     axis.driver.homing(never)
     assert axis.driver.homing_done
     assert not axis.driver.failure
+
+
+def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(make, monkeypatch):
+    axis = make(AxisId.Z)
+
+    def refuse(*_arguments):
+        raise AxisException(Message("no pins"), fault=faults.PIGPIO_FAILED)
+
+    monkeypatch.setattr(type(axis.pulses._hardware), "open", refuse)
+    os.kill(axis.pulses.process_id, signal.SIGKILL)
+    wait_until(lambda: axis.pulses.failure and "no pins" in str(axis.pulses.failure))
+    assert axis.pulses.failure.fault_code == faults.PINS_NOT_LOW.code
+    assert axis.pulses.failure.may_move
 
 
 def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_path):
@@ -177,7 +194,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
     wait_until(lambda: axis.true_steps > 10)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     assert isinstance(move.result(), PulseProcessError)
-    with pytest.raises(ZeroUnknownError, match="set_zero"):
+    with raises_fault(faults.ZERO_UNKNOWN, "set_zero", error=ZeroUnknownError):
         axis.driver.homing(never)
     axis.driver.set_zero()
     assert axis.driver.homing_done
@@ -195,7 +212,7 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
     os.kill(axis.pulses.process_id, signal.SIGCONT)
     error = move.result()
     assert isinstance(error, PositionLostError)
-    assert "set_zero" in str(error)
+    assert error.message.fault_code == faults.ZERO_UNKNOWN.code
     assert axis.true_steps - halted <= 1
     assert not axis.driver.homing_done
 
@@ -211,7 +228,7 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
     os.kill(process_id, signal.SIGSTOP)
     error = move.result()
     assert isinstance(error, PulseProcessError)
-    assert "made no step" in str(error)
+    assert error.message.fault_code == faults.PULSES_STALLED.code
     assert not exists(process_id)
     assert axis.pins_low
 
@@ -219,7 +236,7 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
 def test_a_second_driver_of_the_same_axis_is_refused(make, monkeypatch):
     monkeypatch.setattr(pulse_client, "LOCK_LIMIT_S", 0.05)
     make(AxisId.X)
-    with pytest.raises(StepCounterError, match="another process drives this axis"):
+    with raises_fault(faults.DRIVEN_BY_OTHER, error=StepCounterError):
         make(AxisId.X)
 
 
@@ -248,7 +265,7 @@ def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, mo
 
 @pytest.mark.skipif(importlib.util.find_spec("RPi") is not None, reason="this is the robot")
 def test_a_missing_library_is_an_error_at_the_start_and_leaves_no_process():
-    with pytest.raises(PulseProcessError, match="robot:=simulated") as refusal:
+    with raises_fault(faults.NO_PIN_LIBRARY, error=PulseProcessError) as refusal:
         PulseClient(RobotHardware(X_PARAMETERS))
     # It comes from the other process with template and details.
     assert "RPi" in refusal.value.message.details

@@ -1,13 +1,18 @@
 """The step count in its file."""
 
+import errno
 import mmap
 
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_axis_driver.low import step_counter
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
+from gpr20_common.faults import DISK_FULL
 
 
 @pytest.fixture
@@ -54,7 +59,7 @@ def test_steps_of_another_size_are_not_trusted(path):
 
 def test_two_processes_cannot_drive_one_axis(path):
     memory = reopen(path)
-    with pytest.raises(StepCounterError, match="another process drives this axis"):
+    with raises_fault(faults.DRIVEN_BY_OTHER, path, error=StepCounterError):
         reopen(path)
     memory.close()
     reopen(path)
@@ -64,15 +69,25 @@ def test_two_processes_cannot_drive_one_axis(path):
 def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
     path.parent.mkdir()
     path.write_bytes(content)
-    with pytest.raises(StepCounterError, match="move it away"):
+    with raises_fault(faults.STEP_COUNT_UNKNOWN, path, error=StepCounterError):
         reopen(path)
     assert path.read_bytes() == content
 
 
 def test_a_place_that_cannot_be_written_is_an_error_that_names_it(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(StepCounterError, match="file/memory"):
-        reopen(tmp_path / "file" / "memory")
+    path = tmp_path / "file" / "memory"
+    with raises_fault(faults.STEP_COUNT_NOT_STORED, path, error=StepCounterError):
+        reopen(path)
+
+
+def test_a_full_disk_is_a_matter_of_the_disk(path, monkeypatch):
+    def full(*_arguments):
+        raise OSError(errno.ENOSPC, "no space")
+
+    monkeypatch.setattr(step_counter.os, "open", full)
+    with raises_fault(DISK_FULL, path, error=StepCounterError):
+        reopen(path)
 
 
 # How long a disk takes to flush is not this test's business.

@@ -2,7 +2,9 @@
 
 import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
+from fault_kit import raises_fault
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
     EndstopError,
@@ -15,7 +17,7 @@ from gpr20_axis_driver.motion import never
 
 def test_homing_is_refused_while_nobody_knows_the_rotation():
     axis = Axis(Z_PARAMETERS, start_steps=50)
-    with pytest.raises(ZeroUnknownError, match="to their mark and set the zero of this axis"):
+    with raises_fault(faults.ZERO_UNKNOWN, error=ZeroUnknownError):
         axis.driver.homing(never)
     assert axis.machine.pulses == []
     assert not axis.driver.homing_done
@@ -52,7 +54,7 @@ def test_after_a_gap_the_zero_must_be_set_again():
     axis.driver.set_zero()
     sleeps = iter([0.0] * 40 + [0.2])
     axis.clock.oversleep_s = lambda: next(sleeps, 0.0)
-    with pytest.raises(PositionLostError, match="to their mark and set the zero of this axis"):
+    with raises_fault(faults.ZERO_UNKNOWN, error=PositionLostError):
         axis.driver.move_to_coordinate(90.0, never)
     with pytest.raises(ZeroUnknownError):
         axis.driver.homing(never)
@@ -78,5 +80,5 @@ def test_the_zero_is_not_set_in_the_middle_of_a_turn():
 
 
 def test_an_axis_with_an_endstop_takes_its_zero_from_there_alone():
-    with pytest.raises(EndstopError, match="home the axis"):
+    with raises_fault(faults.ENDSTOP_SETS_ZERO, error=EndstopError):
         Axis(X_PARAMETERS).driver.set_zero()

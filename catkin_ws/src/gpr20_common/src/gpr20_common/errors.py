@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from gpr20_common.message import Message
+from typing import ClassVar, Optional
+
+from gpr20_common import faults
+from gpr20_common.message import Fault, Message
 
 
 class Gpr20Error(Exception):
@@ -12,13 +15,23 @@ class Gpr20Error(Exception):
     this class in one place and hand its message to the operator.
 
     Attributes:
-        message: What was refused or failed, why, and what to do. Its English text is what
-            `str` returns.
+        fault: What a program knows of it. Each class has its own; a raise can name a finer one.
+        message: What was refused or failed, why, and what to do, with the fault that it reports.
+            Its English text is what `str` returns.
     """
 
+    fault: ClassVar[Fault] = faults.INTERNAL
     message: Message
 
-    def __init__(self, message: Message) -> None:
+    def __init__(self, message: Message, fault: Optional[Fault] = None) -> None:
+        """Make the error.
+
+        Args:
+            message: If it reports a fault itself, as one that was received does, it keeps that.
+            fault: A finer one than that of the class.
+        """
+        if fault is not None or message.fault is None:
+            message = message.with_fault(fault or self.fault)
         super().__init__(message)
         self.message = message
 
@@ -29,10 +42,16 @@ class Gpr20Error(Exception):
 class InvalidValueError(Gpr20Error, ValueError):
     """A value that came from outside is not allowed."""
 
+    fault = faults.NOT_ALLOWED
+
 
 class NodeSilentError(Gpr20Error, OSError):
     """A node does not answer."""
 
+    fault = faults.NODE_SILENT
+
 
 class NodeGoneError(NodeSilentError):
     """A node has ended: nothing listens at its address, or the master does not know it."""
+
+    fault = faults.NODE_GONE

@@ -1,23 +1,28 @@
-"""Sentences for people: an English template with named values, which a client can translate."""
+"""Sentences for people, which a client can translate, and the fault behind one, for programs."""
 
 from __future__ import annotations
 
+import enum
 import json
 import re
-import string
-from dataclasses import dataclass
-from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Tuple, Union
+from dataclasses import dataclass, field, replace
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 # Between sentences in a row, such as two reasons for one refusal.
 BETWEEN_SENTENCES = "; "
 
-# A template from elsewhere may neither look into its values nor ask for a gigabyte of blanks.
-FIELD_FORMAT = re.compile(r"[<>+]?0?\d?\d?(\.\d\d?)?[defgs%]?")
-
-# More than any message of the robot has; the text of a received one is bounded by it.
-MAX_JSON_CHARACTERS = 16_384
-# Far deeper ones are read, but exceed the recursion limit where they are shown.
-MAX_DEPTH = 32
+CODE_FORMAT = re.compile(r"[a-z][a-z0-9_]{0,29}\.[a-z][a-z0-9_]{0,59}")
 
 Value = Union[str, int, float, "Message", Tuple["Message", ...]]
 
@@ -34,11 +39,13 @@ class Message:
         template: English, with fields as `str.format` knows them.
         values: What goes into the fields: text, numbers, and messages that are translated too.
         details: Technical words that are not translated: a command, an errno, a node's name.
+        fault: What the sentence reports, for programs; None if it reports no fault itself.
     """
 
     template: str
     values: Mapping[str, Value]
     details: str
+    fault: Optional[Fault] = field(compare=False)
 
     def __init__(self, template: str, /, *, details: object = "", **values: object) -> None:
         """Make the message; a value of another type than text, number or message becomes text.
@@ -50,6 +57,7 @@ class Message:
         object.__setattr__(self, "template", template)
         object.__setattr__(self, "values", {name: _value(one) for name, one in values.items()})
         object.__setattr__(self, "details", str(details))
+        object.__setattr__(self, "fault", None)
         # A fault in a template shows where it is written and not where it is read.
         self.sentence()
 
@@ -69,8 +77,86 @@ class Message:
         found = dict.fromkeys(one.details for one in self.nested() if one.details)
         return tuple(found)
 
+    def with_fault(self, fault: Optional[Fault]) -> Message:
+        """Return the same sentence, reporting this fault."""
+        copy = Message(self.template, details=self.details, **self.values)
+        object.__setattr__(copy, "fault", fault)
+        return copy
+
+    @property
+    def cause(self) -> Optional[Fault]:
+        """The fault that decides; None if neither this sentence nor one inside reports one.
+
+        It is the innermost that has a remedy, unless one around it replaces it or is graver. Of
+        several beside each other it is the most urgent, and the first of those.
+        """
+        own = self.fault
+        if own is not None and own.replaces:
+            return own
+        inside = [one for one in (inner.cause for inner in self._inner()) if one is not None]
+        known = [one for one in inside if one.remedy is not None]
+        deciding = _most_urgent(known)
+        if own is None or own.remedy is None:
+            return deciding or own or _most_urgent(inside)
+        return own if deciding is None or deciding.gravity < own.gravity else deciding
+
+    @property
+    def faults(self) -> Tuple[Fault, ...]:
+        """The faults that this sentence and those inside it report; none inside a replaced one."""
+        own = () if self.fault is None else (self.fault,)
+        if own and own[0].replaces:
+            return own
+        return own + tuple(fault for inner in self._inner() for fault in inner.faults)
+
+    @property
+    def fault_code(self) -> str:
+        """The code of the fault that decides; empty if there is none."""
+        return "" if self.cause is None else self.cause.code
+
+    @property
+    def remedy(self) -> Optional[Message]:
+        """What a person does first; None if no fault of the sentence says it."""
+        return None if self.cause is None else self.cause.remedy
+
+    @property
+    def failure(self) -> Optional[Message]:
+        """What did not succeed: the outermost sentences that report that, without those around.
+
+        None if the sentence reports at most notes and warnings.
+        """
+        failing = tuple(self._failing())
+        if len(failing) > 1:
+            return in_a_row(failing)
+        return failing[0] if failing else None
+
+    def as_warning(self) -> Message:
+        """Return the same sentence for something that the robot continues in spite of."""
+        cause = self.cause
+        if cause is None:
+            return self
+        return self.with_fault(
+            replace(
+                cause,
+                severity=Severity.WARNING,
+                may_move=self.may_move,
+                can_continue=True,
+                replaces=True,
+            )
+        )
+
+    @property
+    def may_move(self) -> bool:
+        """Whether something of the robot may still move."""
+        # What moves does so whatever the first step is.
+        return any(one.fault.may_move for one in self.nested() if one.fault is not None)
+
+    @property
+    def can_continue(self) -> bool:
+        """Whether the survey can continue when the causes are gone."""
+        return all(fault.can_continue for fault in self.faults)
+
     def to_json(self) -> str:
-        """Return template, values and details as JSON, as they travel on the ROS graph."""
+        """Return template, values, details and fault as JSON, as they travel on the ROS graph."""
         return json.dumps(self._record(), ensure_ascii=False)
 
     def __str__(self) -> str:
@@ -84,10 +170,21 @@ class Message:
     def nested(self) -> Iterator[Message]:
         """Yield this message and those inside it."""
         yield self
+        for inner in self._inner():
+            yield from inner.nested()
+
+    def _inner(self) -> Iterator[Message]:
         for value in self.values.values():
             for one in value if isinstance(value, tuple) else (value,):
                 if isinstance(one, Message):
-                    yield from one.nested()
+                    yield one
+
+    def _failing(self) -> Iterator[Message]:
+        if self.fault is not None and self.fault.severity is Severity.FAULT:
+            yield self
+        elif self.fault is None or not self.fault.replaces:
+            for inner in self._inner():
+                yield from inner._failing()
 
     def _record(self) -> Dict[str, Any]:
         record: Dict[str, Any] = {"template": self.template, "values": {}}
@@ -95,6 +192,61 @@ class Message:
             record["values"][name] = _sent(value)
         if self.details:
             record["details"] = self.details
+        if self.fault is not None:
+            record["fault"] = self.fault.record()
+        return record
+
+
+class Severity(enum.Enum):
+    """How much a fault matters."""
+
+    NOTE = "note"  # asked for, or harmless: nobody has to do anything
+    WARNING = "warning"  # the robot continues; somebody should look
+    FAULT = "fault"  # something did not succeed
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What a program knows of something that went wrong; people read the sentence that reports it.
+
+    Attributes:
+        code: `area.what`, such as `vna.not_calibrated`. It stays when the sentence is reworded.
+        remedy: What a person does first; None: a fault inside or around knows it.
+        severity: How much it matters.
+        may_move: Something of the robot may still move.
+        can_continue: The survey can continue when the cause is gone.
+        replaces: It decides, and not the faults inside its sentence.
+    """
+
+    code: str
+    remedy: Optional[Message] = None
+    severity: Severity = Severity.FAULT
+    may_move: bool = False
+    can_continue: bool = True
+    replaces: bool = False
+
+    def __post_init__(self) -> None:
+        if not CODE_FORMAT.fullmatch(self.code):
+            raise ValueError(f"the code {self.code!r} of a fault must have the form area.what")
+
+    @property
+    def gravity(self) -> int:
+        """What orders faults by their severity, the gravest last."""
+        return list(Severity).index(self.severity)
+
+    @property
+    def urgency(self) -> Tuple[bool, int]:
+        """What orders faults that are reported together, the most urgent last."""
+        return (self.may_move, self.gravity)
+
+    def record(self) -> Dict[str, Any]:
+        """Return it as JSON holds it; what has its usual value is left out."""
+        record: Dict[str, Any] = {"code": self.code, "severity": self.severity.value}
+        for name in ("may_move", "can_continue", "replaces"):
+            if getattr(self, name) != getattr(Fault, name):
+                record[name] = getattr(self, name)
+        if self.remedy is not None:
+            record["remedy"] = self.remedy._record()
         return record
 
 
@@ -108,46 +260,8 @@ def in_a_row(messages: Iterable[Message]) -> Message:
     return Message("{sentences}", sentences=tuple(messages))
 
 
-def received_message(text: str, message_json: str) -> Message:
-    """Return a message as it came from the ROS graph or out of a file.
-
-    Args:
-        text: The complete English text.
-        message_json: What `Message.to_json` returned. If it is empty, unreadable or too long,
-            the message is the text as it is.
-    """
-    if len(message_json) > MAX_JSON_CHARACTERS:
-        return verbatim(text)
-    try:
-        message = _message(json.loads(message_json))
-        # Half of a character, which JSON can hold, can be neither sent nor shown.
-        str(message).encode("utf-8")
-        return message
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
-        return verbatim(text)
-
-
-def _message(record: Any, depth: int = 1) -> Message:
-    if depth > MAX_DEPTH:
-        raise ValueError(f"messages are nested more than {MAX_DEPTH} levels deep")
-    fields = set()
-    for _words, name, field_format, _conversion in string.Formatter().parse(record["template"]):
-        if name is None:
-            continue
-        if not (name.isidentifier() and FIELD_FORMAT.fullmatch(str(field_format))):
-            raise ValueError(f"the field {name!r} of a template has no plain name or format")
-        # Each level of messages inside messages would double the text.
-        if name in fields and isinstance(record["values"][name], (dict, list)):
-            raise ValueError(f"the field {name!r} repeats a message")
-        fields.add(name)
-    values = {}
-    for name, value in record["values"].items():
-        if isinstance(value, dict):
-            value = _message(value, depth + 1)
-        elif isinstance(value, list):
-            value = tuple(_message(one, depth + 1) for one in value)
-        values[name] = value
-    return Message(record["template"], details=record.get("details", ""), **values)
+def _most_urgent(faults: Sequence[Fault]) -> Optional[Fault]:
+    return max(faults, key=lambda one: one.urgency) if faults else None
 
 
 def _value(value: object) -> Value:

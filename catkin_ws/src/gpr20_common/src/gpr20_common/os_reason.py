@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import errno
 
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES
 from gpr20_common.message import Message, verbatim
 
 _REASONS = {
     errno.EACCES: Message("permission denied"),
     errno.EPERM: Message("not permitted"),
-    errno.ENOSPC: Message("the disk is full"),
-    errno.EDQUOT: Message("the disk quota is used up"),
-    errno.EROFS: Message("the disk is read-only"),
+    errno.ENOSPC: Message("the disk is full").with_fault(DISK_FULL),
+    errno.EDQUOT: Message("the disk quota is used up").with_fault(DISK_FULL),
+    errno.EROFS: Message("the disk is read-only").with_fault(DISK_REFUSES),
     errno.EIO: Message("the disk or device has an input/output error"),
     errno.EEXIST: Message("the file exists already"),
     errno.ENOENT: Message("there is no such file or folder"),

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
-from gpr20_common.message import Message, in_a_row, received_message, verbatim
+from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
+from gpr20_common.sent_message import received_message
 
 SPANISH = {
     "the height {height_m:.3f} m is below {low_m:g} m": "la altura {height_m:.3f} m es menor de "
@@ -167,3 +168,23 @@ def test_an_error_carries_its_message():
     error = Gpr20Error(low_height("[Errno 5]"))
     assert error.message == low_height("[Errno 5]")
     assert str(error) == "the height 0.012 m is below 0.02 m ([Errno 5])"
+
+
+FULL = Message("full").with_fault(Fault("disk.full", Message("make space"), can_continue=False))
+ASKED = Message("asked for").with_fault(Fault("survey.asked", severity=Severity.NOTE))
+
+
+def test_what_did_not_succeed_is_the_outermost_sentence_that_says_so():
+    outer = Message("not stored: {reason}", reason=FULL).with_fault(Fault("trace.not_stored"))
+    assert Message("paused: {reason}", reason=outer).failure == outer
+    assert in_a_row([ASKED, FULL, outer]).failure == in_a_row([FULL, outer])
+    assert Message("{text}, {asked}", text=verbatim("x"), asked=ASKED).failure is None
+    assert Message("warning: {warning}", warning=outer.as_warning()).failure is None
+
+
+def test_a_sentence_knows_the_remedy_of_its_cause_and_whether_the_survey_can_continue():
+    paused = Message("paused: {reason}", reason=FULL)
+    assert paused.remedy == Message("make space") and not paused.can_continue
+    warning = paused.as_warning()
+    assert warning.remedy == Message("make space") and warning.can_continue
+    assert verbatim("x").remedy is None and ASKED.remedy is None and verbatim("x").can_continue

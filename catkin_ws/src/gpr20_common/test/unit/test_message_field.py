@@ -3,6 +3,9 @@
 import io
 
 import pytest
+from fault_kit import raises_fault
+
+from gpr20_common import faults
 
 pytest.importorskip("rospy")
 pytest.importorskip("sensor_msgs.msg")
@@ -11,8 +14,9 @@ import rospy
 from sensor_msgs.msg import BatteryState, Imu, Temperature
 from std_msgs.msg import Bool, Float64, Float64MultiArray, String, UInt8MultiArray
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.message_field import MessageField
+
+MISSING, UNKNOWN = faults.SENSOR_FIELD_MISSING, faults.SENSOR_TYPE_UNKNOWN
 
 
 def received(message):
@@ -43,34 +47,39 @@ def test_the_number_is_found(message, path, value):
 
 
 @pytest.mark.parametrize(
-    ("datatype", "path", "reason"),
+    ("datatype", "path", "fault", "shown"),
     [
-        ("std_msgs/Float64", "value", "has no field value; its fields are: data .float64."),
-        ("sensor_msgs/Imu", "angular_velocity.w", "its fields are: x .float64., y .float64."),
-        ("sensor_msgs/Imu", "angular_velocity", "is of type geometry_msgs/Vector3.*: x, y, z"),
-        ("std_msgs/String", "data", "is of type string, which is not a number"),
-        ("std_msgs/Header", "stamp", "is of type time, which is not a number"),
-        ("std_msgs/Float64", "data[0]", "is not a list, but of type float64"),
-        ("std_msgs/Float64", "data.x", "float64 has no field x"),
-        ("std_msgs/Float64MultiArray", "data", "is a list .float64.... choose one.* data.0."),
-        ("no_such_package/Float64", "data", "is not installed here"),
-        ("std_msgs/NoSuchType", "data", "is not installed here"),
+        ("std_msgs/Float64", "value", MISSING, "data (float64)"),
+        (
+            "sensor_msgs/Imu",
+            "angular_velocity.w",
+            faults.SENSOR_FIELD_MISSING,
+            "x (float64), y (float64)",
+        ),
+        ("sensor_msgs/Imu", "angular_velocity", MISSING, "x, y, z"),
+        ("std_msgs/String", "data", MISSING, "string"),
+        ("std_msgs/Header", "stamp", MISSING, "time"),
+        ("std_msgs/Float64", "data[0]", MISSING, "float64"),
+        ("std_msgs/Float64", "data.x", MISSING, "float64"),
+        ("std_msgs/Float64MultiArray", "data", MISSING, "data[0]"),
+        ("no_such_package/Float64", "data", UNKNOWN, "no_such_package/Float64"),
+        ("std_msgs/NoSuchType", "data", UNKNOWN, "std_msgs/NoSuchType"),
     ],
 )
-def test_a_field_that_is_not_there_is_named_with_those_that_are(datatype, path, reason):
-    with pytest.raises(InvalidValueError, match=reason):
+def test_a_field_that_is_not_there_is_named_with_those_that_are(datatype, path, fault, shown):
+    with raises_fault(fault, shown):
         MessageField(datatype, path)
 
 
 def test_messages_of_another_type_are_named():
-    with pytest.raises(InvalidValueError, match="std_msgs/String arrive instead of std_msgs/Float"):
+    with raises_fault(faults.SENSOR_TYPE_DIFFERS, "std_msgs/String", "std_msgs/Float64"):
         MessageField("std_msgs/Float64", "data").read(received(String("1")))
 
 
 def test_damaged_and_short_messages_are_refused():
     damaged = received(Float64(1.0))
     damaged._buff = damaged._buff[:-1]
-    with pytest.raises(InvalidValueError, match="does not hold data"):
+    with raises_fault(MISSING, "data"):
         MessageField("std_msgs/Float64", "data").read(damaged)
-    with pytest.raises(InvalidValueError, match="does not hold data.3."):
+    with raises_fault(MISSING, "data[3]"):
         MessageField("std_msgs/Float64MultiArray", "data[3]").read(received(Float64MultiArray()))

@@ -9,6 +9,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from fault_kit import raises_fault
+
+from gpr20_common import faults
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.srv")
@@ -75,7 +78,7 @@ def service(monkeypatch):
 def test_a_call_that_is_not_answered_in_time_ends_and_so_does_its_connection(service):
     client = ServiceClient("stop", Command)
     begun_s = time.monotonic()
-    with pytest.raises(ServiceUnavailableError, match=r"did not answer within 0\.3 s"):
+    with raises_fault(faults.SERVICE_SILENT, "stop", 0.3, error=ServiceUnavailableError):
         client.call(SHORT_S)
     assert time.monotonic() - begun_s < LIMIT_S
     assert service.ended.wait(LIMIT_S)
@@ -104,7 +107,7 @@ def test_a_call_whose_delivery_counts_more_than_its_answer_is_not_given_up(servi
 def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(service):
     service.answer_header.clear()
     client = ServiceClient("stop_survey", Command, discard_late=False)
-    with pytest.raises(ServiceUnavailableError, match="did not answer"):
+    with raises_fault(faults.SERVICE_SILENT):
         client.call(SHORT_S / 3)
     service.answer_header.set()
     deadline_s = time.monotonic() + LIMIT_S
@@ -116,7 +119,7 @@ def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(ser
 def test_a_service_that_refuses_connections_is_told_within_the_limit(service):
     service.listener.close()
     begun_s = time.monotonic()
-    with pytest.raises(ServiceUnavailableError, match="could not be called|did not answer"):
+    with pytest.raises(ServiceUnavailableError):
         ServiceClient("get_height", Command).call(SHORT_S)
     assert time.monotonic() - begun_s < LIMIT_S
 
@@ -289,7 +292,7 @@ def test_a_connection_without_an_answer_in_time_is_not_used_again(graph):
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
     call(client, "a")
     graph.node.answering.clear()
-    with pytest.raises(ServiceUnavailableError, match="did not answer"):
+    with raises_fault(faults.SERVICE_SILENT):
         call(client, "b", SHORT_S)
     hung = graph.replace()
     # The late answer to `b` is not taken for that to `c`.

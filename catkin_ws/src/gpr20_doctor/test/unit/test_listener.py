@@ -1,6 +1,7 @@
 """What the nodes report becomes facts; waiting ends when enough is known."""
 
 import json
+import math
 
 import pytest
 
@@ -11,6 +12,7 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.listener import WATCH_S, Listener, without_master
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.output import as_json, lines
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 
@@ -82,6 +84,15 @@ def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener
     assert facts.clock_offsets_s == {"height_sensor": -0.2, "sensors/gnss": 0.1}
 
 
+def test_the_last_state_of_axes_and_height_counts(listener):
+    assert listener.facts().axes == {} and math.isnan(listener.facts().height_m)
+    for homed in (False, True):
+        listener.note_axis(AxisId.X, AxisPosition(1.0, homed, False))
+        listener.note_height(0.2)
+    assert listener.facts().axes == {AxisId.X: AxisPosition(1.0, True, False)}
+    assert listener.facts().height_m == 0.2
+
+
 def test_the_next_reports_are_waited_for_within_a_limit(listener, clock):
     report_all(listener)
     listener.wait_for_next(["height_sensor"], 2.0)
@@ -111,6 +122,7 @@ def test_findings_are_printed_as_json():
     assert record["status"] == 2
     assert record["findings"][0] == {
         "check": "spi",
+        "fault_code": "",
         "level": "FAULT",
         "text": "no bus",
         "details": "ENOENT",

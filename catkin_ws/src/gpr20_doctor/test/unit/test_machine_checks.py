@@ -8,8 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import SAME, facts
 
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Level, Unknown
 from gpr20_doctor.mid.findings import GOOD, exit_status, findings
 from gpr20_doctor.mid.machine_facts import (
@@ -56,6 +58,19 @@ def test_a_healthy_computer_is_good():
     found = findings(None, HEALTHY)
     assert {one.level for one in found} == {Level.OK}
     assert exit_status(found) == GOOD
+
+
+@pytest.mark.parametrize(
+    ("disk", "fault"),
+    [
+        (replace(DISK, free_bytes=10), DISK_FULL),
+        (replace(DISK, trace_s=1.5), faults.DISK_TOO_SLOW),
+        (replace(DISK, trace_s=float("inf")), faults.DISK_TOO_SLOW),
+    ],
+)
+def test_a_bad_disk_has_the_code_and_the_remedy_of_its_fault(disk, fault):
+    worst = findings(None, replace(HEALTHY, disk=disk))[0]
+    assert (worst.text.fault_code, worst.remedy) == (fault.code, fault.remedy)
 
 
 @pytest.mark.parametrize("use", [HardwareUse.SIMULATED, HardwareUse.ELSEWHERE, HardwareUse.NO_PI])

@@ -1,18 +1,24 @@
 """Each fault that the nodes report has a finding with a remedy, the worst first."""
 
+import math
 from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common import faults as common_faults
+from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AnalyzerFacts, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_survey import faults as survey_faults
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.trace.calibration import CalibrationStatus
 
 OK, WARN, ERROR, STALE = HealthLevel
 VNA, STORAGE, HEIGHT, X_AXIS = (
@@ -24,10 +30,20 @@ VNA, STORAGE, HEIGHT, X_AXIS = (
 VALUES = {
     VNA: {"calibration": "HIGH"},
     STORAGE: {"free disk [MB]": "20000"},
-    X_AXIS: {"homed": "True", "endstop": "open", "coordinate [mm]": "200.0"},
-    "y_axis/axis_driver": {"homed": "True", "endstop": "pressed", "coordinate [mm]": "0.0"},
-    HEIGHT: {"height [m]": "0.2000"},
 }
+AXES = {
+    AxisId.X: AxisPosition(200.0, True, False),
+    AxisId.Y: AxisPosition(0.0, True, False),
+    AxisId.Z: AxisPosition(0.0, True, False),
+}
+ENDSTOPS = {AxisId.X: EndstopSeen(False), AxisId.Y: EndstopSeen(True)}
+CLOSED = {**ENDSTOPS, AxisId.X: EndstopSeen(True)}
+NOT_HOMED = {**AXES, AxisId.X: AxisPosition(0.0, False, False)}
+NOTED = Message("not used").with_fault(
+    Fault("vna.not_used", Message("Nothing to do."), Severity.NOTE)
+)
+FAILED = Message("it failed").with_fault(Fault("vna.failed", Message("Look at it.")))
+UNHOMED = Message("lost").with_fault(survey_faults.NOT_HOMED).as_warning()
 SAME = NodeSoftware("0.1.0", "abc", "robot")
 
 
@@ -45,6 +61,9 @@ def facts(nodes=None, **changes):
         "surveying": False,
         "nodes": tuple(reports.values()),
         "software": {name: SAME for name in EXPECTED_NODES},
+        "axes": AXES,
+        "endstops": ENDSTOPS,
+        "height_m": 0.2,
         **changes,
     }
     return RobotFacts(**known)
@@ -79,7 +98,7 @@ def test_without_the_master_nothing_is_called_good():
 
 
 OTHER = {VNA: NodeSoftware("0.1.0", "abc", "pc"), HEIGHT: NodeSoftware("0.1.0", "def", "pi")}
-LOST = AnalyzerFacts("", "", Message("no connection to the VNA"))
+LOST = AnalyzerTest("", failure=FAILED)
 CASES = [
     ({"master_alive": False}, Level.FAULT, "ROS master"),
     ({"control_alive": False}, Level.FAULT, "no contact with the main control"),
@@ -88,30 +107,24 @@ CASES = [
     ({"simulated": True}, Level.NOTE, "is simulated"),
     (report(HEIGHT, STALE), Level.FAULT, "does not report"),
     (report(HEIGHT, ERROR, "out"), Level.FAULT, "Height sensor: out"),
-    (report(X_AXIS, WARN, Message("not homed")), Level.NOTE, "not homed"),
-    (report(VNA, WARN, Message("not connected")), Level.NOTE, "not connected"),
-    (report(HEIGHT, WARN, Message("no height measured yet")), Level.UNKNOWN, "no height"),
+    (report(X_AXIS, WARN, UNHOMED), Level.NOTE, "X axis: lost"),
+    ({**report(X_AXIS, WARN, FAILED), "axes": NOT_HOMED}, Level.WARNING, "X axis: it failed"),
+    (report(X_AXIS, WARN, "late"), Level.WARNING, "X axis: late"),
+    (report(VNA, WARN, NOTED), Level.NOTE, "not used"),
+    (report(VNA, WARN, FAILED), Level.WARNING, "it failed"),
+    ({"height_m": math.nan}, Level.UNKNOWN, "has not been measured"),
     (report(HEIGHT, WARN, "odd"), Level.WARNING, "Height sensor: odd"),
-    (report(HEIGHT, values={"height [m]": "1.9"}), Level.WARNING, "height of the antennas is 1.9"),
-    (report(VNA, values={"calibration": "NONE"}), Level.FAULT, "no calibration"),
-    (report(VNA, values={"calibration": "LOW"}), Level.WARNING, "10 °C"),
-    (report(VNA, values={"calibration": "new word"}), Level.WARNING, "new word"),
+    ({"height_m": 1.9}, Level.WARNING, "height of the antennas is 1.9"),
+    (report(VNA, values={"calibration": "new word"}), Level.UNKNOWN, "new word"),
     (report(VNA, values={"calibration": ""}), Level.UNKNOWN, "not been read"),
     (report(VNA, values={"identity": "A,SIMULATED,1"}), Level.FAULT, "not both simulated"),
-    ({"analyzer": LOST}, Level.FAULT, "Test of the VNA: no connection"),
+    ({"analyzer": LOST}, Level.FAULT, "Test of the VNA: it failed"),
     (report(STORAGE, values={"free disk [MB]": "100"}), Level.FAULT, "0.1 GB"),
     (report(STORAGE, values={"free disk [MB]": "4000"}), Level.WARNING, "4.0 GB"),
     (report(STORAGE, values={"free disk [MB]": ""}), Level.UNKNOWN, "disk space is not known"),
-    (
-        report(X_AXIS, values={"endstop": "pressed"}),
-        Level.FAULT,
-        "endstop of the X axis is closed at 200 mm",
-    ),
-    (
-        report(X_AXIS, values={"endstop": "pressed", "homed": "False"}),
-        Level.WARNING,
-        "closed; it is not homed",
-    ),
+    (report(STORAGE, values={"free disk [MB]": "inf"}), Level.UNKNOWN, "disk space is not known"),
+    ({"endstops": CLOSED}, Level.FAULT, "endstop of the X axis is closed at 200 mm"),
+    ({"endstops": CLOSED, "axes": NOT_HOMED}, Level.WARNING, "closed; it is not homed"),
     ({"clock_offsets_s": {HEIGHT: 0.1, VNA: -75.0}}, Level.WARNING, "VNA driver differs"),
     ({"software": OTHER}, Level.WARNING, "0.1.0 (abc) on pc; 0.1.0 (def) on pi"),
     ({"software": {VNA: NodeSoftware()}}, Level.UNKNOWN, "VNA driver does not say"),
@@ -126,6 +139,8 @@ def test_each_fault_is_found(changes, level, words):
     assert fault.level is level
     assert found[0].level is level
     assert fault.remedy is not None
+    if level in (Level.FAULT, Level.WARNING) and fault.text.cause is not None:
+        assert fault.remedy == fault.text.remedy
     expected = {Level.FAULT: BAD, Level.NOTE: GOOD}.get(level, DOUBTFUL)
     assert exit_status(found) == expected
 
@@ -138,15 +153,66 @@ def test_an_endstop_that_changes_while_it_is_watched_works():
 
 
 def test_a_test_of_the_vna_counts_more_than_what_its_driver_remembers():
-    tested = facts(analyzer=AnalyzerFacts("Anritsu", "LOW"))
+    tested = facts(analyzer=AnalyzerTest("", "Anritsu", "LOW"))
     assert findings(tested, None)[0].level is Level.WARNING
 
 
-WORDS = st.sampled_from(["", "1", "0.2", "-3", "nan", "inf", "True", "pressed", "HIGH", "x" * 30])
-KEYS = st.sampled_from(
-    ["height [m]", "calibration", "identity", "free disk [MB]", "endstop", "homed"]
-    + ["coordinate [mm]", "voltage [V]"]
+@pytest.mark.parametrize("level", [WARN, ERROR])
+def test_the_remedy_that_came_with_a_fault_is_shown(level):
+    (found,) = [one for one in findings(facts(**report(VNA, level, FAILED)), None) if one.remedy]
+    assert found.remedy == Message("Look at it.")
+    assert found.text.fault_code == "vna.failed"
+
+
+@pytest.mark.parametrize("status", CalibrationStatus)
+def test_a_calibration_has_level_code_and_remedy_of_its_fault(status):
+    found = findings(facts(**report(VNA, values={"calibration": status.name})), None)
+    (one,) = [one for one in found if one.check == "calibration"]
+    assert one.text.values["state"] == status.meaning
+    fault = one.text.cause
+    assert (fault is None) == (status is CalibrationStatus.HIGH)
+    assert one.remedy == (None if fault is None else fault.remedy)
+    assert (one.level is Level.FAULT) == (status is CalibrationStatus.NONE)
+    assert (fault == survey_faults.NOT_CALIBRATED) == (status is CalibrationStatus.NONE)
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"master_alive": False}, faults.NO_MASTER),
+        ({"control_alive": False}, common_faults.NODE_SILENT),
+        (report(HEIGHT, STALE), common_faults.NODE_SILENT),
+        (report(STORAGE, values={"free disk [MB]": "100"}), common_faults.DISK_FULL),
+        (report(STORAGE, values={"free disk [MB]": "4000"}), common_faults.DISK_FULL),
+        ({"height_m": 1.9}, faults.HEIGHT_UNUSUAL),
+        ({"endstops": CLOSED}, faults.ENDSTOP_CLOSED),
+        ({"endstops": CLOSED, "axes": NOT_HOMED}, faults.ENDSTOP_DOUBTFUL),
+        ({"clock_offsets_s": {VNA: -75.0}}, faults.CLOCKS_DIFFER),
+        ({"software": OTHER}, common_faults.SOFTWARE_DIFFERS),
+        (report(VNA, values={"identity": "A,SIMULATED,1"}), faults.IDENTITY_WRONG),
+        (report(VNA, values={"calibration": "NOT_REPORTED"}), faults.CALIBRATION_UNKNOWN),
+    ],
 )
+def test_what_the_doctor_finds_has_the_code_and_the_remedy_of_its_fault(changes, fault):
+    worst = findings(facts(**changes), None)[0]
+    assert (worst.text.fault_code, worst.remedy) == (fault.code, fault.remedy)
+
+
+def test_what_a_survey_does_by_itself_has_the_remedy_of_its_fault():
+    found = findings(facts(**report(X_AXIS, WARN, UNHOMED), height_m=math.nan), None)
+    remedies = {one.check: one.remedy for one in found}
+    assert remedies[X_AXIS] == survey_faults.NOT_HOMED.remedy
+    assert remedies["height"] == survey_faults.HEIGHT_NOT_MEASURED.remedy
+    assert "SERVICE" in str(remedies["height"])
+
+
+def test_a_sensor_that_reports_a_fault_is_not_also_said_to_have_no_height():
+    broken = facts(**report(HEIGHT, ERROR, "broken"), height_m=math.nan)
+    assert "height" not in {one.check for one in findings(broken, None)}
+
+
+WORDS = st.sampled_from(["", "1", "0.2", "-3", "nan", "inf", "True", "pressed", "HIGH", "x" * 30])
+KEYS = st.sampled_from(["calibration", "identity", "free disk [MB]", "voltage [V]"])
 HEALTHS = st.builds(
     NodeHealth,
     st.sampled_from([*EXPECTED_NODES, "simulator"]),
@@ -166,7 +232,12 @@ ROBOTS = st.builds(
     endstops=st.dictionaries(
         st.sampled_from(AxisId), st.builds(EndstopSeen, st.booleans(), st.integers(0, 3))
     ),
-    analyzer=st.none() | st.builds(AnalyzerFacts, WORDS, WORDS, MESSAGES),
+    axes=st.dictionaries(
+        st.sampled_from(AxisId),
+        st.builds(AxisPosition, st.floats(), st.booleans(), st.booleans()),
+    ),
+    height_m=st.floats(),
+    analyzer=st.none() | st.builds(AnalyzerTest, WORDS, WORDS, WORDS, failure=MESSAGES),
 )
 
 

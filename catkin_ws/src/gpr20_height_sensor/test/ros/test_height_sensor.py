@@ -12,7 +12,8 @@ import rospy
 import rostest
 from sensor_msgs.msg import Range
 
-from gpr20_common.high.graph_message import message_from
+from gpr20_common.sent_message import message_from
+from gpr20_height_sensor import faults
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_msgs.srv import GetHeight
 from gpr20_simulator.srv import SetFault
@@ -82,7 +83,7 @@ class HeightSensorTest(unittest.TestCase):
         self.fault("stuck")
         answer = type(self).get_height()
         self.assertFalse(answer.success)
-        self.assertIn("stuck", answer.message)
+        self.assertEqual(answer.fault_code, faults.SENSOR_OFF.code)
         self.assertTrue(math.isnan(answer.height_m))
         self.wait_for_range(math.isnan)
         self.fault("none")
@@ -93,9 +94,9 @@ class HeightSensorTest(unittest.TestCase):
         self.fault("out_of_range")
         answer = type(self).get_height()
         self.assertFalse(answer.success)
-        self.assertIn("it measures from 0.1 to 0.8 m", answer.message)
+        self.assertEqual(answer.fault_code, faults.OUT_OF_RANGE.code)
         message = message_from(answer)
-        self.assertIn("it measures from {nearest_m:g} to", message.template)
+        self.assertEqual(message.fault_code, answer.fault_code)
         self.assertEqual(message.values["nearest_m"], 0.1)
 
 

@@ -7,8 +7,11 @@ import types
 from typing import ClassVar
 
 import pytest
+from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import NOT_ALLOWED
+from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import SpiError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, open_spi_bus
 
@@ -51,24 +54,24 @@ def test_reads_ten_bits_whatever_floats_before_them(code, floating):
     "reply", [[255, 255, 255], [0, 4, 0], [], [0, 0], [0, 0, 0, 0], [0, 0, 256], [0, 0, -1]]
 )
 def test_refuses_a_reply_that_no_converter_gives(reply):
-    with pytest.raises(SpiError):
+    with raises_fault(faults.CONVERTER_FAILED, error=SpiError):
         AdcInterface(FakeSpi(reply), 0).read_code()
 
 
 def test_a_failing_bus_is_our_error():
-    with pytest.raises(SpiError, match="check its wiring"):
+    with raises_fault(faults.CONVERTER_FAILED, "broken", error=SpiError):
         AdcInterface(FakeSpi(OSError("broken")), 0).read_code()
 
 
 @pytest.mark.parametrize("channel", [-1, 8])
 def test_refuses_a_channel_that_does_not_exist(channel):
-    with pytest.raises(InvalidValueError, match=f"is {channel}; it must lie between 0 and 7"):
+    with raises_fault(NOT_ALLOWED, channel, 0, 7, error=InvalidValueError):
         AdcInterface(FakeSpi([0, 0, 0]), channel)
 
 
 def test_a_missing_library_is_a_clear_error(monkeypatch):
     monkeypatch.setitem(sys.modules, "spidev", None)
-    with pytest.raises(SpiError, match="setup.sh --robot"):
+    with raises_fault(faults.NO_SPI_LIBRARY, error=SpiError):
         open_spi_bus(0, 0, 1_000_000)
 
 
@@ -110,6 +113,6 @@ def test_opens_the_bus_with_clock_and_mode(spidev):
 
 def test_a_bus_that_cannot_be_opened_is_named_and_released(spidev, monkeypatch):
     monkeypatch.setattr(FakeSpiDev, "failure", FileNotFoundError("no such file"))
-    with pytest.raises(SpiError, match="/dev/spidev0.1 cannot be opened"):
+    with raises_fault(faults.SPI_REFUSED, "/dev/spidev0.1", error=SpiError):
         open_spi_bus(0, 1, 1_000_000)
     assert FakeSpiDev.instances[0].closed

@@ -6,11 +6,13 @@ import threading
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import (
     HeightError,
     HeightStoppedError,
@@ -111,20 +113,20 @@ def test_readings_of_zero_in_the_minority_are_outvoted():
 @pytest.mark.parametrize("others", [0, 1, 2])
 def test_a_reading_stuck_at_a_rail_is_no_height(rail, others):
     driver, _ = driver_with([rail] * (5 - others) + [code_at(0.2)] * others)
-    with pytest.raises(SensorStuckError, match="stuck"):
+    with raises_fault(faults.SENSOR_OFF, rail, error=SensorStuckError):
         driver.take_measurement()
 
 
 @pytest.mark.parametrize("distance_m", [0.085, 0.09, 0.85, 1.6])
 def test_a_distance_that_the_sensor_cannot_measure_is_no_height(distance_m):
     driver, _ = driver_with([code_at(distance_m)] * 5)
-    with pytest.raises(SensorRangeError, match="it measures from 0.1 to 0.8 m"):
+    with raises_fault(faults.OUT_OF_RANGE, 0.1, 0.8, error=SensorRangeError):
         driver.take_measurement()
 
 
 def test_scattered_readings_are_no_height_however_few_agree():
     driver, _ = driver_with([code_at(d) for d in (0.15, 0.2, 0.3, 0.45, 0.6)])
-    with pytest.raises(SensorNoiseError, match="scatter"):
+    with raises_fault(faults.NOISY, error=SensorNoiseError):
         driver.take_measurement()
 
 
@@ -156,7 +158,7 @@ def test_the_very_same_code_for_ever_is_no_height_and_another_code_ends_that():
     for _ in range(5):
         driver.take_measurement()
     for count in (30, 35):
-        with pytest.raises(SensorStuckError, match=f"last {count} readings .* put a hand"):
+        with raises_fault(faults.SENSOR_FROZEN, count, error=SensorStuckError):
             driver.take_measurement()
     assert driver.take_measurement().height_m == pytest.approx(0.2, abs=0.001)
 

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_imaging import faults
 
 
 class ImagingError(Gpr20Error):
     """A request to the imaging node was refused or failed."""
 
+    fault = faults.FAILED
+
 
 class CancelledError(ImagingError):
     """A request was cancelled."""
 
+    fault = faults.CANCELLED
+
 
 class ExportFailedError(ImagingError, OSError):
     """A survey could not be written to a stick."""
+
+    fault = faults.STICK_FAILED

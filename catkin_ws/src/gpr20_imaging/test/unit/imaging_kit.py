@@ -7,15 +7,30 @@ import stat
 import sys
 import uuid
 
+from candidate_examples import candidate, candidate_list
+
+from gpr20_common.message import Fault, Message
+from gpr20_common.sent_message import message_fields
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_survey.results.candidate_json import json_text
 
+REFUSAL = Message("no {what}", what="permittivity").with_fault(
+    Fault("test.refused", Message("Give the permittivity."))
+)
 # It does what its first line says: focus answers, report and candidates write their output.
 PROGRAM = """#!{python}
 import json, os, sys, time
+def listed(survey, note):
+    found = json.loads({listed!r})
+    found["survey_id"] = json.load(open(survey + "/survey.json"))["survey_id"]
+    return json.dumps(dict(found, notes=note))
 mode = open({mode!r}).read()
 if mode == "refuse":
-    sys.exit(print("the permittivity cannot be estimated", file=sys.stderr) or 3)
+    print("the permittivity cannot be estimated", file=sys.stderr)
+    sys.exit(print({refusal!r} if "--json" in sys.argv else "") or 3)
+if mode == "crash":
+    sys.exit(print("Killed by a test", file=sys.stderr) or 7)
 if mode == "hang":
     open({started!r}, "w").write(str(os.getpid()))
     time.sleep(600)
@@ -24,18 +39,19 @@ if sys.argv[1] == "focus":
         request = json.loads(line)
         open({asked!r}, "a").write(line)
         if mode == "error":
-            record = {{"template": "too few {{what}}", "values": {{"what": "traces"}}}}
-            print(json.dumps({{"error": json.dumps(record)}}), flush=True)
+            print({refusal!r}, flush=True)
             continue
         if mode == "die":
             sys.exit(print("Killed by a test", file=sys.stderr) or 7)
         open(request["levels"], "wb").write(bytes(range(4)) * 8)
         answer = dict(traces=os.getpid(), x_mm=[1.0, 2.0], y_mm=[1.0, 2.0], depth_mm=[0.0, 3.0])
-        print(json.dumps(dict(answer, candidates="{{}}")), flush=True)
+        answer["candidates_json"] = "{{}}" if mode == "damage" else listed(request["survey"], [])
+        print(json.dumps(answer), flush=True)
     sys.exit()
 for place in [sys.argv[at + 1] for at, one in enumerate(sys.argv) if one == "-o"]:
     open(place, "w").write(" ".join(sys.argv[1:]) + " No echo does not mean no mine")
-print(json.dumps(sys.argv[1:]))
+if sys.argv[1] == "candidates":
+    print("{{}}" if mode == "damage" else listed(sys.argv[2], sys.argv[1:]))
 print("note: a remark", file=sys.stderr)
 sys.exit(1)
 """
@@ -55,6 +71,8 @@ class FakeCommand:
                 mode=str(self._mode),
                 started=str(self.started),
                 asked=str(self.asked),
+                refusal=json.dumps({"error": message_fields(REFUSAL)}),
+                listed=json_text(candidate_list([candidate()])),
             )
         )
         program.chmod(program.stat().st_mode | stat.S_IXUSR)

@@ -6,9 +6,11 @@ import threading
 import zipfile
 
 import pytest
+from fault_kit import raises_fault
 from imaging_kit import store_survey
 
-from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
+from gpr20_imaging import faults
+from gpr20_imaging.errors import CancelledError, ExportFailedError
 from gpr20_imaging.low import stick_files
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.mid.export_kind import ExportKind
@@ -45,8 +47,8 @@ def test_every_kind_is_written_with_its_checksum(tmp_path, exporter, sticks, sta
         assert line == f"{hashlib.sha256(content).hexdigest()}  {name.split('/')[1]}\n"
     assert len(files_of(stick)) == 2 * len(names)
     report = (stick / names[0]).read_text()
-    assert "--leave-out-missing --language es --permittivity=4" in report
-    assert str(stages[-1]) == "waiting until the USB stick has stored everything"
+    assert "--json --leave-out-missing --language es --permittivity=4" in report
+    assert len(stages) == 2 * len(names)
 
 
 def test_the_zip_file_holds_the_whole_survey(tmp_path, exporter, sticks):
@@ -73,10 +75,19 @@ def test_a_second_export_replaces_the_first(tmp_path, exporter, sticks):
     assert len(files_of(stick)) == 2
 
 
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.ENODEV, errno.EFBIG])
+@pytest.mark.parametrize(
+    ("number", "fault"),
+    [
+        (errno.ENOSPC, faults.STICK_FULL),
+        (errno.EIO, faults.STICK_FAILED),
+        (errno.ENODEV, faults.STICK_FAILED),
+        (errno.EDQUOT, faults.STICK_FAILED),
+        (errno.EFBIG, faults.STICK_FORMAT),
+    ],
+)
 @pytest.mark.parametrize("at", [0, 1, 2, 3])
 def test_no_file_has_its_name_when_the_stick_fails(
-    tmp_path, exporter, sticks, monkeypatch, number, at
+    tmp_path, exporter, sticks, monkeypatch, number, fault, at
 ):
     folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
     written = []
@@ -89,7 +100,7 @@ def test_no_file_has_its_name_when_the_stick_fails(
         return real(self, data)
 
     monkeypatch.setattr(stick_files.SummedFile, "write", write)
-    with pytest.raises(ExportFailedError, match="full|removed|too large"):
+    with raises_fault(fault, stick.name, error=ExportFailedError):
         exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), Cancellation())
     assert files_of(stick) == []
 
@@ -108,7 +119,7 @@ def test_a_file_system_that_becomes_full_keeps_only_whole_files(tmp_path, export
     folder = store_survey(tmp_path / "data")
     (folder / "survey.bag").write_bytes(os.urandom(5_000_000))
     wanted = (ExportKind.REPORT_HTML, ExportKind.SURVEY_ZIP)
-    with pytest.raises(ExportFailedError, match="is full"):
+    with raises_fault(faults.STICK_FULL, small_stick.name, error=ExportFailedError):
         exporter.export(request_for(folder, small_stick, *wanted), Cancellation())
     left = files_of(small_stick)
     assert [one.split("SIMULATED_")[1] for one in left] == ["report.html", "report.html.sha256"]
@@ -127,7 +138,7 @@ def test_a_file_system_that_goes_away_is_noticed(
 
     monkeypatch.setattr(stick_files, "copy_file", copy)
     # It is still listed, as another device: that of the folder below.
-    with pytest.raises(ImagingError, match="replaced"):
+    with raises_fault(faults.STICK_GONE, small_stick):
         exporter.export(request_for(folder, small_stick, ExportKind.REPORT_HTML), Cancellation())
     assert files_of(small_stick) == []
     subprocess.run(["mount", "-t", "tmpfs", "tmpfs", str(small_stick)], check=True)
@@ -140,7 +151,7 @@ def test_a_full_stick_is_refused_before_anything_is_written(
     real = os.statvfs(str(stick))
     full = os.statvfs_result((*real[:4], 1, *real[5:]))
     monkeypatch.setattr(os, "statvfs", lambda _path: full)
-    with pytest.raises(ExportFailedError, match="MB are needed"):
+    with raises_fault(faults.STICK_FULL, stick.name, error=ExportFailedError):
         exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
     assert files_of(stick) == []
 
@@ -156,7 +167,7 @@ def test_a_stick_that_is_removed_leaves_no_file_on_the_disk_below(
         sticks.pull_out()
 
     monkeypatch.setattr(stick_files, "copy_file", copy)
-    with pytest.raises(ImagingError, match="not mounted any more"):
+    with raises_fault(faults.STICK_GONE, stick):
         exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
     assert files_of(stick) == []
 
@@ -178,7 +189,7 @@ def test_a_survey_that_changes_meanwhile_is_refused(tmp_path, exporter, sticks, 
         return real(self, data)
 
     monkeypatch.setattr(stick_files.SummedFile, "write", write)
-    with pytest.raises(ExportFailedError, match="changed while it was exported"):
+    with raises_fault(faults.SURVEY_CHANGES, error=ExportFailedError):
         exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), Cancellation())
     assert files_of(stick) == []
 
@@ -186,7 +197,7 @@ def test_a_survey_that_changes_meanwhile_is_refused(tmp_path, exporter, sticks, 
 def test_a_refusal_of_the_analysis_is_passed_on(tmp_path, exporter, sticks, command):
     folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
     command.mode = "refuse"
-    with pytest.raises(ImagingError, match="permittivity cannot be estimated"):
+    with raises_fault("test.refused"):
         exporter.export(request_for(folder, stick, ExportKind.REPORT_PDF), Cancellation())
     assert files_of(stick) == []
 

@@ -9,10 +9,13 @@ import time
 from pathlib import Path
 
 import pytest
-from imaging_kit import store_survey
+from fault_kit import raises_fault
+from imaging_kit import REFUSAL, store_survey
 
-from gpr20_common.errors import Gpr20Error
-from gpr20_imaging.errors import CancelledError, ImagingError
+from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.faults import NOT_ALLOWED
+from gpr20_imaging import faults
+from gpr20_imaging.errors import CancelledError
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.child_process import LOWEST_NICE, OOM_SCORE, memory_limit_bytes
 from gpr20_imaging.mid.imaging import Imaging
@@ -47,7 +50,8 @@ def is_running(process):
 def test_one_child_makes_all_images_of_a_survey(imaging, survey, command):
     first = imaging.focus("a", survey.name, 4.0)
     second = imaging.focus("b", first.survey_id, 0.0)
-    assert first.levels_db == bytes(range(4)) * 8
+    assert first.levels_db.tobytes() == bytes(range(4)) * 8
+    assert (first.levels_db.shape, first.found.candidates[0].id) == ((2, 2, 2), "C01")
     # The fake command answers with its process as number of traces.
     assert first.traces == second.traces
     asked = [json.loads(one) for one in command.asked.read_text().splitlines()]
@@ -67,30 +71,48 @@ def test_the_child_has_the_lowest_priority_and_bounded_memory(imaging, survey):
 
 def test_a_child_that_died_is_replaced(imaging, survey, command):
     command.mode = "die"
-    with pytest.raises(ImagingError, match="ended before the image.*Killed by a test"):
+    with raises_fault(faults.TOO_MUCH, "Killed by a test"):
         imaging.focus("a", survey.name, 4.0)
     command.mode = ""
     assert imaging.focus("b", survey.name, 4.0).traces
 
 
-def test_a_refusal_of_the_analysis_keeps_its_template(imaging, survey, command):
+def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey, command):
     command.mode = "error"
-    with pytest.raises(ImagingError) as caught:
+    with raises_fault("test.refused") as caught:
         imaging.focus("a", survey.name, 4.0)
-    assert caught.value.message.template == "too few {what}"
+    message = caught.value.message
+    assert message == REFUSAL and message.cause == REFUSAL.fault
 
 
 def test_candidates_come_with_the_remarks_of_the_command(imaging, survey):
     found = imaging.find_candidates("a", survey.name, 0.0, "es")
-    assert json.loads(found.candidates_json) == [
+    assert [str(note) for note in found.found.notes] == [
         *("candidates", str(survey), "--json", "--leave-out-missing", "--language", "es")
     ]
     assert found.remarks == "note: a remark"
 
 
+def test_an_answer_of_the_analysis_that_is_not_valid_is_a_failure(imaging, survey, command):
+    command.mode = "damage"
+    for ask in (
+        lambda: imaging.focus("a", survey.name, 4.0),
+        lambda: imaging.find_candidates("a", survey.name, 0.0, "en"),
+    ):
+        with pytest.raises(InvalidValueError, match="not complete or not valid"):
+            ask()
+
+
 def test_without_a_list_the_reason_is_that_of_the_command(imaging, survey, command):
     command.mode = "refuse"
-    with pytest.raises(ImagingError, match="permittivity cannot be estimated"):
+    with raises_fault("test.refused") as caught:
+        imaging.find_candidates("a", survey.name, 0.0, "en")
+    assert caught.value.message == REFUSAL
+
+
+def test_what_a_command_printed_as_it_crashed_is_the_reason(imaging, survey, command):
+    command.mode = "crash"
+    with raises_fault(faults.FAILED, "Killed by a test"):
         imaging.find_candidates("a", survey.name, 0.0, "en")
 
 
@@ -101,7 +123,7 @@ def test_impossible_permittivities_are_refused(imaging, survey, permittivity):
         lambda: imaging.find_candidates("a", survey.name, permittivity, "en"),
         lambda: imaging.export("a", survey.name, ["survey-zip"], permittivity, "en", "/media/x"),
     ):
-        with pytest.raises(ImagingError, match="permittivity"):
+        with raises_fault(NOT_ALLOWED, f"{permittivity:g}", "100"):
             ask()
 
 
@@ -115,8 +137,8 @@ def test_without_the_analysis_the_node_says_what_is_missing(tmp_path, sticks, su
     imaging = Imaging(
         tmp_path / "data", AnalysisCommand(lambda: None), sticks.volumes, lambda *_: None
     )
-    assert "not installed" in str(imaging.missing)
-    with pytest.raises(ImagingError, match="not installed"):
+    assert imaging.missing.fault == faults.NOT_INSTALLED
+    with raises_fault(faults.NOT_INSTALLED, imaging.computer):
         imaging.focus("a", survey.name, 4.0)
     # The data themselves need no analysis.
     stick = sticks.plug_in()
@@ -141,7 +163,7 @@ def test_a_request_that_runs_can_be_cancelled(imaging, survey, command):
     asking.join(20.0)
     assert len(failures) == 1
     assert not is_running(child)
-    with pytest.raises(ImagingError, match="no such request"):
+    with raises_fault(faults.NO_REQUEST):
         imaging.cancel("slow")
 
 
@@ -160,7 +182,7 @@ def test_requests_are_carried_out_one_at_a_time_and_are_bounded():
         one.start()
     while jobs.waiting < MOST_WAITING:
         time.sleep(0.01)
-    with pytest.raises(ImagingError, match="Too many"):
+    with raises_fault(faults.BUSY):
         jobs.run("y", work)
     go.set()
     for one in threads:

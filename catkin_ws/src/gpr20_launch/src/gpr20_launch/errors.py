@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_launch import faults
 
 
 class ConfigurationError(Gpr20Error, ValueError):
     """A file of the robot's configuration is wrong."""
 
+    fault = faults.WRONG_VALUE
+
 
 class LaunchRefusedError(Gpr20Error, RuntimeError):
     """A robot cannot be launched as requested."""
+
+    fault = faults.WRONG_ARGUMENT

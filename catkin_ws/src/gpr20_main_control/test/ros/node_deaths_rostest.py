@@ -12,7 +12,8 @@ import rospkg
 import rospy
 import rostest
 
-from gpr20_common.high.graph_message import message_from
+from gpr20_common.sent_message import message_from
+from gpr20_main_control import faults
 from gpr20_msgs.msg import ControlStatus
 
 # The client of the whole graph's tests is the client of these, too.
@@ -153,9 +154,8 @@ class NodeDeathsTest(unittest.TestCase):
         finally:
             os.kill(pid, signal.SIGCONT)
         self.assertEqual(status.code, ControlStatus.PAUSED, status.message)
-        self.assertIn("the height sensor stopped answering", status.message)
-        self.assertIn("no answer within 20 s", status.message)
-        self.assertIn("Fix the fault and resume, or stop.", status.message)
+        self.assertEqual(status.fault_code, faults.NODE_NOT_BACK.code, status.message)
+        self.assertIn("height_sensor", message_from(status).all_details)
         self.wait_until_all_answer()
         self.client.go_on(survey_id)
         self.check_complete(survey_id)
@@ -182,8 +182,7 @@ class NodeDeathsTest(unittest.TestCase):
         self.check_complete(fresh)
         messages = [status.message for status in self.client.statuses]
         folder = self.client.folder(cut_off)
-        expected = f"survey {folder.name} was still open; it is closed as interrupted"
-        self.assertTrue(any(expected in message for message in messages), messages)
+        self.assertTrue(any(folder.name in message for message in messages), messages)
         self.client.go_on(folder.name)
         self.check_complete(cut_off)
 

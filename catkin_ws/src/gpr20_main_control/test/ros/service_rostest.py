@@ -14,8 +14,9 @@ import rospy
 import rostest
 from std_msgs.msg import Bool
 
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.sent_message import message_from
+from gpr20_main_control import faults
 from gpr20_msgs.msg import ControlStatus, ServiceStatus
 from gpr20_msgs.srv import (
     Command,
@@ -98,11 +99,11 @@ class ServiceTest(unittest.TestCase):
         self.assertEqual(message_from(answer).sentence(), answer.message)
         return answer.message
 
-    def refuse(self, words, axis, action, distance=0.0):
+    def refuse(self, fault, axis, action, distance=0.0):
         steps = self.state.steps(AxisId(axis))
         answer = self.move(axis=axis, action=action, distance=distance)
         self.assertFalse(answer.success)
-        self.assertIn(words, answer.message)
+        self.assertEqual(answer.fault_code, fault.code, answer.message)
         self.assertEqual(self.state.steps(AxisId(axis)), steps)
 
     def test_01_the_endstops_are_shown_at_rest(self):
@@ -118,8 +119,8 @@ class ServiceTest(unittest.TestCase):
         wait_until(lambda: not self.lamps["x"][-1])
 
     def test_02_no_axis_is_jogged_before_its_zero_is_known(self):
-        self.refuse("home it, then move it", "x", JOG, 10.0)
-        self.refuse("the angle of the z axis is unknown", "z", JOG, 10.0)
+        self.refuse(faults.SERVICE_HOME_FIRST, "x", JOG, 10.0)
+        self.refuse(faults.SERVICE_SET_ZERO, "z", JOG, 10.0)
 
     def test_03_an_axis_is_homed_and_its_endstop_is_seen_to_close(self):
         self.lamps["x"].clear()
@@ -136,12 +137,12 @@ class ServiceTest(unittest.TestCase):
         self.assertEqual(self.state.steps(AxisId.X), 1000)
         self.assertIn("0 mm, the end of its range", self.succeed("x", JOG, -100.0))
         self.assertEqual(self.state.steps(AxisId.X), 0)
-        self.refuse("move it the other way", "x", JOG, -1.0)
+        self.refuse(faults.SERVICE_END_OF_RANGE, "x", JOG, -1.0)
         for distance in (0.0, math.nan, math.inf, -math.inf):
-            self.refuse("it must be a number other than 0", "x", JOG, distance)
+            self.refuse(faults.SERVICE_VALUE, "x", JOG, distance)
 
     def test_05_the_zero_of_the_antennas_is_set(self):
-        self.refuse("the endstop determines the zero", "x", SET_ZERO)
+        self.refuse(faults.SERVICE_HOME_FIRST, "x", SET_ZERO)
         self.succeed("z", SET_ZERO)
         self.assertIn("10.8 deg", self.succeed("z", JOG, 10.0))
         self.assertEqual(self.state.steps(AxisId.Z), 6)
@@ -152,7 +153,7 @@ class ServiceTest(unittest.TestCase):
         self.set_fault(device="endstop_y", fault="stuck_closed")
         answer = self.move(axis="y", action=HOME)
         self.assertFalse(answer.success)
-        self.assertIn("stuck closed", answer.message)
+        self.assertEqual(answer.fault_code, "axis.endstop_stuck", answer.message)
         self.assertTrue(self.lamps["y"][-1])
         self.set_fault(device="endstop_y", fault="none")
         self.succeed("y", HOME)
@@ -162,12 +163,13 @@ class ServiceTest(unittest.TestCase):
         self.assertTrue(self.client.set().success)
         started = self.client.start()
         self.assertFalse(started.success)
-        self.assertIn("in service (moving the x axis by +600 mm)", started.message)
+        self.assertEqual(started.fault_code, faults.SERVICE_IN_PROGRESS.code)
+        self.assertIn("+600", started.message)
         requested_ns = time.monotonic_ns()
         self.assertTrue(self.client.stop().success)
         answer = moving.join()
         self.assertFalse(answer.success)
-        self.assertIn("stopped; the x axis is at", answer.message)
+        self.assertEqual(answer.fault_code, faults.SERVICE_STOPPED.code, answer.message)
         stopping_ns = self.state.last_pulse_ns(AxisId.X) - requested_ns
         rospy.loginfo("last step %.3f s after STOP", 1e-9 * stopping_ns)
         self.assertLess(stopping_ns, STOP_LIMIT_NS)
@@ -180,12 +182,13 @@ class ServiceTest(unittest.TestCase):
         rospy.ServiceProxy("x_axis/stop", Command)()
         answer = moving.join()
         self.assertFalse(answer.success)
-        self.assertIn("did not reach 600 mm: stopped at", answer.message)
+        self.assertEqual(answer.fault_code, "survey.move_failed", answer.message)
+        self.assertIn("600", answer.message)
 
     def test_09_a_stop_ends_a_homing(self):
         moving = Moving(self, "x", HOME)
         self.assertTrue(self.client.stop().success)
-        self.assertIn("stopped; the x axis is not homed", moving.join().message)
+        self.assertEqual(moving.join().fault_code, faults.SERVICE_STOPPED_UNHOMED.code)
         self.succeed("x", HOME)
 
     def test_10_the_analyzer_is_tested(self):
@@ -237,7 +240,7 @@ class ServiceTest(unittest.TestCase):
         for axis, action, distance in (("x", JOG, 1.0), ("y", HOME, 0.0), ("z", SET_ZERO, 0.0)):
             answer = self.move(axis=axis, action=action, distance=distance)
             self.assertFalse(answer.success)
-            self.assertIn("while a survey is running or paused", answer.message)
+            self.assertEqual(answer.fault_code, faults.SURVEY_IN_PROGRESS.code, answer.message)
 
 
 if __name__ == "__main__":

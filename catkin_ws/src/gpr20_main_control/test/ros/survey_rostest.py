@@ -12,8 +12,7 @@ import rospkg
 import rospy
 import rostest
 
-from gpr20_common.high.graph_message import message_from
-from gpr20_common.message import received_message
+from gpr20_common.sent_message import message_from, received_message
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, SurveyCoverage
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state

@@ -12,9 +12,10 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
+from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.aux_sensors import AuxSensors
-from gpr20_main_control.mid.described_robot import DescribedRobot
+from gpr20_main_control.mid.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.robot import (
@@ -22,18 +23,17 @@ from gpr20_main_control.mid.robot import (
     AxisReading,
     MoveOutcome,
     OpenedSurvey,
-    ReopenedSurvey,
     Robot,
     UnconfirmedSweep,
 )
 from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 
@@ -44,6 +44,17 @@ NODES = {
     "vna_acquisition": Message("the VNA driver"),
     "vna_processing": Message("the storage"),
 }
+
+
+def reports(message, fault, *shown):
+    """Return whether a fault decides what a message says, and whether it shows these values."""
+    values = [value for one in message.nested() for value in one.values.values()]
+    return message.fault_code == fault.code and all(one in values for one in shown)
+
+
+def warning_of(entry):
+    """Return the message of a warning in survey.json."""
+    return received_message(entry["warning"], json.dumps(entry["warning_message"]))
 
 
 class FakeAxis:
@@ -373,12 +384,9 @@ class Bench:
                 lambda: self.board.status.visited_points >= points, limit_s
             ), f"still {self.board.status}"
 
-    def wait_for_message(self, text):
-        """Wait until the message of the control contains a text."""
-        with self._changed:
-            assert self._changed.wait_for(
-                lambda: text in str(self.board.status.message), LIMIT_S
-            ), f"still {self.board.status}"
+    def wait_for_fault(self, fault, *shown):
+        """Wait until the message of the control reports a fault and shows some values."""
+        self.wait_until(lambda: reports(self.board.status.message, fault, *shown))
 
     def wait_for(self, *states, limit_s=LIMIT_S):
         """Wait until the control is in one of the states and return its status."""

@@ -7,7 +7,8 @@ from collections import defaultdict
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import OpenedSurvey, ReopenedSurvey
+from gpr20_main_control.mid.robot import OpenedSurvey
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 
 class StrictStorage:
@@ -47,7 +48,7 @@ class StrictStorage:
             self.reports.get(survey_id, ""),
             tuple(sorted(stored)),
             list(stored.values())[-1] if stored else None,
-            interrupted,
+            interrupted=interrupted,
         )
 
     def report(self, survey_id, report_json):

@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import pytest
 from fake_clocks import ManualClock
+from fake_robot import warning_of
 from trace_examples import make_trace
 
-from gpr20_main_control.mid.clock_steps import LARGEST_CORRECTION_S, ClockSteps
+from gpr20_main_control import faults
+from gpr20_main_control.mid.running_survey import LARGEST_CORRECTION_S, ClockSteps
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 DRAWS = 200
@@ -17,7 +19,11 @@ class Steps:
     def __init__(self, last=None):
         self.clock = ManualClock()
         self.said = []
-        self.steps = ClockSteps(self.clock, last, lambda message: self.said.append(str(message)))
+        self.steps = ClockSteps(self.clock, last, self._note)
+
+    def _note(self, message):
+        shown = message.values["step_s"]
+        self.said.append((message.fault_code, pytest.approx(shown, abs=0.01)))
 
     def next_trace(self):
         self.clock.time_s += 1.0
@@ -33,12 +39,7 @@ def test_a_clock_that_is_set_is_said_once_with_the_step():
     bench.clock.set_s += 86400.0
     bench.steps.check()
     assert bench.next_trace() is None
-    assert bench.said == [
-        "the computer's clock was set back by 3600 s during the survey; times in the recording "
-        "are out of order",
-        "the computer's clock was set forward by 86400 s during the survey; durations in the "
-        "recording are too long",
-    ]
+    assert bench.said == [(faults.CLOCK_SET.code, 3600.0), (faults.CLOCK_SET.code, 86400.0)]
 
 
 def test_a_small_step_is_said_if_it_orders_two_traces_wrongly():
@@ -48,10 +49,7 @@ def test_a_small_step_is_said_if_it_orders_two_traces_wrongly():
     assert bench.next_trace() is None
     bench.clock.set_s -= 1.5
     bench.next_trace()
-    assert bench.said == [
-        "the computer's clock is 0.5 s behind the last stored trace; times in the recording are "
-        "out of order"
-    ]
+    assert bench.said == [(faults.CLOCK_BEHIND.code, 0.5)]
 
 
 def test_a_clock_that_is_behind_the_traces_of_another_session_is_said():
@@ -60,10 +58,7 @@ def test_a_clock_that_is_behind_the_traces_of_another_session_is_said():
     bench = Steps(last)
     bench.next_trace()
     bench.next_trace()
-    assert bench.said == [
-        "the computer's clock is 86400.0 s behind the last stored trace; times in the recording "
-        "are out of order"
-    ]
+    assert bench.said == [(faults.CLOCK_BEHIND.code, 86400.0)]
 
 
 @pytest.mark.parametrize("seed", range(DRAWS))
@@ -87,12 +82,12 @@ def test_a_survey_tells_the_operator_and_stores_it_and_continues(bench):
     bench.complete()
     status = bench.board.status
     assert status.state is State.FINISHED
-    said = status.full_message.sentence()
-    assert said.startswith("Warning: the computer's clock was set back by ")
-    assert "Finished" in said
+    shown = status.full_message
+    assert shown.fault_code == faults.CLOCK_SET.code
+    assert shown.values["status"] == status.message
     (warning,) = bench.storage.reports[-1]["warnings"]
-    assert warning["warning"].startswith("the computer's clock was set back by ")
-    remarked = [one.index for one in bench.storage.samples if "clock was set" in str(one.quality)]
+    assert warning_of(warning).fault_code == faults.CLOCK_SET.code
+    remarked = [one.index for one in bench.storage.samples if one.quality]
     assert remarked == [5]
     bench.start()
     assert bench.board.status.warning is None

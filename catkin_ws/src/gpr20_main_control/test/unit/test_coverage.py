@@ -5,14 +5,15 @@ import math
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Fault, Message
+from gpr20_common.sent_message import received_message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
-from gpr20_main_control.mid.repeat_measurement import compare
-from gpr20_main_control.mid.survey_report import SurveyReport
+from gpr20_main_control.mid.survey_report import AnalyzerRecord, SurveyReport, compare
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -122,13 +123,15 @@ def test_a_report_goes_on_where_the_former_one_ended():
 def test_a_report_has_its_sentences_as_text_and_as_template_with_values():
     coverage = Coverage(2, [0])
     reason = Message("{points} points instead of 51", points=50)
+    reason = reason.with_fault(Fault("vna.points"))
     coverage.note_failed(1, reason)
     report = json.loads(SurveyReport(coverage, NONE).to_json())
     verdict = coverage.verdict().message
-    assert report["verdict"] == str(verdict)
+    assert (report["complete"], report["verdict"]) == (False, str(verdict))
     assert received_message("", json.dumps(report["verdict_message"])) == verdict
     (failed,) = report["failed"]
     assert (failed["index"], failed["reason"]) == (1, "50 points instead of 51")
+    assert failed["fault_code"] == "vna.points"
     assert received_message("", json.dumps(failed["reason_message"])) == reason
 
 
@@ -160,5 +163,5 @@ def test_every_change_of_the_coverage_is_announced_once():
 
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
-    with pytest.raises(SurveyError, match="survey.json cannot be read"):
+    with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
         SurveyReport(Coverage(1), NONE, former)

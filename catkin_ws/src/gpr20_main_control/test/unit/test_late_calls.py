@@ -4,11 +4,12 @@ import threading
 import time
 
 import pytest
-from fake_robot import LIMIT_S, Bench, FakeAnalyzer, FakeStorage
+from fake_robot import LIMIT_S, NODES, Bench, FakeAnalyzer, FakeStorage
 
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.workers import SerialCalls
+from gpr20_main_control.mid.waits import SerialCalls
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"
@@ -85,7 +86,7 @@ def test_a_connection_that_was_given_up_does_not_undo_the_next_one(bench):
     bench.control.resume("")
     assert bench.analyzer.waiting.wait(LIMIT_S)
     bench.nodes.note_silent(VNA)
-    bench.wait_for_message("Waiting: the VNA driver stopped answering")
+    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[VNA])
     release_between_setup_and_question(bench)
     bench.nodes.note_alive(VNA, 2)
     bench.complete()

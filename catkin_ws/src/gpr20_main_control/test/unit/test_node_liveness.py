@@ -7,10 +7,12 @@ import threading
 import pytest
 from fake_clocks import ManualClock
 from fake_robot import LIMIT_S
+from fault_kit import raises_fault
 
 from gpr20_common.errors import NodeGoneError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
+from gpr20_main_control import faults
 from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.mid.node_liveness import (
     SILENCE_LIMIT_S,
@@ -31,12 +33,13 @@ class Watched:
 
     def __init__(self):
         self.clock = ManualClock()
-        self.sentences = []
+        self.reported = []
         nodes = {name: watched(name=name) for name in ("x", "y")}
         self.nodes = NodeLiveness(nodes, self.clock, self._note)
 
     def _note(self, message):
-        self.sentences.append(message and str(message))
+        self.reported.append(message and message.all_details)
+        assert message is None or message.fault_code == faults.NODE_LOST.code
 
     def all_alive(self):
         self.nodes.note_alive("x", 1)
@@ -47,12 +50,10 @@ class Watched:
 def test_a_node_that_is_still_starting_is_not_called_missing():
     bench = Watched()
     bench.nodes.note_silent("x")
-    assert bench.sentences == []
+    assert bench.reported == []
     bench.clock.time_s += START_LIMIT_S + 1.0
     bench.nodes.note_silent("x")
-    assert bench.sentences == [
-        "the x axis driver does not answer; the y axis driver does not answer (x; y)"
-    ]
+    assert bench.reported == [("x", "y")]
 
 
 def test_a_node_that_was_there_is_called_missing_at_once_and_its_return_is_told():
@@ -61,7 +62,7 @@ def test_a_node_that_was_there_is_called_missing_at_once_and_its_return_is_told(
     nodes.note_silent("y")
     nodes.note_silent("y")
     nodes.note_alive("y", 3)
-    assert bench.sentences == ["the y axis driver does not answer (y)", None]
+    assert bench.reported == [("y",), None]
 
 
 def test_a_survey_cannot_go_on_with_a_node_that_is_missing():
@@ -69,7 +70,7 @@ def test_a_survey_cannot_go_on_with_a_node_that_is_missing():
     nodes.accept()
     nodes.check()
     nodes.note_silent("x")
-    with pytest.raises(NodeLostError, match="the x axis driver stopped answering"):
+    with raises_fault(faults.NODE_LOST, "(x)", error=NodeLostError):
         nodes.check()
 
 
@@ -77,7 +78,7 @@ def test_a_node_that_was_started_anew_is_noticed_even_if_its_death_was_not():
     nodes = Watched().all_alive()
     nodes.accept()
     nodes.note_alive("x", 17)
-    with pytest.raises(NodeLostError, match="the x axis driver restarted"):
+    with raises_fault(faults.NODE_LOST, "(x)", error=NodeLostError):
         nodes.check()
     nodes.accept()
     nodes.check()
@@ -89,7 +90,7 @@ def test_both_kinds_of_loss_are_told_together():
     nodes.note_alive("x", 17)
     nodes.note_silent("y")
     lost = nodes.lost()
-    assert lost.sentence() == "the y axis driver stopped answering; the x axis driver restarted"
+    assert lost.fault_code == faults.NODE_LOST.code
     assert lost.all_details == ("y", "x")
 
 
@@ -147,12 +148,12 @@ def test_an_answer_that_is_late_is_no_lost_node_and_silence_is_one():
     bench.clock.time_s += SILENCE_LIMIT_S
     nodes.note_late("y")
     nodes.check()
-    assert bench.sentences == []
+    assert bench.reported == []
     bench.clock.time_s += 0.1
     nodes.note_late("y")
-    with pytest.raises(NodeLostError, match="the y axis driver stopped answering"):
+    with raises_fault(faults.NODE_LOST, "(y)", error=NodeLostError):
         nodes.check()
-    assert bench.sentences == ["the y axis driver does not answer (y)"]
+    assert bench.reported == [("y",)]
 
 
 @pytest.mark.parametrize("seed", range(SEEDS))
@@ -169,7 +170,7 @@ def test_answers_that_come_late_in_any_order_change_nothing(seed):
         for name, process in (("x", 1), ("y", 2)):
             nodes.note_alive(name, process)
         nodes.check()
-    assert bench.sentences == [], seed
+    assert bench.reported == [], seed
 
 
 class Overtaken:

@@ -4,14 +4,16 @@ import json
 from dataclasses import asdict
 
 import pytest
-from fake_robot import LIMIT_S, Bench
+from fake_robot import LIMIT_S, Bench, reports
+from fault_kit import raises_fault
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.low.clock import Clock
+from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
-from gpr20_main_control.mid.analyzer_record import AnalyzerRecord, recorded_analyzers
-from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_main_control.mid.survey_report import AnalyzerRecord, recorded_analyzers
 from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 FORMER = "Anritsu,MS2026C/2,SIMULATED,1.0"
 OTHER = "Anritsu,MS2026C/2,SIMULATED-2,1.0"
@@ -53,8 +55,8 @@ def test_a_survey_does_not_continue_with_another_analyzer(bench):
         with pytest.raises(OtherAnalyzerError) as refused:
             bench.control.resume("")
         assert refused.value.identity == OTHER
-        message = str(bench.wait_for(State.PAUSED).message)
-        assert OTHER in message and FORMER in message and "accept the other" in message
+        message = bench.wait_for(State.PAUSED).message
+        assert reports(message, faults.OTHER_VNA, OTHER, FORMER)
     assert bench.analyzer.sweeps == 5
     bench.analyzer.identity = FORMER
     bench.resume_to_the_end()
@@ -92,7 +94,8 @@ def test_an_accepted_analyzer_stays_accepted_and_the_former_one_does_not(bench):
 
 def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
     pause_with(bench, THIRD)
-    with pytest.raises(OtherAnalyzerError, match="not .*SIMULATED-2.*, which was accepted") as no:
+    not_accepted = raises_fault(faults.NOT_THE_ACCEPTED_VNA, OTHER, error=OtherAnalyzerError)
+    with not_accepted as no:
         bench.control.resume("", OTHER)
     assert no.value.identity == THIRD
     bench.analyzer.identity = FORMER
@@ -106,7 +109,7 @@ def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
 def test_a_second_request_accepts_nothing(bench):
     pause_with(bench, OTHER)
     bench.control.resume("", OTHER)
-    with pytest.raises(RequestRefusedError, match="no survey can be resumed while another one"):
+    with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
         bench.control.resume("", THIRD)
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
@@ -169,5 +172,5 @@ def test_a_survey_that_does_not_name_its_analyzer_continues_with_any(instrument)
 
 @pytest.mark.parametrize("used", ["x", [3], [{}], [{"identity": 1, "from_index": 0}]])
 def test_a_record_of_analyzers_that_is_none_is_refused(used):
-    with pytest.raises(SurveyError, match="report in survey.json cannot be read"):
+    with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
         recorded_analyzers("{}", json.dumps({"analyzers": used}))

@@ -17,7 +17,6 @@ from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, UnconfirmedError
 from gpr20_main_control.mid.robot import MoveOutcome
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.plan.survey_state import AT_REST
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 DRAWS = int(os.environ.get("GPR20_INTERLEAVINGS", "40"))
@@ -118,7 +117,7 @@ def operate(bench, chance, survey_id):
         try:
             if state is State.PAUSED:
                 bench.control.resume("")
-            elif state in AT_REST:
+            elif not state.running:
                 bench.control.resume(folder_of(survey_id))
             elif chance.happens(interfering):
                 chance.choice([bench.control.pause, bench.control.pause, bench.control.stop])()

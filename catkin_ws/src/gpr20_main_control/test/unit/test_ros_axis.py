@@ -9,18 +9,22 @@ pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
 from fake_robot import LIMIT_S
+from fault_kit import raises_fault
 
 from gpr20_common.high import service_client
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_common.sent_message import message_fields
+from gpr20_main_control import faults
+from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.high import ros_axis
-from gpr20_main_control.mid.workers import Workers
+from gpr20_main_control.mid.waits import Workers
 from gpr20_msgs.msg import AxisResult
 from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.control_silent import CONTROL_SILENT
+from gpr20_survey.faults import CONTROL_SILENT
+
+NO_CONTACT = Message("the axis stopped by itself").with_fault(CONTROL_SILENT)
 
 
 @pytest.fixture
@@ -76,8 +80,9 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
     graph.node_is_back.set()
-    with pytest.raises(DeviceError, match="given up"):
+    with raises_fault(faults.AXIS_SILENT, error=NodeLostError) as lost:
         homing.result(LIMIT_S)
+    assert lost.value.message.may_move
     # Its call belongs to this test's graph, not to the next one's.
     axis._await_stops()
     assert graph.called == ["x_axis/stop"]
@@ -108,12 +113,18 @@ class EndedGoal:
 
 
 def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
-    assert ros_axis._outcome(EndedGoal(CONTROL_SILENT)).contact_lost
+    assert ros_axis._outcome(EndedGoal(NO_CONTACT)).contact_lost
     assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
 
 
+def test_a_move_without_a_result_may_continue():
+    goal = EndedGoal(NO_CONTACT)
+    goal._result = None
+    assert ros_axis._outcome(goal).message.fault_code == faults.AXIS_SILENT.code
+
+
 def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
-    response = CommandResponse(success=False, **message_fields(CONTROL_SILENT))
+    response = CommandResponse(success=False, **message_fields(NO_CONTACT))
     monkeypatch.setattr(graph, "call", lambda _name: response)
-    with pytest.raises(NodeLostError, match="no contact"):
+    with raises_fault(CONTROL_SILENT, error=NodeLostError):
         ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)

@@ -4,9 +4,15 @@ import threading
 
 import pytest
 from fake_clocks import ManualClock
-from fake_robot import Bench
+from fake_robot import Bench, reports
 
+from gpr20_common.message import Fault, Message, Severity
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
+
+STOPPED_BY_OTHERS = Fault("axis.stopped", Message("Nothing to do"), Severity.NOTE)
 
 
 def test_each_axis_gets_its_own_targets(bench):
@@ -42,7 +48,8 @@ def test_a_refused_move_is_never_measured_and_pauses_the_survey(bench):
     bench.y.fail_move = "the endstop was pressed"
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "y axis did not reach 5 mm: the endstop was pressed" in str(status.message)
+    assert reports(status.message, faults.MOVE_FAILED, "y", 5.0)
+    assert bench.y.fail_move in str(status.message)
     assert bench.analyzer.sweeps == 0
     bench.y.fail_move = ""
     bench.resume_to_the_end()
@@ -52,7 +59,7 @@ def test_a_move_that_ends_elsewhere_is_never_measured(bench):
     bench.x.stay = True
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "the x axis is at 0 mm instead of 10 mm" in str(status.message)
+    assert reports(status.message, faults.AXIS_OFF_TARGET, "x", 0.0, 10.0)
     assert bench.storage.samples == []
 
 
@@ -66,7 +73,7 @@ def test_a_move_that_never_ends_pauses_the_survey_after_its_time_limit(bench):
     bench.x.blocked.clear()
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "did not end its move to 10 mm within" in str(status.message)
+    assert reports(status.message, faults.MOVE_TOO_LONG, "x", 10.0)
     assert bench.x.stops > 0
 
 
@@ -74,10 +81,37 @@ def test_a_silent_axis_pauses_the_survey_and_it_goes_on_when_it_speaks_again(ben
     bench.analyzer.on_sweep = lambda: setattr(bench.z, "silent", bench.analyzer.sweeps == 5)
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "z axis has not reported its position" in str(status.message)
+    assert reports(status.message, faults.NODE_LOST, "z")
     bench.analyzer.on_sweep = lambda: None
     bench.z.silent = False
     bench.resume_to_the_end()
+
+
+def test_an_axis_that_falls_silent_in_a_move_may_still_move(bench):
+    bench.x.blocked.clear()
+    bench.x.begin_move = lambda _target: setattr(bench.x, "silent", True)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert reports(status.message, faults.AXIS_SILENT, "x")
+    assert status.message.may_move
+
+
+def test_an_axis_that_another_client_stops_in_a_move_must_be_clear_before_the_next(bench):
+    stopped = MoveOutcome(False, Message("the move was stopped").with_fault(STOPPED_BY_OTHERS))
+    bench.y.begin_move = lambda _target: setattr(bench.y, "_outcome", stopped)
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert reports(status.message, faults.MOVE_FAILED, "y", 5.0)
+
+
+def test_an_axis_that_another_client_stops_in_its_homing_must_be_clear_before_the_next(bench):
+    def stopped(_limit_s):
+        raise DeviceError(Message("homing was stopped").with_fault(STOPPED_BY_OTHERS))
+
+    bench.x.home = stopped
+    bench.start()
+    status = bench.wait_for(State.PAUSED)
+    assert reports(status.message, faults.HOMING_FAILED, "x")
 
 
 def test_an_axis_that_lost_its_zero_is_homed_before_the_survey_goes_on(bench):
@@ -89,7 +123,7 @@ def test_an_axis_that_lost_its_zero_is_homed_before_the_survey_goes_on(bench):
     bench.analyzer.on_sweep = lose_zero
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "x axis is not homed" in str(status.message)
+    assert reports(status.message, faults.AXIS_NOT_HOMED, "x")
     assert len(bench.storage.samples) <= 5
     bench.control.resume("")
     bench.wait_for(State.FINISHED)
@@ -105,7 +139,7 @@ def test_a_trace_is_not_stored_if_the_axes_moved_during_its_sweep(bench):
     bench.analyzer.on_sweep = push
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "moved during the sweep at point 0" in str(status.message)
+    assert reports(status.message, faults.MOVED_BY_OTHERS, 0)
     assert bench.storage.samples == []
 
 
@@ -119,7 +153,7 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
     bench.z.silent = True
     bench.start()
     final = bench.wait_for(State.FAILED)
-    assert "z axis has not reported its position" in str(final.message)
+    assert reports(final.message, faults.NODE_LOST, "z")
     assert bench.x.moves == []
 
 
@@ -128,7 +162,7 @@ def test_an_axis_that_rests_a_step_beside_its_target_is_never_measured(bench, of
     bench.x.offset = offset
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "instead of 10 mm" in str(status.message)
+    assert status.message.fault_code in (faults.AXIS_OFF_TARGET.code, faults.MOVED_BY_OTHERS.code)
     assert bench.storage.samples == []
 
 
@@ -156,7 +190,8 @@ def test_every_axis_is_homed_even_if_one_fails_and_the_failure_is_told(bench):
     bench.x.fail_homing = "it is stuck open"
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "homing the x axis failed: it is stuck open" in str(status.message)
+    assert faults.HOMING_FAILED in status.message.faults
+    assert bench.x.fail_homing in str(status.message)
     assert [axis.homings for axis in bench.axes] == [1, 1, 1]
 
 
@@ -174,7 +209,7 @@ def test_an_axis_that_somebody_else_moved_during_the_settling_is_never_measured(
     clock.wait_s = meddle
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "z -5.4 deg" in str(status.message)
+    assert reports(status.message, faults.MOVED_BY_OTHERS, -5.4)
     assert all(sample.z_coord_deg in (0.0, 90.0) for sample in bench.storage.samples)
     bench.control.stop()
     bench.wait_for(State.STOPPED)

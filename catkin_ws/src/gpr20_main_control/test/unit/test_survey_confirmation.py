@@ -3,9 +3,10 @@
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, Bench
+from fake_robot import LIMIT_S, NODES, Bench, reports, warning_of
 
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, UnconfirmedError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -104,10 +105,10 @@ def test_a_sweep_that_is_not_confirmed_is_taken_again_at_its_own_place(
     assert places[number] == places[number - 1]
     assert places[number] == (again.x_coord_mm, again.y_coord_mm, again.z_coord_deg)
     assert again.quality == (f"measured again: {CHANGED}",)
-    messages = [str(status.message) for status in bench.history]
-    assert f"Measuring point {number - 1} again: {CHANGED}" in messages
+    shown = [status.message for status in bench.history if CHANGED in str(status.message)]
+    assert shown and all(reports(one, faults.SWEEP_UNCONFIRMED, number - 1) for one in shown)
     (warning,) = bench.storage.reports[-1]["warnings"]
-    assert f"the sweep at point {number - 1} was not confirmed" in warning["warning"]
+    assert reports(warning_of(warning), faults.SWEEP_UNCONFIRMED, number - 1, CHANGED)
     assert State.PAUSED.name not in bench.states
 
 
@@ -126,8 +127,7 @@ def test_a_point_that_is_never_confirmed_pauses_the_survey(bench, confirmations)
         confirmations.refused[number] = refusal()
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "point 3 was not confirmed 3 times in a row" in str(status.message)
-    assert CHANGED in str(status.message)
+    assert reports(status.message, faults.SWEEP_UNCONFIRMED, 3, CHANGED)
     assert numbers(bench) == [1, 2, 3]
     bench.resume_to_the_end()
     assert numbers(bench) == [1, 2, 3, *range(7, 28)]
@@ -233,7 +233,7 @@ def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():
     bench.start()
     assert confirmations.begun[3].wait(LIMIT_S)
     bench.nodes.note_silent(VNA)
-    bench.wait_for_message("Waiting: the VNA driver stopped answering")
+    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[VNA])
     confirmations.release()
     bench.nodes.note_alive(VNA, 2)
     bench.complete()

@@ -3,9 +3,11 @@
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, NODES, Bench
+from fake_robot import LIMIT_S, NODES, Bench, reports
+from fault_kit import raises_fault
 
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -41,23 +43,24 @@ def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(patient_bench
     bench = patient_bench
     lose(bench, node, after=5)
     bench.start()
-    bench.wait_for_message(f"Waiting: {NODES[node]} stopped answering")
+    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[node])
     assert bench.board.status.state is State.CHECKING
     shown = bench.board.status.full_message
-    assert shown.sentence().startswith(f"Warning: {NODES[node]} does not answer. Waiting: ")
+    assert faults.WAITING_FOR_PART in shown.faults
+    assert reports(shown.values["warning"], faults.NODE_LOST, NODES[node])
     assert shown.all_details == (node,)
     assert all(axis.stops > 0 for axis in bench.axes)
     come_back(bench, node)
     bench.complete()
     assert "PAUSED" not in bench.states
-    assert "does not answer" not in str(bench.board.status.full_message)
+    assert bench.board.status.full_message.fault_code == ""
 
 
 def test_the_sample_in_flight_is_measured_again_after_connecting_anew(patient_bench):
     bench = patient_bench
     lose(bench, VNA, after=5)
     bench.start()
-    bench.wait_for_message("Waiting")
+    bench.wait_for_fault(faults.WAITING_FOR_PART)
     connections = len(bench.analyzer.connections)
     come_back(bench, VNA)
     bench.complete()
@@ -70,7 +73,7 @@ def test_an_axis_that_was_started_anew_is_homed_and_a_control_is_measured(patien
     bench = patient_bench
     lose(bench, X_AXIS, after=5)
     bench.start()
-    bench.wait_for_message("Waiting")
+    bench.wait_for_fault(faults.WAITING_FOR_PART)
     bench.x.homed = False
     come_back(bench, X_AXIS)
     bench.complete()
@@ -82,10 +85,7 @@ def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):
     lose(bench, VNA, after=5)
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert status.message.sentence() == (
-        "Paused: the VNA driver stopped answering; no answer within 300 s. Fix the fault and "
-        "resume, or stop."
-    )
+    assert reports(status.message, faults.NODE_NOT_BACK, NODES[VNA], 300.0)
     come_back(bench, VNA)
     bench.resume_to_the_end()
 
@@ -103,9 +103,7 @@ def test_a_node_that_dies_again_and_again_pauses_the_survey(patient_bench):
     bench.analyzer.on_sweep = die
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "restarted; this happened 4 times without a stored trace in between" in str(
-        status.message
-    )
+    assert reports(status.message, faults.NODE_LOST_OFTEN, NODES[VNA], 4)
     bench.analyzer.on_sweep = lambda: None
     bench.resume_to_the_end()
 
@@ -132,10 +130,11 @@ def test_a_paused_survey_says_so_and_stays_paused(bench):
     bench.wait_for(State.PAUSED)
     bench.nodes.note_silent(VNA)
     assert bench.board.status.state is State.PAUSED
-    warning = bench.board.status.full_message.sentence()
-    assert warning.startswith("Warning: the VNA driver does not answer. Paused: ")
+    shown = bench.board.status.full_message
+    assert reports(shown.values["warning"], faults.NODE_LOST, NODES[VNA])
+    assert shown.values["status"] == bench.board.status.message
     come_back(bench, VNA)
-    assert "does not answer" not in str(bench.board.status.full_message)
+    assert bench.board.status.full_message == bench.board.status.message
     bench.y.fail_move = ""
     bench.resume_to_the_end()
 
@@ -148,8 +147,7 @@ def test_a_control_at_rest_says_so(bench, configured):
     state = bench.board.status.state
     bench.nodes.note_silent(X_AXIS)
     assert bench.board.status.state is state
-    warning = bench.board.status.full_message.sentence()
-    assert warning.startswith("Warning: the x axis driver does not answer. ")
+    assert reports(bench.board.status.full_message, faults.NODE_LOST, NODES[X_AXIS])
 
 
 def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(patient_bench):
@@ -166,9 +164,7 @@ def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(patient_benc
     bench.control.pause()
     bench.nodes.note_silent(VNA)
     status = bench.wait_for(State.PAUSED)
-    assert "Paused on request, and a part failed: the VNA driver stopped answering" in str(
-        status.message
-    )
+    assert reports(status.message, faults.NODE_LOST, NODES[VNA])
     bench.analyzer.on_sweep = lambda: None
     hang.set()
     come_back(bench, VNA)
@@ -179,7 +175,7 @@ def test_a_survey_that_holds_can_be_stopped(patient_bench):
     bench = patient_bench
     lose(bench, X_AXIS, after=5)
     bench.start()
-    bench.wait_for_message("Waiting")
+    bench.wait_for_fault(faults.WAITING_FOR_PART)
     bench.control.stop()
     bench.wait_for(State.STOPPED)
     assert bench.storage.closed[-1][1] == "stopped"
@@ -189,7 +185,7 @@ def test_a_survey_that_is_started_without_a_node_fails_before_anything_moves(ben
     bench.nodes.note_silent(VNA)
     bench.start()
     status = bench.wait_for(State.FAILED)
-    assert "the VNA driver stopped answering; no answer within" in str(status.message)
+    assert reports(status.message, faults.NODE_NOT_BACK, NODES[VNA])
     assert all(axis.moves == [] and axis.homings == 0 for axis in bench.axes)
 
 
@@ -205,7 +201,7 @@ def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(pa
 
     bench.storage.close = close_and_die
     bench.start()
-    bench.wait_for_message("Waiting: the storage stopped answering")
+    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[STORAGE])
 
     def refuse(*_arguments):
         raise DeviceError(Message("a survey that has ended cannot be reopened"))
@@ -227,7 +223,7 @@ def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(patient_bench):
 
     bench.storage.open = open_and_die
     bench.start()
-    bench.wait_for_message("Waiting: the storage stopped answering")
+    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[STORAGE])
     come_back(bench, STORAGE)
     bench.complete()
     first, second = bench.storage.records
@@ -263,7 +259,7 @@ def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch
     resuming = threading.Thread(target=resume)
     resuming.start()
     assert opening.wait(LIMIT_S)
-    with pytest.raises(RequestRefusedError, match="another request did not end"):
+    with raises_fault(faults.BUSY, error=RequestRefusedError):
         bench.start()
     opened.set()
     resuming.join(LIMIT_S)
@@ -314,7 +310,7 @@ def test_an_axis_that_never_reports_again_pauses_the_survey_though_its_node_answ
     bench.analyzer.on_sweep = fall_silent
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert "the x axis has not reported its position" in str(status.message)
+    assert reports(status.message, faults.NODE_LOST, "x")
     bench.analyzer.on_sweep = lambda: None
     bench.x.silent = False
     bench.resume_to_the_end()

@@ -3,7 +3,9 @@
 import pytest
 from fake_clocks import ManualClock
 from fake_robot import Bench
+from fault_kit import raises_fault
 
+from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -12,7 +14,7 @@ def test_resume_names_the_survey_that_is_paused(bench):
     bench.y.fail_move = "the endstop was pressed"
     survey_id = bench.start()
     bench.wait_for(State.PAUSED)
-    with pytest.raises(RequestRefusedError, match=survey_id):
+    with raises_fault(faults.OTHER_PAUSED, survey_id, error=RequestRefusedError):
         bench.control.resume("another")
     bench.y.fail_move = ""
     bench.control.resume(survey_id)
@@ -71,8 +73,8 @@ def test_a_pause_at_the_last_sample_ends_as_finished(bench):
 
 
 def test_only_a_survey_that_measures_can_be_paused(bench):
-    with pytest.raises(RequestRefusedError, match="nothing to pause"):
+    with raises_fault(faults.NONE_MEASURING, "IDLE", error=RequestRefusedError):
         bench.control.pause()
     paused_on_request(bench, 2)
-    with pytest.raises(RequestRefusedError, match="nothing to pause.*PAUSED"):
+    with raises_fault(faults.NONE_MEASURING, "PAUSED", error=RequestRefusedError):
         bench.control.pause()

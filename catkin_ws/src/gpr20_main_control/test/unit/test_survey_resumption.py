@@ -6,11 +6,13 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 from fake_robot import FIRST_SWEEP_US
+from fault_kit import raises_fault
 from survey_examples import AXES, PARAMETERS
 
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, SurveyError
-from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -104,16 +106,16 @@ def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench
 
 
 @pytest.mark.parametrize(
-    "changes, message",
+    "changes, fault",
     [
-        ({"simulated": False}, "measured by the real robot; a simulated robot cannot resume"),
-        ({"parameters": {}}, "survey.json is incomplete"),
-        ({"axes": {}}, "with step_size None of the x axis"),
+        ({"simulated": False}, faults.OTHER_ROBOT),
+        ({"parameters": {}}, faults.RECORD_DAMAGED),
+        ({"axes": {}}, faults.OTHER_AXES),
     ],
 )
-def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench, changes, message):
+def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench, changes, fault):
     cut_off_survey(bench, [0, 1], **changes)
-    with pytest.raises(RequestRefusedError, match=message):
+    with raises_fault(fault, "/data/survey", error=RequestRefusedError):
         bench.control.resume("survey")
     assert bench.board.status.state is State.IDLE
     assert bench.storage.closed[-1][1] == "failed"
@@ -132,9 +134,7 @@ def test_a_survey_that_is_not_there_is_refused(bench):
 )
 def test_a_survey_that_holds_more_than_its_plan_is_refused_and_closed(bench, stored, report):
     cut_off_survey(bench, stored, report)
-    with pytest.raises(
-        SurveyError, match="holds trace 30, but its parameters give only 24|the report in"
-    ):
+    with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
         bench.control.resume("survey")
     assert bench.board.status.state is State.IDLE
     assert bench.storage.closed[-1][1] == "failed"

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import pytest
 from fake_robot import Bench
+from fault_kit import raises_fault
 from survey_examples import PARAMETERS, TRAVEL
 
+from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.plan.survey_parameters import SurveyParametersError
 from gpr20_survey.plan.survey_plan import survey_points
@@ -43,16 +45,16 @@ def test_every_sample_has_a_sweep_of_its_own_taken_where_it_says(bench):
 
 
 def test_requests_that_do_not_fit_the_state_are_refused_with_the_reason(bench):
-    with pytest.raises(RequestRefusedError, match="no parameters"):
+    with raises_fault(faults.NO_PLAN, error=RequestRefusedError):
         bench.control.start()
-    with pytest.raises(RequestRefusedError, match="nothing to stop"):
+    with raises_fault(faults.NONE_RUNNING, error=RequestRefusedError):
         bench.control.stop()
-    with pytest.raises(RequestRefusedError, match="no survey is paused"):
+    with raises_fault(faults.NONE_PAUSED, error=RequestRefusedError):
         bench.control.resume("")
     bench.storage.free.clear()
     bench.start()
     for request in (bench.control.start, lambda: bench.start(x_points=4)):
-        with pytest.raises(RequestRefusedError, match="while (a survey|another one) is running"):
+        with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
             request()
     bench.storage.free.set()
     bench.wait_for(State.FINISHED)
@@ -86,7 +88,7 @@ def test_the_estimate_follows_the_speed_of_the_robot():
 
 def test_wrong_parameters_are_refused_and_the_former_ones_stay(bench):
     bench.control.set_parameters(PARAMETERS)
-    with pytest.raises(SurveyParametersError, match="x points is 2"):
+    with pytest.raises(SurveyParametersError, match="2"):
         bench.control.set_parameters(replace(PARAMETERS, x_points=2))
     bench.control.start()
     bench.complete()

@@ -5,7 +5,6 @@ import pytest
 from gpr20_common.message import Message
 from gpr20_main_control.mid.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import (
-    AT_REST,
     RUNNING,
     TRANSITIONS,
     SurveyState,
@@ -24,7 +23,7 @@ def test_a_transition_that_is_not_in_the_table_is_refused(before, after):
     if after in TRANSITIONS[before]:
         check_transition(before, after)
     else:
-        with pytest.raises(TransitionError, match=f"{before.name} cannot become {after.name}"):
+        with pytest.raises(TransitionError, match=f"{before.name} .*{after.name}"):
             check_transition(before, after)
 
 
@@ -38,7 +37,7 @@ def test_every_running_survey_can_be_stopped(state):
     assert SurveyState.STOPPING in TRANSITIONS[state]
 
 
-@pytest.mark.parametrize("state", sorted(AT_REST - {SurveyState.IDLE}))
+@pytest.mark.parametrize("state", sorted({*SurveyState} - RUNNING - {SurveyState.IDLE}))
 def test_after_every_end_new_parameters_and_a_new_start_are_possible(state):
     assert SurveyState.CHECKING in TRANSITIONS[state]
     assert SurveyState.CONFIGURED in TRANSITIONS[state]

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from survey_examples import AXES, PARAMETERS
 
-from gpr20_main_control.mid.robot import ReopenedSurvey
 from gpr20_main_control.mid.survey_plan import plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_steps import (
     Check,
@@ -25,6 +24,7 @@ from gpr20_main_control.mid.survey_steps import (
 )
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 

@@ -2,8 +2,9 @@
 
 import threading
 
-from fake_robot import LIMIT_S
+from fake_robot import LIMIT_S, NODES, reports
 
+from gpr20_main_control import faults
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -22,6 +23,7 @@ def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
         axis.blocked.set()
     final = bench.wait_for(State.STOPPED)
     assert bench.states[-2:] == ["STOPPING", "STOPPED"]
+    assert faults.STOPPED_ON_REQUEST in final.message.faults
     assert final.target is None
     assert len(bench.storage.samples) < 24
     assert bench.storage.closed[-1][1] == "stopped"
@@ -71,7 +73,7 @@ def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.board.status.state is State.STOPPED
     assert [outcome for _survey, outcome, _reason in bench.storage.closed] == ["interrupted"]
-    assert str(bench.board.status.message).startswith("Interrupted: the robot is shut down")
+    assert bench.board.status.message.fault_code == faults.ROBOT_SHUT_DOWN.code
 
 
 def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
@@ -137,7 +139,7 @@ def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
     at_rest = []
     threading.Timer(0.005, lambda: (at_rest.append(True), bench.x.blocked.set())).start()
     bench.wait_for(State.STOPPED)
-    assert at_rest or "STILL MOVING" in str(bench.board.status.message)
+    assert at_rest or bench.board.status.message.may_move
 
 
 def test_an_axis_that_does_not_stop_is_told(bench):
@@ -146,7 +148,25 @@ def test_an_axis_that_does_not_stop_is_told(bench):
     assert bench.x.begun.wait(LIMIT_S)
     bench.control.stop()
     final = bench.wait_for(State.STOPPED)
-    assert "AN AXIS IS STILL MOVING" in str(final.message)
+    assert final.message.fault_code == faults.AXIS_STILL_MOVING.code
+    assert final.message.may_move
+
+
+def test_an_axis_that_is_silent_at_a_stop_is_said_to_move(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.x.silent = True
+    bench.control.stop()
+    final = bench.wait_for(State.STOPPED)
+    assert reports(final.message, faults.AXIS_STILL_MOVING, "x")
+    assert final.message.may_move
+
+
+def test_an_axis_that_never_moved_is_not_said_to_move(bench):
+    bench.z.silent = True
+    bench.start()
+    assert not bench.wait_for(State.FAILED).message.may_move
 
 
 def test_a_stop_does_not_wait_for_an_instrument_that_hangs_in_the_checks(bench, monkeypatch):
@@ -174,7 +194,8 @@ def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(be
     bench.wait_for(State.STOPPING)
     bench.nodes.note_silent("vna_processing")
     status = bench.wait_for(State.STOPPED)
-    assert "the recordings could not be finished: the storage stopped answering" in str(
-        status.message
-    )
+    assert faults.NOT_FINISHED in status.message.faults
+    assert NODES["vna_processing"] in [
+        value for one in status.message.nested() for value in one.values.values()
+    ]
     hang.set()

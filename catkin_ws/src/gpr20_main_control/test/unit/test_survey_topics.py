@@ -9,8 +9,9 @@ pytest.importorskip("gpr20_msgs.msg")
 import rospy
 from fake_robot import FakeAxis
 
-from gpr20_common.high.graph_message import message_from
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from, received_message
+from gpr20_main_control import faults
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.survey_status import Status
 from gpr20_survey.axes.axis_id import AxisId
@@ -45,6 +46,22 @@ def test_a_status_has_its_message_and_the_warning_about_missing_nodes(topics):
     assert published.message == "Warning: the storage does not answer. Measuring (storage_node)"
     assert message_from(published) == status.full_message
     assert published.simulated is True
+
+
+@pytest.mark.parametrize("missing", [None, faults.NODE_LOST])
+def test_the_code_of_a_status_is_that_in_its_json(topics, missing):
+    reason = Message("no answer").with_fault(faults.HEIGHT_NOT_MEASURED)
+    paused = Message("Paused: {reason}", reason=reason)
+    warning = None if missing is None else Message("the node is silent").with_fault(missing)
+    topics.publish_status(Status(SurveyState.PAUSED, paused, missing=warning))
+    (published,) = topics._status.published
+    assert published.fault_code == faults.HEIGHT_NOT_MEASURED.code
+    assert received_message("", published.message_json).cause == faults.HEIGHT_NOT_MEASURED
+
+
+def test_a_status_without_a_fault_has_no_code(topics):
+    topics.publish_status(Status(SurveyState.SURVEYING, Message("Measuring")))
+    assert topics._status.published[0].fault_code == ""
 
 
 def test_a_change_of_the_progress_alone_publishes_no_status(topics):

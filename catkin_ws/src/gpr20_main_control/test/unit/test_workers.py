@@ -7,7 +7,7 @@ import pytest
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import StopRequested
-from gpr20_main_control.mid.workers import SerialCalls, Workers, result_of
+from gpr20_main_control.mid.waits import SerialCalls, Workers, result_of
 
 LIMIT_S = 10.0
 

@@ -11,6 +11,7 @@ import rostest
 import vxi11
 from diagnostic_msgs.msg import DiagnosticArray
 
+from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
 from gpr20_simulator.mid.medium import probed_position_mm, probed_rotation_deg, probed_sweep
@@ -138,11 +139,12 @@ class SimulatorTest(unittest.TestCase):
         for device, fault, count, part in (
             ("laser", "HANG", 0, "vna, endstop_x, endstop_y, adc"),
             ("vna", "BROKEN", 0, "HANG, DROP"),
-            ("vna", "HANG", -5, "count is -5"),
-            ("adc", "STUCK", 1, "must be 0"),
+            ("vna", "HANG", -5, "-5"),
+            ("adc", "STUCK", 1, "count"),
         ):
             answer = self.set_fault(device, fault, count)
             self.assertFalse(answer.success)
+            self.assertEqual(answer.fault_code, UNKNOWN_FAULT.code)
             self.assertIn(part, answer.message)
 
     def test_diagnostics_say_that_it_is_simulated(self):

@@ -6,8 +6,10 @@ import random
 import socket
 
 import pytest
+from fault_kit import raises_fault
 from rpc_wire import LAST, RawClient, call, record, unpack_words, wait_until, words
 
+from gpr20_simulator.faults import PORT_TAKEN
 from gpr20_simulator.low.portmapper import Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import RpcProgram, pack_opaque
 from gpr20_simulator.low.rpc_server import ListenError, RpcTcpServer
@@ -139,13 +141,13 @@ def test_stopped_server_drops_its_clients_and_listens_no_more(server):
 
 
 def test_taken_port_is_a_clear_error(server):
-    with pytest.raises(ListenError, match=f"port {server.port}"):
+    with raises_fault(PORT_TAKEN, server.port, error=ListenError):
         RpcTcpServer("127.0.0.1", server.port, RpcProgram(PROGRAM, VERSION, {}), LONGEST_RECORD, 1)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may listen on port 111")
 def test_privileged_port_is_a_clear_error():
-    with pytest.raises(ListenError, match="root"):
+    with raises_fault(PORT_TAKEN, 111, error=ListenError):
         Portmapper("127.0.0.1", [], 111)
 
 

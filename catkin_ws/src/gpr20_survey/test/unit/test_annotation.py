@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from annotation_examples import EXAMPLE, REFUSED, REFUSED_POSITIONS, annotations
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -37,15 +38,15 @@ def test_an_annotation_comes_out_of_the_fields_of_a_message_as_it_went_in(annota
     assert repr(from_fields(SimpleNamespace(**annotation.fields()))) == repr(annotation)
 
 
-@pytest.mark.parametrize(("changes", "reason"), REFUSED)
-def test_a_text_that_is_too_long_or_cannot_be_shown_is_refused(changes, reason):
-    with pytest.raises(InvalidValueError, match=reason):
+@pytest.mark.parametrize(("changes", "shown"), REFUSED)
+def test_a_text_that_is_too_long_or_cannot_be_shown_is_refused(changes, shown):
+    with raises_fault("value.not_allowed", *shown, error=InvalidValueError):
         Annotation(**changes)
 
 
-@pytest.mark.parametrize(("numbers", "reason"), REFUSED_POSITIONS)
-def test_a_position_that_is_not_on_the_earth_is_refused(numbers, reason):
-    with pytest.raises(InvalidValueError, match=reason):
+@pytest.mark.parametrize(("numbers", "shown"), REFUSED_POSITIONS)
+def test_a_position_that_is_not_on_the_earth_is_refused(numbers, shown):
+    with raises_fault("value.not_allowed", *shown, error=InvalidValueError):
         Wgs84Position(*numbers)
 
 
@@ -100,7 +101,7 @@ def test_a_heading_is_stored_and_stays_with_its_position(annotation, heading_deg
 
 @pytest.mark.parametrize("heading_deg", [-0.1, 360.1, float("nan"), "12", True])
 def test_a_heading_that_is_no_direction_is_refused(heading_deg):
-    with pytest.raises(InvalidValueError, match="heading"):
+    with raises_fault("value.not_allowed", error=InvalidValueError):
         Annotation(heading_deg=heading_deg)
 
 

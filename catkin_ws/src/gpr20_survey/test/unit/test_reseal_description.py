@@ -9,6 +9,7 @@ import random
 import shutil
 
 import pytest
+from fault_kit import raises_fault
 from trace_examples import SURVEY
 
 from gpr20_survey.errors import SurveyRefusedError
@@ -106,7 +107,7 @@ def test_a_kill_at_any_call_of_the_disk_leaves_a_sealed_survey(folder, tmp_path)
 def test_a_description_that_was_damaged_is_not_sealed_again(folder):
     path = folder / "survey.json"
     path.write_bytes(path.read_bytes().replace(b'"x_points": 3', b'"x_points": 7'))
-    with pytest.raises(SurveyRefusedError, match="differs from the manifest"):
+    with raises_fault("survey.description_damaged", error=SurveyRefusedError):
         sealing.reseal_description(folder, CHANGED)
 
 
@@ -120,17 +121,17 @@ def test_a_description_that_was_damaged_is_not_sealed_again(folder):
     ],
 )
 def test_what_must_not_change_is_refused_by_name(folder, change):
-    with pytest.raises(SurveyRefusedError, match=next(iter(change))):
+    with raises_fault("storage.request_refused", next(iter(change)), error=SurveyRefusedError):
         sealing.reseal_description(folder, {**DESCRIPTION, **change})
     assert content(folder) == DESCRIPTION and is_sealed(folder)
 
 
 def test_a_survey_that_is_open_is_refused(folder):
     sealing.mark_reopened(folder, manifest.read_manifest(folder), "now")
-    with pytest.raises(SurveyRefusedError, match="not closed: it was reopened"):
+    with raises_fault("survey.not_closed", error=SurveyRefusedError):
         sealing.reseal_description(folder, CHANGED)
     (folder / "manifest.json").unlink()
-    with pytest.raises(SurveyRefusedError, match="not closed: it has no manifest"):
+    with raises_fault("survey.not_closed", error=SurveyRefusedError):
         sealing.reseal_description(folder, CHANGED)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
@@ -55,28 +56,35 @@ def test_a_field_may_lie_inside_others(field):
         ("higher", 1.0),
     ],
 )
-def test_the_message_names_a_key_that_is_wrong(key, value):
-    with pytest.raises(InvalidValueError, match=key):
+def test_the_message_names_a_key_or_value_that_is_wrong(key, value):
+    with pytest.raises(InvalidValueError) as caught:
         made(**{key: value})
+    message = caught.value.message
+    assert message.fault_code in ("config.value_not_allowed", "value.not_allowed")
+    values = [str(one) for inner in message.nested() for one in inner.values.values()]
+    if key in ("unit", "low", "high") and message.fault_code == "config.value_not_allowed":
+        assert SOIL["name"] in values and any(repr(value).strip("'") in one for one in values)
+    else:
+        assert any(key in one for one in values)
 
 
 def test_low_is_below_high():
     assert made(low=1.0, high=2.0).is_plausible(1.0)
     for low, high in ((2.0, 1.0), (1.0, 1.0)):
-        with pytest.raises(InvalidValueError, match="low and high of sensor soil"):
+        with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
             made(low=low, high=high)
 
 
 @pytest.mark.parametrize("key", SOIL)
 def test_a_key_that_is_missing_is_named(key):
     values = {name: value for name, value in SOIL.items() if name != key}
-    with pytest.raises(InvalidValueError, match=rf"sensors\[0\]/{key} is missing"):
+    with raises_fault("config.value_not_allowed", f"sensors[0]/{key}", error=InvalidValueError):
         record_from(Sensors, {"sensors": [values]}, "")
 
 
 def test_names_are_unique_and_sensors_few():
-    with pytest.raises(InvalidValueError, match="two sensors have the name soil"):
+    with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
         record_from(Sensors, {"sensors": [SOIL, SOIL]}, "")
     many = [{**SOIL, "name": f"s{number}"} for number in range(33)]
-    with pytest.raises(InvalidValueError, match="at most 32"):
+    with raises_fault("config.value_not_allowed", 33, 32, error=InvalidValueError):
         record_from(Sensors, {"sensors": many}, "")

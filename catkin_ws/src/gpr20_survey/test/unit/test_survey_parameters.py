@@ -4,6 +4,7 @@ import math
 from dataclasses import asdict, replace
 
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from survey_examples import PARAMETERS, TRAVEL
@@ -31,60 +32,59 @@ def test_start_and_stop_may_be_in_either_order():
 
 
 @pytest.mark.parametrize(
-    "field, value, message",
+    "field, value, shown",
     [
-        ("vna_address", "192.168.1", "VNA address is '192.168.1'; it must be four numbers"),
-        ("vna_address", "192.168.1.256", "four numbers"),
-        ("vna_address", "192.168.1.1.1", "four numbers"),
-        ("vna_address", "vna.local", "four numbers"),
-        ("vna_address", "1.2.3.٤", "four numbers"),
-        ("vna_address", "GPIB0::16::INSTR\n", "the name of a VISA resource"),
-        ("start_frequency_hz", 0.0, "start frequency is 0 Hz; it must lie between 5000 and"),
-        ("start_frequency_hz", math.nan, "start frequency is nan"),
-        ("start_frequency_hz", -1.0, "start frequency is -1"),
-        ("start_frequency_hz", 6.0e9, "must be below the stop frequency, 6000000000 Hz"),
-        ("stop_frequency_hz", 6.1e9, "stop frequency is 6100000000 Hz"),
-        ("stop_frequency_hz", math.inf, "stop frequency is inf"),
-        ("stop_frequency_hz", 500.0e6, "must be below the stop frequency, 500000000 Hz"),
-        ("frequency_points", 0, "frequency points is 0; it must lie between 2 and 4000"),
-        ("frequency_points", 1, "frequency points is 1"),
-        ("frequency_points", 4001, "frequency points is 4001"),
-        ("stop_frequency_hz", 600.0e6 + 0.5, "must be at least 1 Hz apart"),
-        ("stop_frequency_hz", 600.0e6, "must be below the stop frequency"),
-        ("stop_frequency_hz", 600.0e6 + 2.0, "give frequencies 0.5 Hz apart"),
-        ("if_bandwidth_hz", 0.5, "IF bandwidth is 0.5 Hz; it must lie between 1 and 10000000 Hz"),
-        ("if_bandwidth_hz", -10.0, "IF bandwidth is -10 Hz"),
-        ("if_bandwidth_hz", 2.0e7, "IF bandwidth is 20000000 Hz"),
-        ("if_bandwidth_hz", math.nan, "IF bandwidth is nan"),
-        ("averages", -1, "averages is -1; it must lie between 0 and 65535"),
-        ("averages", 65536, "averages is 65536"),
-        ("output_power", "LOW POWER", "output power is 'LOW POWER'; use up to 16 letters"),
-        ("output_power", "A" * 17, "output power is"),
-        ("output_power", "LOW\n", "output power is"),
-        ("output_power", "HÖCH", "output power is"),
-        ("x_start_mm", -0.01, "x start is -0.01 mm; it must lie between 0 and 650 mm"),
-        ("x_start_mm", math.nan, "x start is nan"),
-        ("x_stop_mm", 650.01, "x stop is 650.01 mm; it must lie between 0 and 650 mm"),
-        ("x_stop_mm", math.inf, "x stop is inf"),
-        ("x_points", 2, "x points is 2; it must be at least 3"),
-        ("x_points", -5, "x points is -5"),
-        ("x_stop_mm", 10.0, "must be at least one motor step, 0.01 mm, apart"),
-        ("x_points", 2002, "2002 stops 0.009995 mm apart"),
-        ("y_start_mm", 800.01, "y start is 800.01 mm; it must lie between 0 and 800 mm"),
-        ("y_stop_mm", math.nan, "y stop is nan"),
-        ("y_points", 0, "y points is 0"),
-        ("polarizations_deg", (), "number of polarizations is 0; it must lie between 1 and 36"),
-        ("polarizations_deg", (0.0,) * 37, "number of polarizations is 37"),
-        ("polarizations_deg", (0.0, 91.0), "polarization is 91 deg"),
-        ("polarizations_deg", (math.nan,), "polarization is nan"),
-        ("polarizations_deg", (0.0, 0.0), "they must differ by at least"),
-        ("polarizations_deg", (0.0, 1.0), "polarization is 1 deg; it must be a multiple of"),
+        ("vna_address", "192.168.1", ("VNA address", "192.168.1")),
+        ("vna_address", "192.168.1.256", ()),
+        ("vna_address", "192.168.1.1.1", ()),
+        ("vna_address", "vna.local", ()),
+        ("vna_address", "1.2.3.٤", ()),
+        ("vna_address", "GPIB0::16::INSTR\n", ("GPIB0::16::INSTR",)),
+        ("start_frequency_hz", 0.0, ("start frequency", 0, 5000)),
+        ("start_frequency_hz", math.nan, ("start frequency", "nan")),
+        ("start_frequency_hz", -1.0, ("start frequency", -1)),
+        ("start_frequency_hz", 6.0e9, (6000000000,)),
+        ("stop_frequency_hz", 6.1e9, ("stop frequency", 6100000000)),
+        ("stop_frequency_hz", math.inf, ("stop frequency", "inf")),
+        ("stop_frequency_hz", 500.0e6, (500000000,)),
+        ("frequency_points", 0, ("frequency points", 0, 2, 4000)),
+        ("frequency_points", 1, ("frequency points", 1)),
+        ("frequency_points", 4001, ("frequency points", 4001)),
+        ("stop_frequency_hz", 600.0e6 + 0.5, (1,)),
+        ("stop_frequency_hz", 600.0e6, ()),
+        ("stop_frequency_hz", 600.0e6 + 2.0, (0.5,)),
+        ("if_bandwidth_hz", 0.5, ("IF bandwidth", 0.5, 1, 10000000)),
+        ("if_bandwidth_hz", -10.0, ("IF bandwidth", -10)),
+        ("if_bandwidth_hz", 2.0e7, ("IF bandwidth", 20000000)),
+        ("if_bandwidth_hz", math.nan, ("IF bandwidth", "nan")),
+        ("averages", -1, ("averages", -1, 0, 65535)),
+        ("averages", 65536, ("averages", 65536)),
+        ("output_power", "LOW POWER", ("LOW POWER", 16)),
+        ("output_power", "A" * 17, ()),
+        ("output_power", "LOW\n", ()),
+        ("output_power", "HÖCH", ()),
+        ("x_start_mm", -0.01, ("x start", -0.01, 0, 650)),
+        ("x_start_mm", math.nan, ("x start", "nan")),
+        ("x_stop_mm", 650.01, ("x stop", 650.01, 0, 650)),
+        ("x_stop_mm", math.inf, ("x stop", "inf")),
+        ("x_points", 2, ("x", 2, 3)),
+        ("x_points", -5, ("x", -5)),
+        ("x_stop_mm", 10.0, (0.01,)),
+        ("x_points", 2002, (2002, 0.009995)),
+        ("y_start_mm", 800.01, ("y start", 800.01, 0, 800)),
+        ("y_stop_mm", math.nan, ("y stop", "nan")),
+        ("y_points", 0, ("y", 0)),
+        ("polarizations_deg", (), ("number of polarizations", 0, 1, 36)),
+        ("polarizations_deg", (0.0,) * 37, ("number of polarizations", 37)),
+        ("polarizations_deg", (0.0, 91.0), ("polarization", 91)),
+        ("polarizations_deg", (math.nan,), ("polarization", "nan")),
+        ("polarizations_deg", (0.0, 0.0), ()),
+        ("polarizations_deg", (0.0, 1.0), (1,)),
     ],
 )
-def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value, message):
-    with pytest.raises(SurveyParametersError) as refusal:
+def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value, shown):
+    with raises_fault("plan.not_allowed", *shown, error=SurveyParametersError):
         check(replace(PARAMETERS, **{field: value}), TRAVEL)
-    assert message in str(refusal.value)
 
 
 @given(
@@ -114,7 +114,7 @@ def test_every_wrong_parameter_is_named():
 
 def test_a_survey_of_more_traces_than_can_be_counted_is_refused():
     huge = replace(PARAMETERS, x_stop_mm=650.0, x_points=1001, y_stop_mm=800.0, y_points=1001)
-    assert any("number of traces is 2004002" in str(one) for one in problems(huge, TRAVEL))
+    assert any("2004002" in str(one) for one in problems(huge, TRAVEL))
 
 
 @given(

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_json
@@ -113,7 +114,7 @@ def test_values_of_other_sensors_that_are_not_allowed_are_refused(aux):
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_value_of_another_sensor_is_finite(value):
-    with pytest.raises(TraceRefusedError, match=f"soil in aux is {value}; it must be finite"):
+    with raises_fault("sensor.not_finite", "soil", value, error=TraceRefusedError):
         make_trace(aux=(AuxValue("soil", value, "", STARTED_US),))
 
 

@@ -13,10 +13,10 @@ import rospy
 from sensor_msgs.msg import Range
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
 from gpr20_common.low.yaml_file import read_yaml
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Fault, Message, Severity, verbatim
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
@@ -51,6 +51,12 @@ ACTIVE = (
 )
 PERIOD_S = 0.5
 ANSWER_LIMIT_S = 60.0
+PAUSED_ON_REQUEST = verbatim("paused on request").with_fault(
+    Fault("survey.paused_on_request", severity=Severity.NOTE)
+)
+STOPPED_ON_REQUEST = verbatim("stopped by request").with_fault(
+    Fault("survey.stopped_on_request", severity=Severity.NOTE)
+)
 
 
 def robot_configuration() -> RobotConfiguration:
@@ -268,9 +274,9 @@ class FakeMainControl:
             if self._visited == self._parameters.total_points:
                 self._say(ControlStatus.FINISHED, "every trace is stored in /data/survey")
         elif self.code == ControlStatus.PAUSING and self.may_pause.is_set():
-            self._say(ControlStatus.PAUSED, "paused on request")
+            self._say(ControlStatus.PAUSED, PAUSED_ON_REQUEST)
         elif self.code == ControlStatus.STOPPING and self.may_stop.is_set():
-            self._say(ControlStatus.STOPPED, "stopped by request")
+            self._say(ControlStatus.STOPPED, STOPPED_ON_REQUEST)
 
     def _publish_data(self) -> None:
         total = self._parameters.total_points if self._parameters else 0

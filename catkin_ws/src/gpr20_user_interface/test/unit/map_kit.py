@@ -1,23 +1,25 @@
 """Candidates and markers for the tests of MAP."""
 
 import numpy as np
+from candidate_examples import candidate, candidate_list
 from view_kit import SURVEY
 
-from gpr20_common.message import verbatim
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.mid.focused_image import CandidateMark, FocusedImage
+from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.focused_image import FocusedImage
 
 FINER = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 MARKER = Marker(
     "0f8fad5b-d9cb-469f-a165-708677289501", 175.0, 70.0, 60.0, "raíz", "Ana",
     "2026-11-21T05:10:00.000000Z",
 )  # fmt: skip
-SURE = CandidateMark(1, 125.0, 90.0, 85.0, 21.0, False)
-DOUBTED = CandidateMark(2, 125.0, 90.0, 140.0, 12.0, True, (verbatim("close to the edge"),))
+SURE = candidate(1, 125.0, 90.0, 85.0, 21.0)
+DOUBTED = candidate(2, 125.0, 90.0, 140.0, 12.0, (Flag.CLUTTER, Flag.EDGE))
 
 
 def focused(candidates=(SURE, DOUBTED), survey_id=SURVEY):
     """Return a focused image with candidates."""
     x_mm, y_mm, depth_mm = np.arange(3.0), np.arange(2.0), np.arange(4.0)
     levels_db = np.zeros((4, 2, 3), np.float32)
-    return FocusedImage(survey_id, 9, 4.0, True, x_mm, y_mm, depth_mm, levels_db, candidates)
+    found = candidate_list(candidates, survey_id=survey_id)
+    return FocusedImage(9, x_mm, y_mm, depth_mm, levels_db, found)

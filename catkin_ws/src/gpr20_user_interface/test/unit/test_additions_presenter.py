@@ -10,7 +10,7 @@ from gpr20_user_interface.mid.additions_presenter import (
     RETRY_REFRESHES,
     AdditionsPresenter,
 )
-from gpr20_user_interface.mid.focused_image import ImageFocused
+from gpr20_user_interface.mid.imaging_events import ImageFocused
 from gpr20_user_interface.mid.map_geometry import Area
 from gpr20_user_interface.mid.survey_additions import (
     AdditionsFailed,
@@ -115,7 +115,7 @@ def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
     assert additions.laid_image is coarse
     for _ in range(3):
         additions.focus_finer()
-    assert asked == [(FINER, coarse.permittivity)]
+    assert asked == [(FINER, coarse.found.permittivity)]
     fine = focused(survey_id=FINER)
     fine.levels_db[:] = 20.0
     additions.on_event(ImageFocused(fine))

@@ -27,8 +27,8 @@ from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, ControlState, Request
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.trace_events import (
     AnnotationFailed,
@@ -210,7 +210,7 @@ def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
 
 def test_a_past_survey_is_annotated_from_the_list(window, storage, sheet):
     window.show_tab(TabName.SURVEYS)
-    survey = PastSurvey(FOLDER, SURVEY, "", "finished", 18, 18, None, True, True, None)
+    survey = SurveySummary(FOLDER, SURVEY, "", "finished", 18, 18, None, True, True, None)
     window.on_event(SurveysListed("", (survey,), False))
     assert not window.past.notes.isEnabled()
     window.past.table.selectRow(0)

@@ -1,14 +1,14 @@
 """Candidates of a stored survey in the window: search, cancel, list, and what they are not."""
 
 import dataclasses
-import json
+import math
 
 import pytest
 
 pytest.importorskip("PyQt5")
 
+from candidate_examples import candidate, candidate_list
 from PyQt5.QtTest import QTest
-from test_candidate_list import LIST
 from test_nothing_cut_off import assert_fits
 from view_kit import SURVEY
 from window_helpers import ImagingNode, application, close, new_window, show, snapshot
@@ -17,10 +17,11 @@ from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.candidate_search import SearchState
+from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_user_interface.mid.candidate_search import OTHER_SURVEY, SearchState
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import Languages, shown_text
@@ -28,19 +29,22 @@ from gpr20_user_interface.views.translation import Languages, shown_text
 __all__ = ["application"]
 
 FOLDER = "20261121T051000_7c9e6679"
-LISTED = PastSurvey(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 40, 40, None, True, True, None)
+LISTED = SurveySummary(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 40, 40, None, True, True, None)
 RUNS = ControlState(SurveyState.SURVEYING, verbatim(""), "other", True)
-ALL_FLAGS = ["surface-residue", "edge", "one-polarization", "clutter", "sidelobe", "unrated"]
-MANY = {
-    **LIST,
-    "listed": 50,
-    "omitted": 12345,
-    "omitted_primary": 0,
-    "candidates": [
-        {**LIST["candidates"][0], "id": f"C{number}", "flags": ALL_FLAGS[: number // 8]}
-        for number in range(50)
+LIST = candidate_list(
+    [
+        candidate(x_mm=174.0, y_mm=182.0, depth_mm=113.0, flags=[Flag.EDGE]),
+        candidate(2, level_db=math.nan),
     ],
-}
+    survey_id=SURVEY,
+    omitted=3,
+    omitted_primary=1,
+)
+MANY = candidate_list(
+    [candidate(number, flags=list(Flag)[: (number - 1) // 8]) for number in range(1, 51)],
+    survey_id=SURVEY,
+    omitted=12345,
+)
 
 
 @pytest.fixture
@@ -70,8 +74,7 @@ def last_request(window):
     return window.node.of("find")[-1]
 
 
-def ended(window, text=None, remarks="", request_id=None):
-    found = json.dumps(LIST) if text is None else text
+def ended(window, found=LIST, remarks="", request_id=None):
     window.on_event(CandidatesFound(request_id or last_request(window)[0], found, remarks))
 
 
@@ -119,7 +122,7 @@ def test_nothing_is_cut_off_in_any_state(window):
     sheet.number_pad.hide()
     sheet.find_button.click()
     assert_fits(window)
-    ended(window, json.dumps(MANY), remarks="note: something about the survey. " * 30)
+    ended(window, MANY, remarks="note: something about the survey. " * 30)
     assert_fits(window)
     assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
     assert sheet.table.rowCount() == 32 + 10
@@ -187,12 +190,12 @@ def test_never_during_a_survey(window, node):
     assert sheet.find_button.isEnabled() and window.past.candidates.isEnabled()
 
 
-@pytest.mark.parametrize("text", ["", "{}", "no JSON"])
-def test_a_broken_list_is_said_and_not_shown(window, text):
+def test_the_list_of_another_survey_is_said_and_not_shown(window):
     sheet = search(window)
-    ended(window, text)
-    assert sheet.search.state is SearchState.FAILED and sheet.table.rowCount() == 0
-    assert sheet.details.text()
+    ended(window, dataclasses.replace(LIST, survey_id="another"))
+    assert not sheet.table.isVisible() and not sheet.table.rowCount()
+    assert sheet.details.text() == shown_text(OTHER_SURVEY)
+    assert sheet.find_button.isEnabled()
 
 
 def test_a_failure_shows_its_reason_and_no_list(window):
@@ -213,7 +216,7 @@ def test_what_was_found_in_another_survey_is_forgotten(window):
 
 def test_the_language_changes_at_once(window):
     search(window)
-    ended(window, json.dumps(MANY))
+    ended(window, MANY)
     before = (
         cells(window.candidates.table)[20][-1],
         window.candidates.no_clearance.text(),

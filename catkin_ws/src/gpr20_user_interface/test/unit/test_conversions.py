@@ -12,9 +12,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hypothesis import given, settings
 
 from gpr20_common.high.diagnostics import MESSAGE_JSON
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.raw_message import deserialized, serialized
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Fault, Message, verbatim
+from gpr20_common.sent_message import message_fields
 from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_msgs.msg import Annotation as AnnotationMessage
@@ -107,3 +107,29 @@ def test_the_annotation_of_a_survey_is_read_and_one_of_an_older_survey_is_empty(
 def test_an_annotation_that_cannot_be_read_is_a_failure(text):
     read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
     assert isinstance(read, AnnotationFailed)
+
+
+REMEDY = Message("Free some space on the disk.")
+FAULTY = FULL.with_fault(Fault("disk.full", REMEDY))
+
+
+def test_why_something_of_a_survey_failed_has_its_fault_and_remedy():
+    text, sent = str(FAULTY), FAULTY.to_json()
+    coverage = SurveyCoverage(
+        planned=9, failures=[f"4: {text}"], failures_json=[sent], verdict=text, verdict_json=sent
+    )
+    runs = conversions.coverage_runs(coverage)
+    read = conversions.traces_read(
+        3, ReadTracesResponse(unreadable=[f"3: {text}"], unreadable_json=[sent])
+    )
+    summary = SurveySummary(
+        verdict=text,
+        verdict_json=sent,
+        problem=text,
+        problem_json=sent,
+        fault_code="axis.lost_zero",
+    )
+    (listed,) = conversions.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
+    assert listed.fault_code == "axis.lost_zero"
+    for one in (runs.failures[4], runs.verdict, read.unreadable[3], listed.verdict, listed.problem):
+        assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)

@@ -13,16 +13,16 @@ from window_helpers import ImagingNode, application, click, close, new_window, s
 from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.imaging_events import (
     ExportDone,
     RequestFailed,
     RequestProgress,
-    StickVolume,
     VolumesFailed,
     VolumesListed,
 )
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_export import ExportPart, ExportState
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.main_window import TabName
@@ -31,10 +31,10 @@ from gpr20_user_interface.views.translation import Languages
 __all__ = ["application"]
 
 FOLDER = "20261121T051000_7c9e6679"
-LISTED = PastSurvey(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 40, 40, None, True, True, None)
-BLUE = StickVolume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True)
-RED = StickVolume("/media/gpr/RED", "RED STICK WITH A LONG NAME", 123_000_000, True)
-LOCKED = StickVolume("/media/gpr/LOCKED", "LOCKED", 10**9, False)
+LISTED = SurveySummary(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 40, 40, None, True, True, None)
+BLUE = Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True)
+RED = Volume("/media/gpr/RED", "RED STICK WITH A LONG NAME", 123_000_000, True)
+LOCKED = Volume("/media/gpr/LOCKED", "LOCKED", 10**9, False)
 RUNS = ControlState(SurveyState.SURVEYING, verbatim(""), "other", True)
 LONG = "the USB stick BLUE is full; nothing unfinished was left on it. " * 5
 

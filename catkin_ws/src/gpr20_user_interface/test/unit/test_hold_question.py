@@ -5,6 +5,7 @@ import pytest
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import Progress
 from gpr20_user_interface.mid.hold_question import (
     LONGEST_NAME,
@@ -15,7 +16,6 @@ from gpr20_user_interface.mid.hold_question import (
     start_question,
 )
 from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_preview import preview
 
 PARAMETERS = default_parameters()
@@ -69,7 +69,7 @@ def test_resume_without_any_progress_has_only_its_warning():
 
 
 def test_a_past_survey_is_named_before_it_is_resumed():
-    survey = PastSurvey(
+    survey = SurveySummary(
         *(FOLDER, "7c9e6679", "2026-11-21T05:10:00", "stopped", 7, 40),
         *(verbatim(""), False, True, None),
     )

@@ -1,19 +1,11 @@
 """When the window asks for a focused image, and what it makes of the answer."""
 
-import dataclasses
-import json
-from types import SimpleNamespace
-
-import numpy as np
+import map_kit
 import pytest
-from test_candidate_list import LIST
 from view_kit import SURVEY
 from window_helpers import ImagingNode
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_user_interface.mid.focused_answer import image_from
-from gpr20_user_interface.mid.focused_image import ImageFailed, ImageFocused
 from gpr20_user_interface.mid.focused_images import (
     FEWEST_TRACES,
     LOST_S,
@@ -22,46 +14,7 @@ from gpr20_user_interface.mid.focused_images import (
     FocusedImages,
     Wanted,
 )
-
-LEVELS = np.linspace(-3.0, 40.0, 24, dtype="<f4").reshape(2, 3, 4)
-LEVELS[0, 0, 0] = np.nan
-
-
-def answer(**changes):
-    fields = {
-        "survey_id": LIST["survey_id"],
-        "traces": 20,
-        "x_mm": [0.0, 5.0, 10.0, 15.0],
-        "y_mm": [0.0, 5.0, 10.0],
-        "depth_mm": [0.0, 3.0],
-        "levels_db": LEVELS.tobytes(),
-        "candidates_json": json.dumps(LIST),
-    }
-    return SimpleNamespace(**{**fields, **changes})
-
-
-def test_an_answer_becomes_an_image():
-    image = image_from(answer())
-    assert np.array_equal(image.levels_db, LEVELS, equal_nan=True)
-    assert (image.permittivity, image.simulated) == (LIST["permittivity"], LIST["simulated"])
-    first = image.candidates[0]
-    assert (first.number, round(first.x_mm), first.doubtful) == (1, 174, False)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"levels_db": b"123"},
-        {"x_mm": [0.0, 5.0, 5.0, 15.0]},
-        {"y_mm": [0.0, float("nan"), 10.0]},
-        {"depth_mm": []},
-        {"candidates_json": "{}"},
-        {"survey_id": "another"},
-    ],
-)
-def test_a_broken_answer_is_refused(wrong):
-    with pytest.raises(InvalidValueError):
-        image_from(answer(**wrong))
+from gpr20_user_interface.mid.imaging_events import ImageFailed, ImageFocused
 
 
 class Clock:
@@ -83,12 +36,12 @@ def images(node, clock):
     return FocusedImages(node, lambda: clock.now_s)
 
 
-def focused(images, survey=LIST["survey_id"]):
-    images.on_event(ImageFocused(dataclasses.replace(image_from(answer()), survey_id=survey)))
+def focused(images, survey=SURVEY):
+    images.on_event(ImageFocused(map_kit.focused(survey_id=survey)))
 
 
 def test_new_traces_lead_to_a_new_image_at_most_every_10_s(images, node, clock):
-    wanted = Wanted(LIST["survey_id"], 20, 4.0)
+    wanted = Wanted(SURVEY, 20, 4.0)
     for step in range(40):
         clock.now_s += 1.0
         images.keep(wanted._replace(traces=20 + step))
@@ -96,7 +49,7 @@ def test_new_traces_lead_to_a_new_image_at_most_every_10_s(images, node, clock):
             focused(images)
     # An answer comes up to three seconds later.
     assert 4 <= len(node.of("focus")) <= 5
-    assert images.image(LIST["survey_id"]) is not None
+    assert images.image(SURVEY) is not None
     assert images.image("another") is None
 
 

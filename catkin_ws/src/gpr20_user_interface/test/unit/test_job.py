@@ -1,5 +1,5 @@
 import pytest
-from test_remedies import paused
+from test_fault_messages import CLOCK, MOVING, paused
 
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
@@ -54,12 +54,12 @@ def test_a_percentage_is_rounded_down_and_only_of_this_survey():
 def test_a_warning_comes_before_the_time():
     state = ControlState(
         SurveyState.SURVEYING,
-        Message("Warning: {warning}. {status}", warning=verbatim("late"), status=verbatim("on")),
+        Message("Warning: {warning}. {status}", warning=CLOCK.as_warning(), status=verbatim("on")),
         "id",
         True,
     )
     job = job_of(snapshot(SurveyState.SURVEYING, **{"state": state}))
-    assert job.left is None and str(job.message) == "Warning: late. on"
+    assert job.left is None and str(job.message) == "Warning: the clock is late. on"
 
 
 @pytest.mark.parametrize("kind", list(AlarmKind))
@@ -71,8 +71,7 @@ def test_an_alarm_is_never_shown_as_work(kind):
 
 def test_a_stop_with_a_fault_is_a_fault():
     assert job_of(snapshot(SurveyState.STOPPED)).level is JobLevel.REST
-    moving = Message("AN AXIS IS STILL MOVING: switch the motors off")
-    state = ControlState(SurveyState.STOPPED, moving, "id", True)
+    state = ControlState(SurveyState.STOPPED, MOVING, "id", True)
     assert job_of(snapshot(SurveyState.STOPPED, state=state)).level is JobLevel.FAULT
 
 

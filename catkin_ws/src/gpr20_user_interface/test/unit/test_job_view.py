@@ -4,7 +4,7 @@ pytest.importorskip("PyQt5")
 
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel
-from test_remedies import paused
+from test_fault_messages import ASKED_STOP, FULL, paused
 from view_kit import description, make_grid
 from window_helpers import (
     application,
@@ -19,7 +19,7 @@ from window_helpers import (
 )
 
 from gpr20_common.low.catalogue_file import languages
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, TargetPosition
@@ -40,7 +40,7 @@ from gpr20_user_interface.views.translation import Languages
 
 __all__ = ["application", "window"]
 
-FULL = Message("the disk is full", details="[Errno 28] No space left on device")
+AT_REST = ControlState(SurveyState.STOPPED, ASKED_STOP, "id", True)
 LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
 SIZES = [(480, 320), (800, 480), (1280, 800)]
 
@@ -196,7 +196,7 @@ def test_a_stop_without_a_master_says_at_once_to_switch_off_the_motors(window):
     window.notice.show_notice(fault_notice(paused(FULL)))
     show(window, gone)
     assert window.childAt(400, 300) in (warning, *warning.findChildren(QLabel))
-    show(window, shown(SurveyState.STOPPED, master_alive=False))
+    show(window, shown(SurveyState.STOPPED, state=AT_REST, master_alive=False))
     assert not warning.isVisible()
 
 

@@ -1,17 +1,18 @@
 import numpy as np
 import pytest
+from candidate_examples import candidate_list
 from map_kit import FINER
 from view_kit import SURVEY
 
-from gpr20_user_interface.mid.focused_image import FocusedImage
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.mid.laid_over import MOST_VOXELS, laid_over
 
 
 def image(survey_id, x_mm, y_mm, level_db, depth_mm=(0.0, 20.0, 40.0)):
     shape = (len(depth_mm), len(y_mm), len(x_mm))
     return FocusedImage(
-        survey_id, 9, 4.0, True, np.asarray(x_mm, float), np.asarray(y_mm, float),
-        np.asarray(depth_mm, float), np.full(shape, level_db, np.float32),
+        9, np.asarray(x_mm, float), np.asarray(y_mm, float), np.asarray(depth_mm, float),
+        np.full(shape, level_db, np.float32), candidate_list(survey_id=survey_id),
     )  # fmt: skip
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from view_kit import depth_echo, make_grid, trace_at
 
+from gpr20_survey.radar.noise import noise_threshold_db
 from gpr20_user_interface.mid.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale, top_db
 from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.noise_floor import noise_of_trace, noise_threshold_db
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan, depths_m, level_db
 from gpr20_user_interface.mid.radar_records import Axis, Colours, RadarSettings
@@ -152,14 +152,6 @@ def test_disturbed_traces_do_not_darken_the_others():
     assert other.noise == pytest.approx(one.noise, rel=0.02)
     shades = [c_scan(model, settings).shades[6, 6] for model in (clean, disturbed)]
     assert shades[1] == pytest.approx(shades[0], rel=0.02)
-
-
-def test_the_noise_of_a_trace_is_its_root_mean_square_also_beside_late_echoes():
-    rng = np.random.default_rng(6)
-    late = 3.0 * (rng.standard_normal(4000) + 1j * rng.standard_normal(4000)) / np.sqrt(2.0)
-    assert noise_of_trace(late) == pytest.approx(3.0, rel=0.05)
-    late[:400] += 1000.0
-    assert noise_of_trace(late) == pytest.approx(3.0, rel=0.1)
 
 
 def test_gain_and_a_linear_scale_leave_noise_dark():

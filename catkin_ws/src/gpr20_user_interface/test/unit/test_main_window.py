@@ -6,6 +6,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QPushButton
 from window_helpers import application, click, show, snapshot, window, wishes
 
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
@@ -132,7 +133,8 @@ def test_everything_to_touch_is_large_enough_for_a_glove(window):
 
 NO_SPACE = Message(
     "the disk is full", details="[Errno 28] No space left on device: '/data/traces/7.json'"
-)
+).with_fault(DISK_FULL)
+DETAILS = f"{DISK_FULL.code}\n{NO_SPACE.details}"
 
 
 def test_details_of_a_refusal_are_behind_a_button(window):
@@ -142,7 +144,7 @@ def test_details_of_a_refusal_are_behind_a_button(window):
     assert not notice.details.isVisible()
     click(notice.details_button)
     assert notice.details.isVisible()
-    assert notice.details.toPlainText() == NO_SPACE.details
+    assert notice.details.toPlainText() == DETAILS
     click(notice.details_button)
     assert notice.reason.isVisible() and not notice.details.isVisible()
     notice.show_notice(refusal_notice(Refused.START, verbatim("no details")))
@@ -159,8 +161,8 @@ def test_touch_on_the_status_message_opens_it_with_its_details(window):
     assert window.notice.isVisible()
     assert window.notice.title.text() == "PAUSED"
     assert window.notice.reason.toPlainText() == "Paused: the disk is full"
-    assert window.notice.details.toPlainText() == NO_SPACE.details
-    assert not window.notice.first.isVisible()
+    assert window.notice.details.toPlainText() == DETAILS
+    assert window.notice.first.text() == str(DISK_FULL.remedy)
     click(window.top_bar.stop)
     assert received == ["stop"]
 
@@ -177,9 +179,9 @@ def test_touch_on_a_node_opens_its_message_details_and_values(window):
     click(window.status.health.tile("vna_processing").message)
     assert window.notice.title.text() == "Storage: FAULT"
     assert window.notice.reason.toPlainText() == "The disk is full"
-    assert "Make space" in window.notice.first.text()
+    assert window.notice.first.text() == str(DISK_FULL.remedy)
     assert window.notice.details.toPlainText().splitlines() == [
-        NO_SPACE.details,
+        *DETAILS.splitlines(),
         "node: vna_processing",
         "free disk [MB]: 0.0",
     ]

@@ -11,7 +11,7 @@ from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
-from gpr20_user_interface.mid.focused_image import ImageFocused
+from gpr20_user_interface.mid.imaging_events import ImageFocused
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_geometry import Area
 from gpr20_user_interface.mid.survey_additions import (

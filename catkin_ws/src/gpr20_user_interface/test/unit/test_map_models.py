@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import SURVEY, TRAVEL, cell, description, make_grid
@@ -7,6 +8,7 @@ from view_kit import SURVEY, TRAVEL, cell, description, make_grid
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import (
     CoverageRuns,
@@ -159,7 +161,7 @@ def test_coverage_may_come_before_the_plan():
 def test_a_plan_of_another_size_is_refused():
     model = MapModel()
     model.set_grid(make_grid())
-    with pytest.raises(SurveyNotReadableError, match="41 traces"):
+    with raises_fault(faults.COVERAGE_WRONG, 41):
         model.set_coverage(runs_of(Coverage(41)))
     assert model.stop_states is None
 

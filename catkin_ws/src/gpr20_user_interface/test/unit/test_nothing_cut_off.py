@@ -31,7 +31,6 @@ from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.plan_form import PLAN_FIELDS
 from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
 from gpr20_user_interface.mid.robot_health import (
-    CALIBRATION,
     EXPECTED_NODES,
     Alarm,
     AlarmKind,
@@ -112,7 +111,7 @@ def spoken(screen):
 
 def busiest(**other):
     level = HealthLevel.STALE
-    values = {CALIBRATION: "MODERATE_POWER"}
+    values = {"calibration": "MODERATE_POWER"}
     nodes = tuple(
         NodeHealth(name, level, verbatim(LONG), values) for name in (*EXPECTED_NODES, "simulator")
     )

@@ -8,9 +8,9 @@ from window_helpers import Storage, snapshot
 
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveyRead, SurveysListed
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
@@ -29,7 +29,7 @@ def problems():
 @pytest.fixture
 def traces(problems):
     traces = TracePresenter(Storage(), problems.append)
-    listed = PastSurvey(
+    listed = SurveySummary(
         *(FOLDER, PAST, "2026-11-21T05:10:00.000000+00:00", "finished", 40, 40),
         *(verbatim("complete"), True, True, None),
     )

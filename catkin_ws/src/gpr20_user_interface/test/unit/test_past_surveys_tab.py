@@ -14,8 +14,8 @@ from window_helpers import Storage, application, close, new_window, show, snapsh
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import AREA, MAP, WHAT
@@ -43,7 +43,9 @@ def window(application, storage):
     window = new_window(languages, storage=storage)
     window.show()
     window.show_tab(TabName.SURVEYS)
-    survey = PastSurvey(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 7, 40, None, False, True, None)
+    survey = SurveySummary(
+        FOLDER, SURVEY, "2026-11-21T05:10:00", "", 7, 40, None, False, True, None
+    )
     window.on_event(SurveysListed("", (survey,), False))
     window.past.table.selectRow(0)
     storage.asked.clear()
@@ -99,16 +101,14 @@ def test_name_area_and_map_are_listed(window):
     named = dataclasses.replace(
         window.past.chosen,
         name="Field 7, north",
-        width_mm=300.0,
-        height_mm=200.0,
-        coverage=((100, 50), (0, 0)),
+        thumbnail=Thumbnail(300.0, 200.0, 2, 2, bytes((100, 50, 0, 0))),
     )
     window.on_event(SurveysListed("", (named,), False))
     table = window.past.table
     assert table.item(0, WHAT).text().startswith("Field 7, north\n")
     assert table.item(0, AREA).text() == "300 x 200 mm\n7 / 40"
     picture = table.item(0, MAP).icon().pixmap(56, 56).toImage()
-    empty = dataclasses.replace(named, coverage=((0, 0), (0, 0)))
+    empty = dataclasses.replace(named, thumbnail=Thumbnail(300.0, 200.0, 2, 2, bytes(4)))
     window.on_event(SurveysListed("", (empty,), False))
     assert table.item(0, MAP).icon().pixmap(56, 56).toImage() != picture
     # Y points upwards.

@@ -22,8 +22,7 @@ from gpr20_user_interface.mid.plan_tiles import (
     tile_lines,
     tile_problem,
 )
-from gpr20_user_interface.mid.quarter_wavelength import quarter_wavelength_mm
-from gpr20_user_interface.mid.survey_preview import preview
+from gpr20_user_interface.mid.survey_preview import preview, quarter_wavelength_mm
 
 SEEDS = range(40)
 ARROWS = [one for one in PLAN_FIELDS if one not in ("vna_address", "polarizations_deg")]

@@ -6,6 +6,7 @@ import yaml
 from window_helpers import ROBOT
 
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SettingsError
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.next_annotation import NextAnnotation
@@ -74,7 +75,7 @@ def test_a_disk_that_refuses_is_reported(tmp_path):
     broken = memory(tmp_path / "file" / "plan.yaml", failures)
     broken.save(PLAN)
     assert broken.wait(10.0)
-    assert "cannot be written" in str(failures[0])
+    assert failures[0].reason.fault_code == faults.SETTINGS_NOT_STORED.code
 
 
 @pytest.mark.parametrize(
@@ -99,7 +100,7 @@ def test_a_damaged_plan_gives_the_defaults_and_says_so(path, changes):
     SettingsFile(path).write({**values_of(PLAN), **changes})
     damaged = memory(path)
     assert damaged.load() == RememberedPlan()
-    assert "damaged" in str(damaged.problem) and "defaults" in str(damaged.problem)
+    assert damaged.problem.fault_code == faults.SETTINGS_DAMAGED.code
 
 
 def test_random_damage_is_never_a_crash(path):

@@ -1,9 +1,11 @@
 import os
 
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.low.profile_folder import MAX_BYTES, ProfileFolder
 from gpr20_user_interface.mid.parameter_form import default_parameters
@@ -36,13 +38,13 @@ def test_removed_profile_is_gone(profiles):
     profiles.save("a", default_parameters())
     profiles.remove("a")
     assert profiles.names() == []
-    with pytest.raises(ProfileError, match="cannot be deleted"):
+    with raises_fault(faults.PROFILE_NOT_STORED, "a.yaml"):
         profiles.remove("a")
 
 
 def test_there_are_none_before_the_first(profiles):
     assert profiles.names() == []
-    with pytest.raises(ProfileError, match="cannot be read"):
+    with raises_fault(faults.PROFILE_UNREADABLE, "a.yaml"):
         profiles.load("a")
 
 
@@ -51,7 +53,7 @@ def test_there_are_none_before_the_first(profiles):
 )
 def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles, name):
     for act in (profiles.load, profiles.remove, lambda n: profiles.save(n, default_parameters())):
-        with pytest.raises(ProfileError, match="is not a valid profile name"):
+        with raises_fault(faults.PROFILE_NAME, repr(name)):
             act(name)
 
 
@@ -65,24 +67,24 @@ def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "shown"),
     [
-        ("", "must be a group of values"),
-        ("[1, 2]", "must be a group of values"),
-        ("{a: 1}", "is unknown"),
-        ("vna_address: 10.0.0.1", "x_points|frequency"),
-        ("!!python/object/apply:os.system ['true']", "cannot be read"),
-        ("a: [", "cannot be read"),
-        ("[" * 60_000, "cannot be read"),
-        ("x_points: 2026-13-45", "cannot be read"),
-        ("\x00", "cannot be read"),
-        ("#" * (MAX_BYTES + 1), "larger than"),
+        ("", "a.yaml"),
+        ("[1, 2]", "a.yaml"),
+        ("{a: 1}", "a.yaml"),
+        ("vna_address: 10.0.0.1", "start_frequency_hz"),
+        ("!!python/object/apply:os.system ['true']", "a.yaml"),
+        ("a: [", "a.yaml"),
+        ("[" * 60_000, "a.yaml"),
+        ("x_points: 2026-13-45", "a.yaml"),
+        ("\x00", "a.yaml"),
+        ("#" * (MAX_BYTES + 1), MAX_BYTES),
     ],
 )
-def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder, text, words):
+def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder, text, shown):
     folder.mkdir()
     (folder / "a.yaml").write_text(text)
-    with pytest.raises(ProfileError, match=words):
+    with raises_fault(faults.PROFILE_UNREADABLE, shown, error=ProfileError):
         profiles.load("a")
 
 
@@ -90,14 +92,14 @@ def test_values_of_another_type_are_refused(profiles, folder):
     profiles.save("a", default_parameters())
     path = folder / "a.yaml"
     path.write_text(path.read_text().replace("x_points: 5", "x_points: five"))
-    with pytest.raises(ProfileError, match="x_points"):
+    with raises_fault(faults.PROFILE_UNREADABLE, "x_points"):
         profiles.load("a")
 
 
 def test_folder_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     profiles = Profiles(ProfileFolder(tmp_path / "file" / "profiles"))
-    with pytest.raises(ProfileError, match="cannot be written"):
+    with raises_fault(faults.PROFILE_NOT_STORED, "a.yaml"):
         profiles.save("a", default_parameters())
 
 

@@ -4,6 +4,7 @@ from PyQt5.QtWidgets import QLabel
 from window_helpers import application, click, enter, hold, show, snapshot, window
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface import faults
 
 __all__ = ["application", "window"]
 
@@ -108,7 +109,7 @@ def test_damaged_profile_opens_a_dialog(window, tmp_path):
     window.profiles.names.setCurrentRow(0)
     click(window.profiles.load)
     assert window.notice.isVisible()
-    assert "cannot be read" in window.notice.reason.toPlainText()
+    assert faults.PROFILE_UNREADABLE.code in window.notice.details.toPlainText()
     assert window.notice.title.text() == "The profile cannot be used."
 
 

@@ -4,13 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
-from view_kit import depth_echo, make_grid, trace_at
+from candidate_examples import candidate, candidate_list
+from view_kit import depth_echo, echo, make_grid, trace_at
 
-from gpr20_user_interface.mid.focused_image import CandidateMark, FocusedImage
-from gpr20_user_interface.mid.hyperbola import echo_delays_s
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_presenter import Grip, RadarPresenter
-from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 from gpr20_user_interface.mid.radar_records import Axis, Place, Source
 
 TARGET = Place(150.0, 90.0)
@@ -26,15 +27,12 @@ def image_of(grid, level_db=40.0, seed=1, traces=40, **changes):
     levels_db = 20.0 * np.log10(np.abs(noise) / np.sqrt(2.0)).astype(np.float32)
     levels_db[12, 8, 10] = level_db
     values = {
-        "survey_id": grid.survey_id,
         "traces": traces,
-        "permittivity": 4.0,
-        "simulated": True,
         "x_mm": x_mm,
         "y_mm": y_mm,
         "depth_mm": depth_mm,
         "levels_db": levels_db,
-        "candidates": (CandidateMark(1, 150.0, 90.0, 60.0, level_db, False),),
+        "found": candidate_list([candidate(level_db=level_db)], survey_id=grid.survey_id),
     }
     return FocusedImage(**{**values, **changes})
 
@@ -184,12 +182,12 @@ def test_another_survey_takes_crosshair_and_hyperbola_away(presenter, model):
 def test_a_hyperbola_that_is_dragged_over_an_echo_gives_the_permittivity(truth, in_depth):
     height_m, depth_m, apex_mm = 0.1, 0.12, 300.0
     grid = make_grid(31, 3, rotations_deg=(0.0,), x_start_mm=150.0, x_stop_mm=450.0)
+    offsets_m = np.abs(grid.xs_mm - apex_mm) / 1000.0
+    delays_s = 2.0 * one_way_delay_s(height_m, depth_m, offsets_m, truth)
     model = RadarModel()
     model.begin(grid)
     for index in range(grid.planned):
-        offset_m = (grid.xs_mm[grid.cell(index).stop.column] - apex_mm) / 1000.0
-        delay_s = echo_delays_s(np.array([offset_m]), depth_m, height_m, truth)[0]
-        s21 = np.exp(-2j * np.pi * np.linspace(0.6e9, 6e9, 501) * delay_s)
+        s21 = echo(delays_s[grid.cell(index).stop.column])
         model.add(trace_at(grid, index, s21, height_m=height_m))
     presenter = RadarPresenter(model)
     presenter.notice_survey()
@@ -197,7 +195,6 @@ def test_a_hyperbola_that_is_dragged_over_an_echo_gives_the_permittivity(truth, 
     presenter.touch_slice(250.0, 80.0)
     presenter.begin_hyperbola()
     line = presenter.pictures().line
-    delays_s = echo_delays_s((grid.xs_mm - apex_mm) / 1000.0, depth_m, height_m, truth)
     expected = np.array([on_axis(one, line.axis, height_m) for one in delays_s])
     presenter.drag_hyperbola(Grip.APEX, apex_mm, expected[15], line.axis)
     presenter.drag_hyperbola(Grip.FLANK, float(grid.xs_mm[1]), expected[1], line.axis)

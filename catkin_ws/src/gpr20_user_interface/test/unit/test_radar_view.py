@@ -1,7 +1,7 @@
 import os
-from dataclasses import replace
 
 import pytest
+from candidate_examples import candidate, candidate_list
 
 pytest.importorskip("PyQt5")
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -17,10 +17,10 @@ from view_kit import depth_echo, make_grid, trace_at
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.mid.focused_image import CandidateMark
+from gpr20_survey.radar.soils import Soils
+from gpr20_survey.results.candidates import Flag
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_records import Axis, Colours, Source
-from gpr20_user_interface.mid.soils import Soils
 from gpr20_user_interface.views.radar_sheet import RadarSheet
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.shade_colours import LAST_SHADE, NOT_MEASURED
@@ -346,9 +346,10 @@ def test_a_focused_image_begins_at_its_first_candidate(view, model):
 def test_doubtful_candidates_have_numbers_where_there_is_room(view, model):
     add(view, model, *range(40))
     click(view.source)
-    sure = CandidateMark(1, 150.0, 90.0, 50.0, 40.0, False)
-    doubtful = CandidateMark(2, 100.0, 50.0, 50.0, 20.0, True)
-    view.set_image(replace(image_of(model.grid), candidates=(sure, doubtful)), None)
+    sure = candidate(1, 150.0, 90.0, 50.0, 40.0)
+    doubtful = candidate(2, 100.0, 50.0, 50.0, 20.0, [Flag.SIDELOBE])
+    found = candidate_list([sure, doubtful], survey_id=model.grid.survey_id)
+    view.set_image(image_of(model.grid, found=found), None)
     view.refresh()
     assert [(one.text, one.doubtful) for one in view.slice_plot.spots] == [
         ("1", False),

@@ -21,10 +21,10 @@ from window_helpers import Storage, application, close, new_window, show, snapsh
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import Progress
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveyRead, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.overlay import Overlay
@@ -127,7 +127,7 @@ class Field:
 
 
 def unfinished():
-    return PastSurvey(
+    return SurveySummary(
         *(FOLDER, PAST, "2026-11-21T05:10:00.000000+00:00", "stopped", 7, 40),
         *(verbatim("INCOMPLETE"), False, True, None),
     )

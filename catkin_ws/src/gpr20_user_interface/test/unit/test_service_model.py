@@ -5,22 +5,27 @@ import random
 import pytest
 
 from gpr20_common.message import Message, verbatim
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_user_interface.mid.events import AxisLimits, ControlState, CurrentPosition, Request
 from gpr20_user_interface.mid.message_source import Received
-from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
-    AnalyzerTested,
     AxisAction,
+    AxisMeasured,
     AxisMoved,
     ClockOffset,
     EndstopState,
     HeightTested,
     ServiceActivity,
 )
-from gpr20_user_interface.mid.service_model import IDLE_LIMIT_S, LAMP_S, ServiceModel
+from gpr20_user_interface.mid.service_model import (
+    AXIS_LIMIT_S,
+    IDLE_LIMIT_S,
+    LAMP_S,
+    ServiceModel,
+)
 from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
 
 
@@ -159,7 +164,7 @@ def test_what_came_back_is_shown_until_it_is_asked_for_again(model):
     measured = HeightTested(0.2, 0.001, 1.3)
     model.on_event(measured)
     model.test_analyzer()
-    tested = AnalyzerTested("10.0.0.1", "VNA", "HIGH", 11, 0.1, -40.0)
+    tested = AnalyzerTest("10.0.0.1", "VNA", "HIGH", 11, 0.1, -40.0)
     model.on_event(tested)
     assert (model.state.height, model.state.analyzer) == (measured, tested)
     model.measure_height()
@@ -180,12 +185,14 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
     assert lamp() is None
 
 
-def test_position_and_zero_of_each_axis(model):
-    report = NodeHealth("y_axis/axis_driver", HealthLevel.WARN, verbatim(""), {"homed": "False"})
-    model.refresh(snapshot(health=HealthReport((report,))))
+def test_position_and_zero_of_each_axis(model, clock):
+    model.on_event(AxisMeasured(AxisId.Y, AxisPosition(2.0, False, False)))
+    model.refresh(snapshot())
     x, y, z = model.state.axes
     assert [one.coordinate for one in (x, y, z)] == [1.0, 2.0, 3.0]
     assert (x.homed, y.homed, z.homed) == (None, False, None)
+    clock.advance(AXIS_LIMIT_S + 0.1)
+    assert model.state.axes[1].homed is None
 
 
 def test_the_smallest_offset_of_a_clock_counts(model):

@@ -18,12 +18,14 @@ from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_user_interface.mid.events import CurrentPosition
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
-    AnalyzerTested,
+    AxisMeasured,
     AxisMoved,
     EndstopState,
     HeightTested,
@@ -114,8 +116,8 @@ def test_endstops_and_positions_are_shown(service):
     begin(service)
     service.on_event(EndstopState(AxisId.X, True))
     service.on_event(EndstopState(AxisId.Y, False))
-    report = NodeHealth("y_axis/axis_driver", HealthLevel.WARN, verbatim(""), {"homed": "False"})
-    show(service, replace(AT_REST, health=HealthReport((report,))))
+    service.on_event(AxisMeasured(AxisId.Y, AxisPosition(0.0, False, False)))
+    show(service, AT_REST)
     x, y, z = service.service.axes.rows
     assert [row.place.text() for row in (x, y, z)] == ["X 650.00", "Y not homed", "Z -90.0"]
     assert "closed" in x.lamp.text() and "open" in y.lamp.text()
@@ -132,7 +134,7 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
     assert tools.height_found.toPlainText() == f"Sensor 3.297 V\n{stuck}"
     click(tools.test)
     assert service.tools.asked == ["height", "analyzer"]
-    service.on_event(AnalyzerTested("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
+    service.on_event(AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
     service.refresh()
     lines = tools.analyzer_found.toPlainText().splitlines()
     assert lines[1] == "Anritsu,MS2026C"
@@ -161,7 +163,7 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     service.on_event(MachineExamined(facts))
     service.on_event(HeightTested(0.2, 0.001, 1.2))
     lost = Message("no connection to the VNA")
-    service.on_event(AnalyzerTested("10.0.0.1", "", "", 0, 0.0, 0.0, lost))
+    service.on_event(AnalyzerTest("10.0.0.1", failure=lost))
     service.refresh()
     service.draw()
     assert len(service.tools.asked) == 3
@@ -196,7 +198,7 @@ def test_nothing_is_cut_off_and_every_button_is_as_large_as_a_finger(
     click(view.switch_button)
     service.on_event(HeightTested(0.123, 0.001, 1.234))
     service.on_event(
-        AnalyzerTested(
+        AnalyzerTest(
             "192.168.100.100",
             "Anritsu,MS2026C/2,6200412345,1.23",
             "MODERATE_TEMPERATURE",

@@ -2,7 +2,9 @@ import os
 import random
 
 import pytest
+from fault_kit import raises_fault
 
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SettingsError
 from gpr20_user_interface.low.settings_file import MAX_BYTES, SettingsFile
 
@@ -29,7 +31,7 @@ def test_values_are_read_as_they_were_written(path):
 def test_a_damaged_file_is_refused_with_its_name(path, text):
     path.parent.mkdir()
     path.write_text(text)
-    with pytest.raises(SettingsError, match="window.yaml cannot be read.*defaults are used"):
+    with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
         SettingsFile(path).read()
 
 
@@ -51,15 +53,15 @@ def test_random_damage_never_raises_anything_else(path):
 def test_a_folder_or_a_pipe_is_refused(path):
     path.parent.mkdir()
     path.mkdir()
-    with pytest.raises(SettingsError, match="is not a file"):
+    with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
         SettingsFile(path).read()
     path.rmdir()
     os.mkfifo(str(path))
-    with pytest.raises(SettingsError, match="is not a file"):
+    with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
         SettingsFile(path).read()
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(SettingsError, match="cannot be written"):
+    with raises_fault(faults.SETTINGS_NOT_STORED, "window.yaml"):
         SettingsFile(tmp_path / "file" / "window.yaml").write({"a": 1})

@@ -10,10 +10,12 @@ from window_helpers import application, click, show, snapshot, window
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.mid.events import CurrentPosition, Progress, TargetPosition
 from gpr20_user_interface.mid.robot_health import SIMULATOR, HealthReport, HealthTracker
 from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.translation import shown_text
 
 __all__ = ["application", "window"]
 
@@ -80,7 +82,10 @@ def test_health_of_every_node_is_shown_in_its_own_words(window):
     assert health.texts("y_axis/axis_driver") == "WARNING: Not homed"
     assert health.texts("main_control") == "OFFLINE: No report"
     facts = window.status.facts
-    assert (facts.disk, facts.calibration) == ("12.3 GB", "high accuracy")
+    assert (facts.disk, facts.calibration) == (
+        "12.3 GB",
+        shown_text(CalibrationStatus.HIGH.meaning),
+    )
 
 
 def test_unknown_disk_and_calibration_are_said_to_be_unknown(window):

@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import pytest
+from test_fault_messages import ASKED_STOP, FULL, MOVING
 from test_job import snapshot
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import in_a_row, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
@@ -9,6 +12,9 @@ from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.stop_confirmation import ANSWER_S, AXIS_NODES, StopConfirmation
 
 SURVEYING = snapshot(SurveyState.SURVEYING)
+STOPPED = snapshot(
+    SurveyState.STOPPED, state=ControlState(SurveyState.STOPPED, ASKED_STOP, "id", True)
+)
 NO_MASTER = snapshot(SurveyState.SURVEYING, master_alive=False)
 ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))
 NOBODY = Answer(Request.STOP, False, verbatim("x does NOT answer"), contact=False)
@@ -85,10 +91,9 @@ def test_silent_axes_are_believed_to_rest_only_at_the_end(stop):
     stop.press(silent)
     stop.on_event(ACCEPTED)
     assert stop.warning(snapshot(SurveyState.STOPPING)) is not None
-    moving = Message("AN AXIS IS STILL MOVING: switch the motors off")
-    bad = ControlState(SurveyState.STOPPED, moving, "id", True)
+    bad = ControlState(SurveyState.STOPPED, MOVING, "id", True)
     assert stop.warning(snapshot(SurveyState.STOPPED, state=bad)) is not None
-    assert stop.warning(snapshot(SurveyState.STOPPED)) is None
+    assert stop.warning(STOPPED) is None
 
 
 def test_without_a_master_only_the_end_of_the_survey_confirms_a_stop(stop):
@@ -97,13 +102,12 @@ def test_without_a_master_only_the_end_of_the_survey_confirms_a_stop(stop):
     for code in (SurveyState.SURVEYING, SurveyState.STOPPING):
         warning = stop.warning(snapshot(code, master_alive=False))
         assert "ROS master" in str(warning.text)
-    assert stop.warning(snapshot(SurveyState.STOPPED, master_alive=False)) is None
+    assert stop.warning(replace(STOPPED, master_alive=False)) is None
 
 
 def test_recordings_that_were_not_finished_leave_no_doubt_about_the_stop(stop):
     stop.press(NO_MASTER)
-    lost = Message("the recordings could not be finished: {reason}", reason=verbatim("no answer"))
-    ended = ControlState(SurveyState.STOPPED, lost, "id", True)
+    ended = ControlState(SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL]), "id", True)
     assert stop.warning(snapshot(SurveyState.STOPPED, state=ended)) is None
 
 

@@ -1,7 +1,10 @@
 import pytest
+from test_fault_messages import ASKED_STOP, MOVING
 
-from gpr20_common.message import verbatim
+from gpr20_common import remedies
+from gpr20_common.message import in_a_row, verbatim
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid.events import (
     Answer,
     ControlState,
@@ -12,6 +15,7 @@ from gpr20_user_interface.mid.events import (
 )
 from gpr20_user_interface.mid.survey_follower import Limits, Mode, OnPause, SurveyFollower
 from gpr20_user_interface.mid.survey_outcome import ExitStatus
+from gpr20_user_interface.mid.survey_session import first_step, outcome_lines
 
 LIMITS = Limits(
     wait_s=10.0,
@@ -131,7 +135,7 @@ def test_a_survey_that_is_accepted_with_another_vna_is_followed(clock, former):
 def test_absent_main_control_is_waited_for_within_the_limit(robot):
     assert robot.wait(10).status is None
     assert robot.wait(0.5).status is ExitStatus.REFUSED
-    assert "roslaunch gpr20 survey.launch" in str(robot.follower.outcome.message)
+    assert robot.follower.outcome.message.fault == faults.NO_CONTROL
 
 
 def test_long_start_is_waited_for(robot):
@@ -142,7 +146,7 @@ def test_long_start_is_waited_for(robot):
 def test_survey_nothing_is_said_about_is_not_followed_for_ever(robot):
     robot.say(state("IDLE", ""), STARTED).wait(11, progress(""))
     assert robot.status is ExitStatus.FAILED
-    assert "has not reported on it" in str(robot.follower.outcome.message)
+    assert robot.follower.outcome.message.fault == faults.CONTROL_LOST
 
 
 @pytest.mark.parametrize("wish", [[], [StopRequested("Ctrl-C")]])
@@ -150,7 +154,7 @@ def test_lost_main_control_is_noticed_even_while_stopping(surveying, wish):
     surveying.wait(50, progress()).say(*wish)
     assert surveying.wait(5).status is None
     assert surveying.wait(0.5).status is ExitStatus.FAILED
-    assert "The robot may still move" in str(surveying.follower.outcome.message)
+    assert surveying.follower.outcome.message.may_move
 
 
 def test_a_link_that_is_down_is_waited_for(surveying):
@@ -199,6 +203,7 @@ def test_main_control_that_forgot_the_survey_ends_the_watch(surveying, other):
     surveying.say(other)
     assert surveying.status is ExitStatus.FAILED
     assert "ours" in str(surveying.follower.outcome.message)
+    assert surveying.follower.outcome.message.fault_code == faults.CONTROL_RESTARTED.code
 
 
 def test_pause_is_left_or_waited_for(clock):
@@ -236,7 +241,8 @@ def test_refused_stop_is_tried_again_until_the_limit(surveying):
     surveying.say(refused).wait(58.5, progress())
     assert surveying.status is ExitStatus.FAILED
     assert "busy" in str(surveying.follower.outcome.message)
-    assert "The robot may still move" in str(surveying.follower.outcome.message)
+    assert surveying.follower.outcome.message.may_move
+    assert surveying.follower.outcome.message.remedy == faults.STOP_UNCONFIRMED.remedy
 
 
 def test_stop_in_the_pause_does_not_leave_the_survey_paused(surveying):
@@ -276,6 +282,14 @@ def test_attaching_needs_a_survey_that_runs(clock, code):
     robot = Robot(clock, Mode.ATTACH).say(state(code.name))
     assert (robot.status, robot.requests) == (ExitStatus.REFUSED, [])
     assert code.name in str(robot.follower.outcome.message)
+
+
+def test_attaching_to_a_stopped_survey_says_that_an_axis_still_moves(clock):
+    stopped = ControlState(SurveyState.STOPPED, in_a_row([ASKED_STOP, MOVING]), "ours", True)
+    outcome = Robot(clock, Mode.ATTACH).say(stopped).follower.outcome
+    assert outcome.message.fault_code == "axis.still_moving"
+    assert first_step(outcome.message) in outcome_lines(outcome, "", False)
+    assert first_step(outcome.message).values["remedy"] == remedies.MOTORS_OFF
 
 
 def test_attached_survey_is_followed_without_asking_for_anything(clock):

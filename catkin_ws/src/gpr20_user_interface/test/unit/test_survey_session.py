@@ -1,8 +1,10 @@
 import queue
 
 import pytest
+from test_fault_messages import ASKED_PAUSE, FULL, LOST
 
-from gpr20_common.message import verbatim
+from gpr20_common import remedies
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
     Accepted,
@@ -14,7 +16,12 @@ from gpr20_user_interface.mid.events import (
 )
 from gpr20_user_interface.mid.survey_follower import Limits, Mode, OnPause, SurveyFollower
 from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
-from gpr20_user_interface.mid.survey_session import SIMULATED, SurveySession, outcome_lines
+from gpr20_user_interface.mid.survey_session import (
+    SIMULATED,
+    SurveySession,
+    first_step,
+    outcome_lines,
+)
 
 
 class ScriptedEvents:
@@ -179,7 +186,25 @@ def test_last_words_tell_how_a_survey_that_ended_early_is_resumed(status):
     assert any("run_survey --resume an-id" in line for line in lines) == resumable
 
 
+@pytest.mark.parametrize("status", [ExitStatus.PAUSED, ExitStatus.STOPPED, ExitStatus.FAILED])
+def test_no_last_word_resumes_a_survey_that_cannot_continue(status):
+    lines = outcome_lines(Outcome(status, Message("{why}", why=LOST)), "an-id", False, stored=True)
+    assert not any("--resume" in str(line) for line in lines)
+    ends = any("stop_survey" in str(line) for line in lines)
+    assert ends == (status is ExitStatus.PAUSED)
+
+
 def test_last_words_claim_no_simulation_and_no_survey_that_was_not():
     outcome = Outcome(ExitStatus.REFUSED, verbatim("why"))
     lines = outcome_lines(outcome, "", simulated=False)
-    assert [str(line) for line in lines] == ["No survey was run.", "why"]
+    assert [str(line) for line in lines[:2]] == ["No survey was run.", "why"]
+    assert lines[2].values["remedy"] == remedies.CHECK_STATUS and len(lines) == 3
+
+
+def test_the_last_words_have_remedy_and_code_of_a_fault():
+    paused = Outcome(ExitStatus.PAUSED, Message("Paused: {reason}.", reason=FULL))
+    (step,) = [line for line in outcome_lines(paused, "", False) if line.details]
+    assert step == first_step(FULL)
+    assert step.values["remedy"] == remedies.MAKE_SPACE and step.details == "disk.full"
+    asked = Outcome(ExitStatus.PAUSED, ASKED_PAUSE)
+    assert not any("remedy" in line.values for line in outcome_lines(asked, "", False))

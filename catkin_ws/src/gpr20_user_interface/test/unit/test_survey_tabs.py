@@ -11,9 +11,9 @@ from window_helpers import application, close, new_window
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
 from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.look import BORDER_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
@@ -39,7 +39,7 @@ class Shown:
         coverage = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
         live.map.set_coverage(coverage)
         live.take_trace(trace_at(grid, 0, height_m=float("nan")))
-        past = PastSurvey(
+        past = SurveySummary(
             *("20261121T051000_7c9e6679", "7c9e6679", "2026-11-21T05:10:00", "stopped"),
             *(7, 40, verdict, False, True, None),
         )

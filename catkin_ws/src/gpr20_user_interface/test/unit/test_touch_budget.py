@@ -10,6 +10,7 @@ from window_helpers import application, close, hold_to_start, new_window, show, 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid.events import Answer, Request, RobotDefaults, Site
 from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.views.translation import Languages
@@ -142,5 +143,5 @@ def test_a_damaged_memory_is_said_and_the_factory_values_are_used(opened, tmp_pa
     (tmp_path / "window" / "plan.yaml").write_text("fields: [")
     window = opened()
     assert window.notice.isVisible()
-    assert "defaults are used" in window.notice.reason.toPlainText()
+    assert faults.SETTINGS_DAMAGED.code in window.notice.details.toPlainText()
     assert window.control.start.isEnabled()

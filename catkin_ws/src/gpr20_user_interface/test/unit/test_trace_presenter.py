@@ -18,10 +18,10 @@ from window_helpers import (
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import ControlState, CurrentPosition, TargetPosition
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.trace_events import (
     ReadingFailed,
     SurveyDescribed,
@@ -183,7 +183,7 @@ def past(outcome="stopped", complete=False, survey_id=OTHER, problem=None, folde
     started = "" if problem else "2026-11-21T05:10:00.000000+00:00"
     count = 0 if problem else 7
     verdict = verbatim("INCOMPLETE: 7 of 40")
-    return PastSurvey(
+    return SurveySummary(
         folder, survey_id, started, outcome, count, 40, verdict, complete, True, problem
     )
 

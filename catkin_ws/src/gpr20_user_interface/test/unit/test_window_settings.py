@@ -3,6 +3,9 @@
 import random
 
 import pytest
+from fault_kit import raises_fault
+
+from gpr20_user_interface import faults
 
 pytest.importorskip("PyQt5")
 
@@ -11,7 +14,6 @@ from window_helpers import application, click, close, new_window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
-from gpr20_user_interface.errors import SettingsError
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.window_settings import (
     DIM_CHOICES_MIN,
@@ -42,7 +44,7 @@ def test_a_damaged_file_never_gives_settings_that_nobody_chose():
         values = values_of(WindowSettings())
         name = draw.choice(list(values))
         values[name] = draw.choice(junk)
-        with pytest.raises(SettingsError, match="the defaults are used"):
+        with raises_fault(faults.SETTINGS_DAMAGED):
             settings_from(values)
 
 

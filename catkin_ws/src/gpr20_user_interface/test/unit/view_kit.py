@@ -5,10 +5,10 @@ import json
 import numpy as np
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
-from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
@@ -56,8 +56,7 @@ def echo(delay_s, level=1.0, frequency_hz=FREQUENCY_HZ):
 
 def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
     """Return the S21 of a target straight below the antennas."""
-    path_m = height_m + depth_m * np.sqrt(permittivity)
-    return echo(2.0 * path_m / SPEED_OF_LIGHT_M_S, level)
+    return echo(delay_of_depth(depth_m, height_m, permittivity), level)
 
 
 def trace_at(grid, index, s21=None, height_m=0.2, **changes):

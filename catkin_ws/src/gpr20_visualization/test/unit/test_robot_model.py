@@ -6,10 +6,12 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from fault_kit import raises_fault
 
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_survey import frames
 from gpr20_visualization.errors import RobotModelError
+from gpr20_visualization.faults import WRONG_DESCRIPTION
 from gpr20_visualization.mid.axis_position import JOINTS, X_JOINT, Y_JOINT, Z_JOINT, joint_positions
 from gpr20_visualization.mid.robot_model import RobotModel, from_angles, rotated
 
@@ -82,7 +84,7 @@ def test_angles_turn_about_x_then_y_then_z(angles, x_axis):
     ],
 )
 def test_refuses_what_is_not_a_description_of_the_robot(text):
-    with pytest.raises(RobotModelError, match="robot_description"):
+    with raises_fault(WRONG_DESCRIPTION, error=RobotModelError):
         RobotModel.of(text, JOINTS)
 
 

@@ -11,9 +11,10 @@ from gpr20_visualization.mid.line_image import (
     DELAY_STEP_S,
     MAX_ROWS,
     SMALLEST_WIDTH,
-    FrequencyToDelay,
+    LineImage,
     grey,
     side_by_side,
+    transform_of,
 )
 from gpr20_visualization.mid.survey_picture import SurveyPicture, area_of
 
@@ -63,22 +64,14 @@ def line(y_mm, first=0, survey=SURVEYS[0]):
     ]
 
 
-def test_an_echo_has_its_level_at_its_delay():
-    echoes = np.abs(FrequencyToDelay(FREQUENCIES_HZ).echoes(trace(0, 0.0, 0.0)))
-    assert len(echoes) == MAX_ROWS
-    assert np.argmax(echoes) * DELAY_STEP_S == pytest.approx(4e-9)
-    assert echoes.max() == pytest.approx(1.0, rel=1e-4)
-
-
-def test_few_frequencies_give_only_unambiguous_delays():
+def test_an_echo_is_at_its_delay_and_delays_repeat_at_few_frequencies():
+    line = LineImage()
+    line.add(trace(0, 0.0, 0.0))
+    rows = line.picture()[:, 0]
+    assert len(rows) == MAX_ROWS
+    assert np.argmax(rows) * DELAY_STEP_S == pytest.approx(4e-9)
     # 1 GHz apart: everything repeats after 1 ns.
-    few = FrequencyToDelay(np.linspace(1e9, 5e9, 5))
-    assert few.echoes(trace_of(np.linspace(1e9, 5e9, 5))).shape == (20,)
-
-
-def trace_of(frequency_hz):
-    s21 = np.ones(len(frequency_hz))
-    return type("Sweep", (), {"s21_real": s21, "s21_imag": 0.0 * s21})()
+    assert transform_of(np.linspace(1e9, 5e9, 5)).samples == 20
 
 
 def test_grey_is_in_db_below_the_strongest_echo_before_the_common_part_is_removed():

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_survey.faults import NOT_CALIBRATED
+from gpr20_vna_acquisition import faults
 
 
 class VnaError(Gpr20Error):
     """The network analyzer refused or failed to carry out a request."""
+
+    fault = faults.FAILED
 
 
 class VnaConnectionError(VnaError, OSError):
@@ -16,50 +20,76 @@ class VnaConnectionError(VnaError, OSError):
     dead; the next exchange needs a new one.
     """
 
+    fault = faults.NO_LINK
+
 
 class VnaNoAnswerError(VnaConnectionError):
     """A query got no answer in time."""
+
+    fault = faults.NO_ANSWER
 
 
 class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
 
+    fault = faults.WRONG_INSTRUMENT
+
 
 class VnaReplacedError(VnaIdentityError):
     """An instrument of the right kind answers, but not the one that was connected."""
+
+    fault = faults.REPLACED
 
 
 class VnaNotReadyError(VnaError, RuntimeError):
     """The request needs a connection or a configuration first."""
 
+    fault = faults.NOT_CONNECTED
+
 
 class VnaSettingError(VnaError):
     """The instrument did not accept a setting, or no longer has it."""
+
+    fault = faults.SETTING_REFUSED
 
 
 class VnaCalibrationError(VnaError):
     """The instrument's calibration is not accepted for a survey."""
 
+    fault = NOT_CALIBRATED
+
 
 class VnaSweepError(VnaError, OSError):
     """A sweep did not end in time, or every attempt failed."""
+
+    fault = faults.FAILED
 
 
 class VnaTimeoutError(VnaError, TimeoutError):
     """A request, with all its retries, exceeded its time limit."""
 
+    fault = faults.TOO_SLOW
+
 
 class VnaClosedError(VnaError, RuntimeError):
     """The driver is shutting down."""
+
+    fault = faults.SHUTTING_DOWN
 
 
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
 
+    fault = faults.BAD_DATA
+
 
 class VnaOldDataError(VnaDataError):
     """Data, or a part of them, are those of a sweep before."""
 
+    fault = faults.OLD_DATA
+
 
 class VnaLibraryError(VnaError, ImportError):
     """A library that this kind of analyzer needs is not installed, or too old."""
+
+    fault = faults.LIBRARY_UNUSABLE

@@ -6,9 +6,11 @@ import struct
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import (
     TransferFormat,
@@ -63,7 +65,7 @@ def test_refuses_another_count_than_the_sweep_has(answer, transfer, count):
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), float("-inf")])
 def test_refuses_numbers_that_are_not_finite(bad):
-    with pytest.raises(VnaDataError, match="not finite"):
+    with raises_fault(faults.BAD_DATA, 1, 2):
         parse_numbers(block(real32(1.0, bad)), REAL32, 2)
 
 

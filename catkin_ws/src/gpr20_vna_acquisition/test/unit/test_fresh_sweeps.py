@@ -7,11 +7,13 @@ from dataclasses import replace
 
 import pytest
 from driver_bench import SWEEP, Bench
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_vna_acquisition.errors import VnaDataError, VnaSettingError, VnaSweepError
+from gpr20_vna_acquisition import faults
+from gpr20_vna_acquisition.errors import VnaSweepError
 
 SECONDS = st.floats(0.0, 3.0)
 
@@ -126,14 +128,14 @@ def test_an_average_that_cannot_be_begun_again_is_refused():
     take = bench.vna.take
     bench.vna.take = lambda message: [take(one) for one in message.split(";") if "CLE" not in one]
     bench.vna.averaged = 4
-    with pytest.raises(VnaSettingError, match="new average of 4 sweeps"):
+    with raises_fault(faults.NOT_AVERAGING, 4):
         bench.configured()
 
 
 def test_a_display_that_stays_as_it_is_while_the_bit_never_clears_is_named_by_its_old_data():
     bench = Bench(attempts=2)
     bench.vna.sweep_s, bench.vna.stale_bit_s = 1e6, 1e9
-    with pytest.raises(VnaSweepError, match="a part is that of the previous sweep"):
+    with raises_fault(faults.OLD_DATA, error=VnaSweepError):
         bench.configured()
 
 
@@ -143,7 +145,7 @@ def test_data_of_which_a_part_is_old_are_an_error():
     half_old = bench.vna.points_data()
     half_old[:12] = [99.0 + one for one in half_old[:12]]
     bench.vna.spoil = lambda answer: bench.vna.block(half_old)
-    with pytest.raises((VnaDataError, VnaSweepError), match="a part is that of the previous sweep"):
+    with raises_fault(faults.OLD_DATA):
         bench.driver.get_trace()
 
 
@@ -153,5 +155,5 @@ def test_an_old_last_point_is_an_error_even_if_the_bit_was_seen_cleared():
     last_old = bench.vna.points_data()
     last_old[:-2] = [99.0 + one for one in last_old[:-2]]
     bench.vna.spoil = lambda answer: bench.vna.block(last_old)
-    with pytest.raises(VnaSweepError, match="a part is that of the previous sweep"):
+    with raises_fault(faults.OLD_DATA, error=VnaSweepError):
         bench.driver.get_trace()

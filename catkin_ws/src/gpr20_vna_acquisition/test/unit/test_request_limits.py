@@ -8,13 +8,13 @@ from typing import Callable
 
 import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
+from fault_kit import raises_fault
 
 from gpr20_common.message import Message
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaError,
-    VnaNotReadyError,
-    VnaSettingError,
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
@@ -49,7 +49,7 @@ def test_a_setup_of_sweeps_that_never_end_has_one_time_limit():
     bench.vna.sweep_s = 1e6
     bench.driver.connect_to_vna(ADDRESS)
     begun_s = bench.clock.time_s
-    with pytest.raises(VnaTimeoutError, match="did not end within 10 s"):
+    with raises_fault(faults.SWEEP_NOT_ENDED, 10, error=VnaTimeoutError):
         bench.driver.set_frequency_sweep(SWEEP)
     # Of which 20 s are to learn how long a sweep takes; main control waits for 90 s.
     assert bench.clock.time_s - begun_s <= 70.0
@@ -117,7 +117,7 @@ def test_a_sweep_is_not_confirmed_after_another_setup(meanwhile: Callable[[VNADr
     bench = Bench().configured()
     number, _sweep = bench.driver.take_sweep()
     meanwhile(bench.driver)
-    with pytest.raises(VnaNotReadyError, match="cannot be confirmed"):
+    with raises_fault(faults.SWEEP_UNCONFIRMED, number):
         bench.driver.confirm(number)
 
 
@@ -132,7 +132,7 @@ def test_a_change_by_hand_is_not_hidden_by_a_request_before_the_confirmation(mea
     bench.driver._link.drop()
     meanwhile(bench.driver)
     assert bench.vna.settings[":SENS:SWE:IFBW"] == "10000"
-    with pytest.raises(VnaNotReadyError, match="cannot be confirmed"):
+    with raises_fault(faults.SWEEP_UNCONFIRMED, number):
         bench.driver.confirm(number)
 
 
@@ -142,7 +142,7 @@ def test_a_change_by_hand_is_still_seen_after_the_check_of_an_idle_link():
     number, _sweep = bench.driver.take_sweep()
     bench.driver._link.drop()
     bench.driver.test_connection()
-    with pytest.raises(VnaSettingError, match="changed during the sweep"):
+    with raises_fault(faults.SETTINGS_CHANGED):
         bench.driver.confirm(number)
 
 

@@ -9,6 +9,7 @@ import time
 
 import pytest
 import vxi11
+from fault_kit import raises_fault
 from hostile_server import (
     CREATE_LINK,
     DESTROY_LINK,
@@ -25,6 +26,7 @@ from hostile_server import (
     wait_until,
 )
 
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import connect
 
@@ -76,7 +78,7 @@ def test_nothing_is_appended_to_a_message(server):
 
 def test_a_command_that_was_taken_in_part_is_our_error(server):
     server.spoil = on(WRITE, lambda called, proper: proper[:28] + struct.pack(">iI", 0, 1))
-    with pytest.raises(VnaConnectionError, match="complete block"):
+    with raises_fault(faults.NO_LINK, "complete block"):
         connect(HOST, QUICK, server.port).write(":INIT:IMM")
 
 
@@ -140,7 +142,7 @@ def test_a_late_reply_to_an_older_call_is_not_taken_for_the_answer(server):
 def test_a_reply_to_a_call_that_was_never_made_is_our_error(server):
     link = connect(HOST, QUICK, server.port)
     server.spoil = on(READ, lambda called, proper: with_xid(proper, 1))
-    with pytest.raises(VnaConnectionError, match="wrong xid"):
+    with raises_fault(faults.NO_LINK, "wrong xid"):
         link.ask_raw("X?")
 
 
@@ -152,7 +154,7 @@ def test_a_reply_cut_in_mid_record_ends_the_link(server):
         link.ask_raw("X?")
     assert time.monotonic() - begun < LONGEST_S
     server.spoil = lambda called, proper: proper
-    with pytest.raises(VnaConnectionError, match="is closed"):
+    with raises_fault(faults.NO_LINK, HOST):
         link.ask_raw("Y?")
     wait_until(lambda: server.links == 0)
 

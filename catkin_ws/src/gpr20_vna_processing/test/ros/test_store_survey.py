@@ -32,6 +32,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from sent_traces import make_trace, numbers
 
 from gpr20_common.high.raw_message import serialized
+from gpr20_common.message import Fault, Message
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, ReportSurvey, StoreData
 from gpr20_survey.recording import survey_topics
@@ -98,10 +99,9 @@ class StoreSurveyTest(unittest.TestCase):
     def store(self, index: int, **changes):
         return self.services["store_data"](make_trace(self.survey_id, index, changes))
 
-    def close(self, outcome: str = "finished"):
-        return self.services["close_survey"](
-            survey_id=self.survey_id, outcome=outcome, reason="by the test"
-        )
+    def close(self, outcome: str = "finished", **more):
+        request = {"survey_id": self.survey_id, "outcome": outcome, "reason": "by the test"}
+        return self.services["close_survey"](**request, **more)
 
     def connected(self, publisher: rospy.Publisher) -> rospy.Publisher:
         self.wait_until(lambda: publisher.get_num_connections() > 0, "nobody records the topic")
@@ -264,39 +264,46 @@ class StoreSurveyTest(unittest.TestCase):
 
     def test_2_what_is_wrong_is_answered_with_a_reason_and_leaves_no_trace(self) -> None:
         before = glob.glob(self.data + "/*")
-        for changes, reason in (
-            ({"survey_id": "../../evil"}, "UUID"),
-            ({"metadata_json": "[]"}, "must be an object"),
-            ({"metadata_json": "{" * 100_000}, "nested"),
-            ({"needed_bytes": 1 << 60}, "make space"),
-            ({"started": rospy.Time(1)}, "clock"),
+        for changes, code in (
+            ({"survey_id": "../../evil"}, "storage.request_refused"),
+            ({"metadata_json": "[]"}, "storage.request_refused"),
+            ({"metadata_json": "{" * 100_000}, "storage.request_refused"),
+            ({"needed_bytes": 1 << 60}, "disk.full"),
+            ({"started": rospy.Time(1)}, "clock.wrong"),
         ):
             answer = self.open(**changes)
             self.assertFalse(answer.success)
-            self.assertIn(reason, answer.message)
+            self.assertEqual(answer.fault_code, code, answer.message)
         self.assertEqual(glob.glob(self.data + "/*"), before)
         answer = self.store(0)
         self.assertFalse(answer.success)
-        self.check_message(answer, "no survey is open; start or resume one", {})
+        self.assertEqual(answer.fault_code, "survey.none_open")
 
         opened = self.open()
         self.assertTrue(opened.success, opened.message)
-        for changes, reason in (
-            ({"s21_imag": [0.0] * 200}, "s21_imag has 200 values"),
-            ({"s21_real": [math.nan] * 201}, "201 NaN"),
-            ({"frequency_hz": [1.0] * 201}, "ascend"),
-            ({"survey_id": str(uuid.uuid4())}, "is open"),
-            ({"sample_id": "../x"}, "sample_id"),
-            ({"sweep_ended": rospy.Time(0)}, "1970"),
+        for changes, code in (
+            ({"s21_imag": [0.0] * 200}, "vna.wrong_sweep"),
+            ({"s21_real": [math.nan] * 201}, "vna.wrong_sweep"),
+            ({"frequency_hz": [1.0] * 201}, "vna.wrong_sweep"),
+            ({"survey_id": str(uuid.uuid4())}, "survey.other_open"),
+            ({"sample_id": "../x"}, "trace.not_allowed"),
+            ({"sweep_ended": rospy.Time(0)}, "clock.wrong"),
         ):
             answer = self.store(0, **changes)
             self.assertFalse(answer.success)
-            self.assertIn(reason, answer.message)
+            self.assertEqual(answer.fault_code, code, answer.message)
         self.assertEqual(os.listdir(opened.path + "/traces"), [])
         self.assertFalse(self.open(survey_id=str(uuid.uuid4())).success)
-        closed = self.close("failed")
+        reason = Message("the zero is lost").with_fault(Fault("axis.lost_zero"))
+        closed = self.close("failed", reason_json=reason.to_json())
         self.assertEqual((closed.success, closed.stored_traces), (True, 0))
-        self.assertNotIn("/robot1/trace", self.read_bag(opened.path))
+        recording = self.read_bag(opened.path)
+        self.assertNotIn("/robot1/trace", recording)
+        survey = json.loads(Path(opened.path, "survey.json").read_text("ascii"))
+        self.assertEqual((survey["reason"], survey["fault_code"]), (str(reason), "axis.lost_zero"))
+        for found in (recording, self.read_mcap(opened.path)):
+            last = found["/robot1/control_status"][-1]
+            self.assertEqual((last.code, last.fault_code), (ControlStatus.FAILED, "axis.lost_zero"))
 
     def test_3_the_health_of_the_storage_is_told(self) -> None:
         opened = self.open()
@@ -366,7 +373,7 @@ class StoreSurveyTest(unittest.TestCase):
             self.assertEqual(indices, list(range(TRACES)))
         refused = self.services["reopen_survey"](survey=self.survey_id)
         self.assertFalse(refused.success)
-        self.assertIn("complete", refused.message)
+        self.assertEqual(refused.fault_code, "survey.complete")
         second.send_signal(signal.SIGINT)
         second.wait(TIME_LIMIT_S)
 

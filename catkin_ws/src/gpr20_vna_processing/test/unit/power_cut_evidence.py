@@ -124,7 +124,7 @@ def check_continues(data, place, acknowledged):
             reopened = kit.processing.reopen_survey(SURVEY)
         except SurveyRefusedError as error:
             if complete:
-                assert "finished and complete" in str(error)
+                assert error.message.fault_code == "survey.complete"
                 assert_whole(folder, TRACES)
                 return False
             assert "opened" not in acknowledged.done, f"cannot be reopened: {error}"

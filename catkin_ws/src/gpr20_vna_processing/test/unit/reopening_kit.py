@@ -97,5 +97,5 @@ def finish(kit: Kit, folder: Path, reopened, traces=TRACES) -> None:
     """Store what is missing, end the survey, and check that it is whole."""
     stored = set(reopened.stored_indices)
     fill(kit, [trace for trace in traces if trace.index not in stored])
-    assert kit.processing.close_survey(SURVEY, "finished", "").stored_traces == len(traces)
+    assert kit.processing.close_survey(SURVEY, "finished").stored_traces == len(traces)
     assert_whole(folder, traces)

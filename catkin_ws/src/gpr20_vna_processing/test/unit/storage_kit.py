@@ -144,7 +144,7 @@ class Kit:
         for trace in traces:
             if trace.index not in stored:
                 self.processing.store(trace)
-        self.processing.close_survey(SURVEY, "finished", "")
+        self.processing.close_survey(SURVEY, "finished")
 
 
 def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:

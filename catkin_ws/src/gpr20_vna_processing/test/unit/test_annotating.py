@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE, annotations
+from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
@@ -39,7 +40,7 @@ def folder(kit):
 @pytest.fixture
 def closed(kit, folder):
     """A survey that is finished."""
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     return folder
 
 
@@ -59,7 +60,7 @@ def test_the_annotation_of_the_open_survey_is_changed(kit, folder, name):
     assert (annotated.survey_id, annotated.folder) == (SURVEY, folder)
     assert stored(folder) == EXAMPLE
     kit.processing.report(SURVEY, "{}")
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     assert stored(folder) == EXAMPLE
     assert_intact(folder)
 
@@ -78,7 +79,7 @@ def test_a_survey_is_annotated_while_another_one_is_open(kit, closed):
     kit.open(OTHER_SURVEY)
     kit.processing.annotate(SURVEY, EXAMPLE)
     assert stored(closed) == EXAMPLE
-    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
 
 
 def test_an_annotation_survives_interruption_resumption_and_another_process(tmp_path):
@@ -92,7 +93,7 @@ def test_an_annotation_survives_interruption_resumption_and_another_process(tmp_
     assert annotation_of(json.loads(reopened.metadata_json)) == EXAMPLE
     for index in range(1, len(POINTS)):
         second.processing.store(planned_trace(index))
-    second.processing.close_survey(SURVEY, "finished", "")
+    second.processing.close_survey(SURVEY, "finished")
     second.processing.shut_down()
     assert stored(folder) == EXAMPLE
     assert_intact(folder)
@@ -109,7 +110,7 @@ def test_an_older_survey_without_an_annotation_is_annotated(kit):
     folder = kit.open(metadata_json=METADATA)
     for index in range(len(POINTS)):
         kit.processing.store(planned_trace(index))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     assert stored(folder) == EMPTY
     kit.processing.annotate(SURVEY, EXAMPLE)
     assert stored(folder) == EXAMPLE
@@ -130,7 +131,7 @@ def test_annotating_does_not_hide_a_damaged_description(kit, closed, manifest):
     path = closed / "survey.json"
     damaged = path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 10.0')
     path.write_bytes(damaged)
-    with pytest.raises(SurveyRefusedError, match=r"survey\.json"):
+    with raises_fault("survey.description_damaged", error=SurveyRefusedError):
         kit.processing.annotate(SURVEY, EXAMPLE)
     assert path.read_bytes() == damaged
     assert verify_survey(closed).status != 0
@@ -141,14 +142,14 @@ def test_annotating_does_not_hide_a_changed_end(kit, closed):
     damaged = path.read_bytes().replace(b'"stored_traces": 9', b'"stored_traces": 8')
     assert damaged != path.read_bytes()
     path.write_bytes(damaged)
-    with pytest.raises(SurveyRefusedError, match=r"survey\.json"):
+    with raises_fault("survey.description_damaged", error=SurveyRefusedError):
         kit.processing.annotate(SURVEY, EXAMPLE)
     assert path.read_bytes() == damaged
 
 
 def test_metadata_with_a_wrong_annotation_are_refused(kit):
     wrong = json.dumps({"annotation": {"operator": "a\nb"}})
-    with pytest.raises(SurveyRefusedError, match="the annotation in metadata_json is refused"):
+    with raises_fault("value.not_allowed", error=SurveyRefusedError):
         kit.open(metadata_json=wrong)
 
 
@@ -158,7 +159,7 @@ def test_a_disk_that_refuses_leaves_the_former_annotation(kit, closed, monkeypat
 
     with monkeypatch.context() as patch:
         patch.setattr("os.fsync", refuse)
-        with pytest.raises(StorageFailedError, match="make space"):
+        with raises_fault("disk.full", error=StorageFailedError):
             kit.processing.annotate(SURVEY, EXAMPLE)
     assert stored(closed) == AT_START
     assert_intact(closed)

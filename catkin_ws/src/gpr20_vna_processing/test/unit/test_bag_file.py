@@ -32,7 +32,7 @@ def folder(tmp_path):
         kit.processing.record(text_message("/t", f"before {trace.index}"))
         kit.processing.store(trace)
         shutil.copy(str(folder / "survey.bag"), str(tmp_path / f"after_{trace.index}.bag"))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     kit.processing.shut_down()
     return folder
 
@@ -124,7 +124,7 @@ def test_reindexing_a_bag_cut_while_it_was_finished_keeps_every_trace(tmp_path, 
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "pwrite", pwrite)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.processing.close_survey(SURVEY, "finished")
     kit.processing.shut_down()
     # The header comes last; its fields lie in one sector, which a disk writes whole.
     index_writes = [write for write in writes if write[0] > HEADER_BYTES]

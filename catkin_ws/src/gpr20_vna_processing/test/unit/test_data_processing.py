@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import threading
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from mcap.reader import make_reader
 from storage_kit import (
     NOW_NS,
@@ -19,11 +21,14 @@ from storage_kit import (
 )
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 
+from gpr20_common.message import Fault, Message, in_a_row, verbatim
+from gpr20_common.sent_message import received_message
 from gpr20_survey.errors import (
     StorageFailedError,
     SurveyRefusedError,
     TraceRefusedError,
 )
+from gpr20_survey.folder import survey_metadata
 from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits
 
@@ -61,6 +66,8 @@ def test_a_survey_has_its_folder_and_says_so(kit):
         "ended": None,
         "outcome": None,
         "reason": "",
+        "reason_message": None,
+        "fault_code": "",
         "stored_traces": 0,
         "software_revision": "1.2.3",
         "parameters": {"x_points": 3},
@@ -101,19 +108,19 @@ def test_the_same_trace_from_many_callers_at_once_is_stored_once(kit, memory):
 
 
 @pytest.mark.parametrize(
-    ("other", "reason"),
+    ("other", "expected"),
     [
-        (make_trace(0, x_coord_mm=50.0000001), "other content"),
-        (make_trace(0, sample_id="another"), "other content"),
-        (make_trace(1, sample_id="sample-0"), "with index 0, not 1"),
-        (make_trace(1, survey_id=OTHER_SURVEY), f"but {SURVEY} is open"),
+        (make_trace(0, x_coord_mm=50.0000001), ("trace.already_stored", 0)),
+        (make_trace(0, sample_id="another"), ("trace.already_stored", "another")),
+        (make_trace(1, sample_id="sample-0"), ("trace.not_allowed", "sample-0", 0, 1)),
+        (make_trace(1, survey_id=OTHER_SURVEY), ("survey.other_open", SURVEY, OTHER_SURVEY)),
     ],
 )
-def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory, other, reason):
+def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory, other, expected):
     folder = kit.open()
     path = kit.processing.store(make_trace(0))
     content = path.read_bytes()
-    with pytest.raises(TraceRefusedError, match=reason):
+    with raises_fault(*expected, error=TraceRefusedError):
         kit.processing.store(other)
     assert path.read_bytes() == content
     assert (len(trace_files(folder)), len(traces_in(memory)), len(kit.stored)) == (1, 1, 1)
@@ -124,7 +131,7 @@ def test_a_foreign_file_in_the_place_of_a_trace_is_left_alone(kit, memory):
     path = folder / "traces" / "000000_X0050.00_Y0012.35_Z+090.00.json"
     assert kit.processing.store(make_trace(1)).name.endswith(path.name[6:])
     path.write_text("precious")
-    with pytest.raises(StorageFailedError, match="left alone"):
+    with raises_fault("storage.file_exists", error=StorageFailedError):
         kit.processing.store(make_trace(0))
     assert path.read_text() == "precious"
     assert len(traces_in(memory)) == 1
@@ -134,7 +141,7 @@ def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(k
     kit.open()
     memory.error = DISK_FULL
     for _ in range(2):
-        with pytest.raises(StorageFailedError, match="disk is full; make space"):
+        with raises_fault("disk.full", error=StorageFailedError):
             kit.processing.store(make_trace(0))
     assert kit.stored == []
     assert kit.processing.state().failing
@@ -164,7 +171,7 @@ def test_a_trace_whose_json_cannot_be_written_is_nowhere(kit, memory, monkeypatc
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "link", refuse)
-        with pytest.raises(StorageFailedError, match="disk is full"):
+        with raises_fault("disk.full", error=StorageFailedError):
             kit.processing.store(make_trace(0))
     assert trace_files(folder) == []
     assert traces_in(memory) == []
@@ -213,7 +220,7 @@ def test_a_topic_that_changes_its_type_is_not_recorded_under_the_former(kit, mem
     kit.processing.record(text_message("/t", "a"))
     kit.processing.record(recorded("/t", "std_msgs/UInt8", number, NOW_NS))
     kit.processing.record(text_message("/t", "b"))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     assert memory.texts("/t") == ["a", "b"]
     (other,) = [one for one in memory.durable if one.datatype == "std_msgs/UInt8"]
     assert other.topic == f"/t_{other.md5sum[:8]}"
@@ -223,7 +230,7 @@ def test_a_topic_that_changes_its_type_is_not_recorded_under_the_former(kit, mem
 def test_closing_writes_how_the_survey_ended(kit, memory):
     folder = kit.open()
     kit.processing.store(make_trace(0))
-    closed = kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    closed = kit.processing.close_survey(SURVEY, "stopped", verbatim("by the operator"))
     survey = read_json(folder / "survey.json")
     assert (closed.stored_traces, closed.folder) == (1, folder)
     assert (survey["outcome"], survey["reason"]) == ("stopped", "by the operator")
@@ -234,18 +241,18 @@ def test_closing_writes_how_the_survey_ended(kit, memory):
 
 def test_closing_again_gives_the_same_answer(kit):
     kit.open()
-    first = kit.processing.close_survey(SURVEY, "finished", "")
-    assert kit.processing.close_survey(SURVEY, "finished", "") == first
+    first = kit.processing.close_survey(SURVEY, "finished")
+    assert kit.processing.close_survey(SURVEY, "finished") == first
 
 
 def test_a_survey_that_cannot_be_finished_stays_open_and_can_be_closed_later(kit, memory):
     folder = kit.open()
     memory.error = DISK_FULL
-    with pytest.raises(StorageFailedError, match="disk is full"):
-        kit.processing.close_survey(SURVEY, "finished", "")
+    with raises_fault("disk.full", error=StorageFailedError):
+        kit.processing.close_survey(SURVEY, "finished")
     assert read_json(folder / "survey.json")["ended"] is None
     memory.error = None
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     assert read_json(folder / "survey.json")["outcome"] == "finished"
 
 
@@ -257,37 +264,69 @@ def test_a_survey_that_is_half_finished_takes_no_more_traces(kit, memory, monkey
 
     with monkeypatch.context() as patch:
         patch.setattr(memory, "finish", refuse)
-        with pytest.raises(StorageFailedError, match="disk is full"):
-            kit.processing.close_survey(SURVEY, "finished", "")
-    with pytest.raises(TraceRefusedError, match="being closed"):
+        with raises_fault("disk.full", error=StorageFailedError):
+            kit.processing.close_survey(SURVEY, "finished")
+    with raises_fault("survey.closing", error=TraceRefusedError):
         kit.processing.store(make_trace(0))
-    assert kit.processing.close_survey(SURVEY, "finished", "").stored_traces == 0
+    assert kit.processing.close_survey(SURVEY, "finished").stored_traces == 0
 
 
 @pytest.mark.parametrize(
-    ("arguments", "reason"),
+    ("arguments", "expected"),
     [
-        ((OTHER_SURVEY, "finished", ""), "is not open"),
-        ((SURVEY, "complete", ""), "one of finished, stopped, failed"),
-        ((SURVEY, "stopped", "x" * 5000), "at most 4096"),
-        (("..", "stopped", ""), "UUID"),
+        ((OTHER_SURVEY, "finished"), ("survey.other_open", SURVEY, OTHER_SURVEY)),
+        ((SURVEY, "complete"), ("storage.request_refused", "complete", "finished")),
+        ((SURVEY, "stopped", verbatim("x" * 5000)), ("storage.request_refused", 5000, 4096)),
+        (("..", "stopped"), ("storage.request_refused", "..")),
     ],
 )
-def test_a_wrong_close_is_refused(kit, arguments, reason):
+def test_a_wrong_close_is_refused(kit, arguments, expected):
     kit.open()
-    with pytest.raises(SurveyRefusedError, match=reason):
+    with raises_fault(*expected, error=SurveyRefusedError):
         kit.processing.close_survey(*arguments)
     assert kit.processing.state().survey_id == SURVEY
 
 
+LOST_ZERO = Fault("axis.lost_zero", Message("Home the axis."), can_continue=False)
+
+
+def test_survey_json_keeps_the_fault_with_which_a_survey_ended(kit):
+    folder = kit.open()
+    reason = Message("stopped at {x} mm", x=12.5).with_fault(LOST_ZERO)
+    kit.processing.close_survey(SURVEY, "failed", in_a_row([Message("Failed"), reason]))
+    survey = read_json(folder / "survey.json")
+    assert survey["fault_code"] == "axis.lost_zero"
+    kept = received_message(survey["reason"], json.dumps(survey["reason_message"]))
+    assert (str(kept), kept.cause) == (survey["reason"], LOST_ZERO)
+
+
+def nested(levels):
+    reason = Message("lost").with_fault(LOST_ZERO)
+    for _ in range(levels):
+        reason = in_a_row([Message("because {reason}", reason=reason)])
+    return reason
+
+
+@pytest.mark.parametrize(
+    "reason", [nested(30), Message("at {x} mm", x=float("nan")).with_fault(LOST_ZERO)]
+)
+def test_a_reason_that_strict_json_cannot_hold_is_text_with_its_fault(kit, reason):
+    folder = kit.open()
+    kit.processing.close_survey(SURVEY, "failed", reason)
+    survey = survey_metadata.read_description(folder / "survey.json")
+    assert (survey["reason"], survey["fault_code"]) == (str(reason), "axis.lost_zero")
+    kept = received_message("", json.dumps(survey["reason_message"]))
+    assert (str(kept), kept.cause) == (str(reason), LOST_ZERO)
+
+
 def test_nothing_is_stored_without_a_survey(kit):
-    with pytest.raises(SurveyRefusedError, match="no survey is open"):
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
         kit.processing.store(make_trace(0))
 
 
 def test_a_second_survey_is_refused_while_one_is_open(kit):
     kit.open()
-    with pytest.raises(SurveyRefusedError, match=f"survey {SURVEY} is open"):
+    with raises_fault("survey.other_open", SURVEY, error=SurveyRefusedError):
         kit.open(OTHER_SURVEY)
 
 
@@ -296,7 +335,7 @@ def test_opening_the_same_survey_again_gives_the_same_answer(kit, memory):
     kit.processing.store(make_trace(0))
     assert kit.open() == folder
     assert len(kit.opened) == len(memory.texts("/survey_metadata")) == 1
-    with pytest.raises(SurveyRefusedError, match="is open"):
+    with raises_fault("survey.other_open", error=SurveyRefusedError):
         kit.open(metadata_json='{"other": 1}')
 
 
@@ -305,7 +344,7 @@ def test_traces_that_cannot_be_recorded_do_not_fill_the_memory(kit, memory):
     memory.error = DISK_FULL
     ramp = np.arange(1.0, 4002.0)
     for index in range(40):
-        with pytest.raises(StorageFailedError, match="disk is full"):
+        with raises_fault("disk.full", error=StorageFailedError):
             kit.processing.store(make_trace(index, frequency_hz=ramp, s21_real=ramp, s21_imag=ramp))
     assert memory.collected_bytes < 1_300_000
 
@@ -319,8 +358,8 @@ def test_the_data_folder_is_made_when_it_is_missing(tmp_path):
 def test_two_surveys_never_share_a_folder(kit):
     folder = kit.open()
     kit.processing.store(make_trace(0))
-    kit.processing.close_survey(SURVEY, "finished", "")
-    with pytest.raises(SurveyRefusedError, match="exists already"):
+    kit.processing.close_survey(SURVEY, "finished")
+    with raises_fault("survey.folder_exists", error=SurveyRefusedError):
         kit.open(SURVEY)
     assert len(trace_files(folder)) == 1
     assert kit.open(OTHER_SURVEY) != folder
@@ -329,7 +368,7 @@ def test_two_surveys_never_share_a_folder(kit):
 def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
     limits = Limits(disk_reserve_bytes=400_000_000)
     kit = Kit(tmp_path, lambda *_: [MemoryRecording()], limits=limits, free_bytes=1_000_000_000)
-    with pytest.raises(SurveyRefusedError, match="needs 601 MB and 400 MB .* only 1000 MB"):
+    with raises_fault("disk.full", 601, 400, 1000, error=SurveyRefusedError):
         kit.open(needed_bytes=601_000_000)
     assert os.listdir(tmp_path) == []
     kit.open(needed_bytes=600_000_000)
@@ -338,7 +377,7 @@ def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
 
 def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
     kit = Kit(tmp_path, lambda *_: [MemoryRecording()], now_ns=1_000)
-    with pytest.raises(SurveyRefusedError, match="clock is at 1970"):
+    with raises_fault("clock.wrong", 1970, error=SurveyRefusedError):
         kit.open()
     kit.processing.shut_down()
 
@@ -360,7 +399,7 @@ def test_recordings_that_cannot_begin_leave_no_survey_open(tmp_path):
         return [MemoryRecording()]
 
     kit = Kit(tmp_path, open_recordings)
-    with pytest.raises(StorageFailedError, match="disk is full"):
+    with raises_fault("disk.full", error=StorageFailedError):
         kit.open()
     assert kit.processing.state().survey_id == ""
     kit.open(OTHER_SURVEY)

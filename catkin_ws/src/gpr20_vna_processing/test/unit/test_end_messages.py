@@ -4,10 +4,12 @@ import pytest
 
 pytest.importorskip("gpr20_msgs.srv")
 
+from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CloseSurveyRequest
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_vna_processing.high.end_messages import end_messages
+from gpr20_vna_processing.high.end_messages import end_messages, reason_of
 
 SURVEY, OTHER = "0f8fad5b-d9cb-469f-a165-70867728950e", "1f8fad5b-d9cb-469f-a165-70867728950e"
 CODES = {
@@ -42,3 +44,42 @@ def test_the_last_status_must_be_of_the_same_survey():
 
 def test_without_a_status_nothing_is_recorded():
     assert end_messages(request("finished", 0, ""), 1) == []
+
+
+def test_the_reason_keeps_its_fault():
+    reason = Message("lost at {x} mm", x=5).with_fault(Fault("axis.lost_zero"))
+    closing = CloseSurveyRequest(survey_id=SURVEY, reason=str(reason), reason_json=reason.to_json())
+    assert (reason_of(closing), reason_of(closing).fault_code) == (reason, "axis.lost_zero")
+
+
+@pytest.mark.parametrize(("survey_id", "code"), [(SURVEY, "axis.lost_zero"), (OTHER, "")])
+def test_a_reason_that_is_text_alone_has_the_fault_of_the_last_status(survey_id, code):
+    closing = request("failed", ControlStatus.FAILED, survey_id)
+    closing.reason, closing.status.fault_code = "lost", "axis.lost_zero"
+    assert (reason_of(closing), reason_of(closing).fault_code) == (verbatim("lost"), code)
+
+
+WARNING = Message("the software differs").with_fault(
+    Fault("node.software_differs", Message("Update it."), Severity.WARNING)
+)
+FAILURE = Message("lost").with_fault(Fault("axis.lost_zero", Message("Home it.")))
+
+
+@pytest.mark.parametrize(
+    ("outcome", "code", "shown", "expected"),
+    [
+        ("finished", ControlStatus.FINISHED, WARNING, ""),
+        ("stopped", ControlStatus.STOPPED, WARNING, ""),
+        ("failed", ControlStatus.FAILED, in_a_row([WARNING, FAILURE]), "axis.lost_zero"),
+    ],
+)
+def test_a_warning_that_the_last_status_shows_too_is_not_why_the_survey_ended(
+    outcome, code, shown, expected
+):
+    closing = request(outcome, code)
+    closing.reason = "18 of 18 measured"
+    for name, value in message_fields(shown).items():
+        setattr(closing.status, name, value)
+    reason = reason_of(closing)
+    assert (reason, reason.fault_code) == (verbatim("18 of 18 measured"), expected)
+    assert reason.remedy == (FAILURE.remedy if expected else None)

@@ -7,6 +7,7 @@ import shutil
 import stat
 
 import pytest
+from fault_kit import raises_fault
 from storage_kit import Kit
 from trace_examples import SURVEY, make_trace
 
@@ -50,11 +51,11 @@ def use(kit):
     """Make every kind of file: open, store, close, damage, reopen, repair, close, reseal."""
     folder = kit.open(metadata_json='{"planned_traces": 3}')
     kit.processing.store(make_trace(0))
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     damage_everything(folder)
     kit.processing.reopen_survey(SURVEY)
     kit.processing.store(make_trace(1))
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     description = survey_metadata.read_description(folder / "survey.json")
     sealing.reseal_description(folder, {**description, "reason": "changed"})
     names = {one.name for one in folder.rglob("*")}
@@ -77,13 +78,13 @@ def test_a_survey_that_exists_keeps_its_modes(tmp_path):
     kit = Kit(tmp_path / "data", open_recordings, readers=Readers.ALL)
     folder = kit.open(metadata_json='{"planned_traces": 3}')
     kit.processing.store(make_trace(0))
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
     damage_everything(folder)
     kit = Kit(tmp_path / "data", open_recordings, readers=Readers.OWNER)
     kit.processing.reopen_survey(SURVEY)
     kit.processing.store(make_trace(1))
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
     assert modes(folder) == [{"0o755"}, {"0o644"}]
 
@@ -117,5 +118,5 @@ def test_the_parameter_is_one_of_the_three():
     assert ProcessingParameters().readable_by is Readers.GROUP
     read = record_from(ProcessingParameters, {"readable_by": "owner"}, "storage")
     assert read.readable_by is Readers.OWNER
-    with pytest.raises(InvalidValueError, match="readable_by is 'everyone'; it must be one of"):
+    with raises_fault("value.not_allowed", "everyone", error=InvalidValueError):
         record_from(ProcessingParameters, {"readable_by": "everyone"}, "storage")

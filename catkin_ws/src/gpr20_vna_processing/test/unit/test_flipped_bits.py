@@ -26,7 +26,7 @@ def stopped(tmp_path_factory):
     for trace in TRACES[:3]:
         kit.processing.record(text_message("/control_status", "measuring"))
         kit.processing.store(trace)
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
     return data
 
@@ -40,9 +40,9 @@ def go_on_with_a_flipped_bit(stopped, data, name, place, bit):
     (folder / name).write_bytes(content)
     kit = Kit(data, open_recordings)
     try:
-        assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+        assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
         kit.processing.store(TRACES[3])
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.processing.close_survey(SURVEY, "finished")
     finally:
         kit.processing.shut_down()
     assert_whole(folder, TRACES)

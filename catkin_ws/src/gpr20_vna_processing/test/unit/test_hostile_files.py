@@ -13,6 +13,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from storage_kit import Kit
@@ -57,7 +58,7 @@ def folder(data):
     folder = kit.open(metadata_json=json.dumps({"parameters": {"x_points": 3}}))
     for trace in TRACES:
         kit.processing.store(trace)
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
     return folder
 
@@ -109,7 +110,7 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
         (outside / ".torn.json.0123abcd.tmp").write_text("somebody else's")
         (outside / "000001_wrong.json").write_text("somebody else's")
     before = tree(tmp_path)
-    with pytest.raises(SurveyRefusedError, match=f"{part} is a symbolic link.*put the files there"):
+    with raises_fault("storage.not_a_file", part, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
     assert tree(tmp_path) == before
 
@@ -118,7 +119,8 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
 def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, data, folder, part):
     (folder / part).unlink()
     os.mkfifo(str(folder / part))
-    assert "not a regular file" in str(in_time(lambda: kit.processing.reopen_survey(SURVEY)))
+    refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
+    assert refused.message.fault_code == "storage.not_a_file"
     assert in_time(lambda: SurveyArchive(data).list("", 10)) is None
 
 
@@ -129,12 +131,12 @@ def test_a_pipe_among_the_traces_is_put_aside_and_the_trace_written_again(kit, d
     assert in_time(lambda: SurveyArchive(data).traces(SURVEY, 0, 10)) is None
     assert in_time(lambda: kit.processing.reopen_survey(SURVEY)) is None
     assert trace.is_file()
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
 
 
 def test_the_traces_that_somebody_removed_are_written_again_from_the_recordings(kit, folder):
     shutil.rmtree(str(folder / "traces"))
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
     assert len(list((folder / "traces").glob("*.json"))) == 3
 
 
@@ -178,7 +180,7 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, par
     with little_memory():
         refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
     assert refused is None
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2]
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
 
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -73,11 +73,11 @@ def test_a_survey_goes_on_after_its_storage_was_killed(tmp_path, after):
     folder, last = store_until_killed(tmp_path, after)
     kit = Kit(tmp_path, open_recordings)
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices in (list(range(last + 1)), list(range(last + 2)))
+    assert reopened.stored_indices in (tuple(range(last + 1)), tuple(range(last + 2)))
     count = last + 6
     for index in range(len(reopened.stored_indices), count):
         kit.processing.store(make_trace(index))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     kit.processing.shut_down()
     with rosbag.Bag(str(folder / "survey.bag")) as bag:
         in_bag = [message for _, message, _ in bag.read_messages(topics=["/trace"])]

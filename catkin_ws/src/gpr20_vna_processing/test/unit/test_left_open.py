@@ -3,9 +3,11 @@
 import os
 
 import pytest
+from fault_kit import raises_fault
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, make_trace, read_json
 
+from gpr20_common.message import verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -36,8 +38,8 @@ def test_a_survey_that_was_left_open_makes_room_and_can_go_on_later(kits):
     ended = read_json(folder / "survey.json")
     assert (ended["outcome"], ended["stored_traces"]) == ("interrupted", 1)
     kit.open(OTHER_SURVEY)
-    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
-    assert kit.processing.reopen_survey(folder.name).stored_indices == [0]
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
+    assert kit.processing.reopen_survey(folder.name).stored_indices == (0,)
 
 
 @pytest.mark.parametrize("by_folder", [False, True])
@@ -56,27 +58,27 @@ def finished(kit):
     folder = kit.open(metadata_json=METADATA)
     for index in range(2):
         kit.processing.store(make_trace(index))
-    return folder, kit.processing.close_survey(SURVEY, "finished", "complete")
+    return folder, kit.processing.close_survey(SURVEY, "finished", verbatim("complete"))
 
 
 def test_a_close_that_a_dead_process_did_not_answer_is_answered_by_the_next_one(kits):
     folder, closed = finished(kits())
     content = (folder / "survey.json").read_bytes()
-    assert kits().processing.close_survey(SURVEY, "finished", "complete") == closed
+    assert kits().processing.close_survey(SURVEY, "finished", verbatim("complete")) == closed
     assert (folder / "survey.json").read_bytes() == content
 
 
 def test_a_survey_that_ended_otherwise_is_not_open_to_be_closed(kits):
     finished(kits())
-    with pytest.raises(SurveyRefusedError, match="no survey is open"):
-        kits().processing.close_survey(SURVEY, "stopped", "")
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
+        kits().processing.close_survey(SURVEY, "stopped")
 
 
 def test_a_survey_whose_close_was_cut_off_has_to_be_opened_again(kits):
     folder, _closed = finished(kits())
     (folder / "manifest.json").unlink()
-    with pytest.raises(SurveyRefusedError, match="no survey is open"):
-        kits().processing.close_survey(SURVEY, "finished", "")
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
+        kits().processing.close_survey(SURVEY, "finished")
 
 
 def test_a_survey_that_another_process_writes_is_not_reopened(tmp_path):
@@ -85,14 +87,14 @@ def test_a_survey_that_another_process_writes_is_not_reopened(tmp_path):
     folder = writer.open(metadata_json=METADATA)
     writer.processing.store(make_trace(0))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    with pytest.raises(SurveyRefusedError, match=rf"by another process \({os.getpid()}\)"):
+    with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
         other.processing.reopen_survey(SURVEY)
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert other.processing.state().survey_id == ""
     writer.processing.store(make_trace(1))
-    writer.processing.close_survey(SURVEY, "interrupted", "")
-    assert other.processing.reopen_survey(SURVEY).stored_indices == [0, 1]
-    with pytest.raises(SurveyRefusedError, match="is being written by another process"):
+    writer.processing.close_survey(SURVEY, "interrupted")
+    assert other.processing.reopen_survey(SURVEY).stored_indices == (0, 1)
+    with raises_fault("survey.locked", error=SurveyRefusedError):
         writer.processing.reopen_survey(SURVEY)
     for kit in (writer, other):
         kit.processing.shut_down()
@@ -101,7 +103,7 @@ def test_a_survey_that_another_process_writes_is_not_reopened(tmp_path):
 def test_a_survey_that_could_not_be_reopened_can_be_reopened_by_another_process(tmp_path):
     first, second = (Kit(tmp_path / "data", open_recordings) for _ in range(2))
     folder = first.open(metadata_json=METADATA)
-    first.processing.close_survey(SURVEY, "interrupted", "")
+    first.processing.close_survey(SURVEY, "interrupted")
     whole = (folder / "survey.json").read_bytes()
     (folder / "survey.json").unlink()
     (folder / "survey.json").mkdir()
@@ -109,6 +111,6 @@ def test_a_survey_that_could_not_be_reopened_can_be_reopened_by_another_process(
         first.processing.reopen_survey(SURVEY)
     (folder / "survey.json").rmdir()
     (folder / "survey.json").write_bytes(whole)
-    assert second.processing.reopen_survey(SURVEY).stored_indices == []
+    assert second.processing.reopen_survey(SURVEY).stored_indices == ()
     for kit in (first, second):
         kit.processing.shut_down()

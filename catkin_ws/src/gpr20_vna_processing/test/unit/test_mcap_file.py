@@ -25,7 +25,7 @@ def folder(tmp_path):
         kit.processing.record(text_message("/t", f"before {trace.index}"))
         kit.processing.store(trace)
         shutil.copy(str(folder / "survey.mcap"), str(tmp_path / f"after_{trace.index}.mcap"))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     kit.processing.shut_down()
     return folder
 

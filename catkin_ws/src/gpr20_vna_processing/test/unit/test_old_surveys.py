@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from annotation_examples import EXAMPLE
+from fault_kit import raises_fault
 from planned_survey import POINTS, planned_trace
 from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
@@ -85,7 +86,7 @@ def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, d
     folder = folder_of(data, SURVEY)
     assert verify_survey(folder).status == COMPLETE
     assert_whole(folder, finished)
-    with pytest.raises(SurveyRefusedError, match="finished and complete with 9 traces"):
+    with raises_fault("survey.complete", 9, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
 
@@ -96,8 +97,8 @@ def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, finis
         shutil.rmtree(str(folder / name))
     else:
         (folder / name).unlink()
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == list(range(len(POINTS)))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(len(POINTS)))
+    kit.processing.close_survey(SURVEY, "finished")
     assert_whole(folder, finished)
     assert verify_survey(folder).status == COMPLETE
 
@@ -106,10 +107,10 @@ def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data, traces):
     folder = folder_of(data, OTHER_SURVEY)
     assert verify_survey(folder).status == INCOMPLETE
     reopened = kit.processing.reopen_survey(OTHER_SURVEY)
-    assert reopened.stored_indices == list(range(CUT_OFF_AFTER))
+    assert reopened.stored_indices == tuple(range(CUT_OFF_AFTER))
     assert reopened.repairs == ()
     store_the_rest(kit, traces)
-    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    kit.processing.close_survey(OTHER_SURVEY, "finished")
     assert_whole(folder, traces)
     assert verify_survey(folder).status == COMPLETE
 
@@ -118,7 +119,7 @@ def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data, traces,
     folder = folder_of(data, OTHER_SURVEY)
     kit.processing.reopen_survey(OTHER_SURVEY)
     store_the_rest(kit, traces)
-    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    kit.processing.close_survey(OTHER_SURVEY, "finished")
     expected = {
         "/trace": {VERSIONS[version][0]},
         f"/trace_{trace_message.MD5SUM[:8]}": {trace_message.MD5SUM},
@@ -137,14 +138,14 @@ def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(kit, 
     kit.processing.reopen_survey(OTHER_SURVEY)
     for trace in traces[CUT_OFF_AFTER:-1]:
         kit.processing.store(trace)
-    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
     if name == "traces":
         shutil.rmtree(str(folder / name))
     else:
         (folder / name).unlink()
     kit.processing.reopen_survey(OTHER_SURVEY)
     kit.processing.store(traces[-1])
-    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    kit.processing.close_survey(OTHER_SURVEY, "finished")
     assert_whole(folder, traces)
     assert verify_survey(folder).status == COMPLETE
 
@@ -153,7 +154,7 @@ def test_the_recordings_of_a_resumed_survey_agree_without_a_manifest(kit, data, 
     folder = folder_of(data, OTHER_SURVEY)
     kit.processing.reopen_survey(OTHER_SURVEY)
     store_the_rest(kit, traces)
-    kit.processing.close_survey(OTHER_SURVEY, "finished", "")
+    kit.processing.close_survey(OTHER_SURVEY, "finished")
     (folder / "manifest.json").unlink()
     assert RecordingComparison(folder).faults == []
 

@@ -46,7 +46,7 @@ def surveys(tmp_path_factory):
             kit.processing.record(text_message("/control_status", f"measuring {trace.index}"))
             kit.processing.store(trace)
         if ending != "cut off":
-            kit.processing.close_survey(SURVEY, ending, "")
+            kit.processing.close_survey(SURVEY, ending)
         shutil.copytree(str(place / "open"), str(place / "data"))
         kit.processing.shut_down()
         made[ending] = place / "data" / folder.name
@@ -127,9 +127,9 @@ def reopen(kit, folder, before, after):
     except SurveyRefusedError as error:
         assert tree(folder) == after, "a survey that is refused was changed"
         if data_of(before) == data_of(after):
-            assert "finished and complete" in str(error)
+            assert error.message.fault_code == "survey.complete"
             return None
-        if "every readable trace" in str(error):
+        if error.message.fault_code == "survey.other_description":
             # A flipped digit of the survey's id, and no trace is intact in any form.
             traces = [name for name in before if name.startswith("traces/")]
             assert not any(intact_forms(before, after, index) for index in range(len(traces)))

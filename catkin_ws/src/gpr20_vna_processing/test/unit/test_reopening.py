@@ -6,6 +6,7 @@ import json
 import os
 
 import pytest
+from fault_kit import raises_fault
 from planned_survey import METADATA as PLANNED
 from planned_survey import planned_trace
 from reopening_kit import (
@@ -23,8 +24,9 @@ from reopening_kit import (
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
-from gpr20_common.message import in_a_row
+from gpr20_common.message import Fault, verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.folder import sealing, survey_metadata
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -35,10 +37,10 @@ __all__ = ["data", "folder", "kit"]
 @pytest.mark.parametrize("by_folder", [False, True])
 def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
     reopened = kit.processing.reopen_survey(folder.name if by_folder else SURVEY)
-    assert (reopened.survey_id, reopened.folder) == (SURVEY, folder)
+    assert (reopened.survey_id, reopened.folder) == (SURVEY, str(folder))
     assert json.loads(reopened.metadata_json) == json.loads(METADATA)
     assert reopened.report_json == ""
-    assert reopened.stored_indices == [0, 1, 2, 3]
+    assert reopened.stored_indices == (0, 1, 2, 3)
     assert reopened.last.index == 3
     assert_same_numbers(TRACES[3], read_json(sorted((folder / "traces").iterdir())[3]))
     assert read_json(folder / "survey.json")["resumed"] == ["2026-09-21T14:15:00.000000+00:00"]
@@ -57,7 +59,7 @@ def test_a_survey_that_was_stopped_goes_on_again_and_again(data, folder):
         assert not (folder / "manifest.json").exists()
         assert read_json(folder / "survey.json")["ended"] is None
         kit.processing.store(TRACES[min(count, 6)])
-        kit.processing.close_survey(SURVEY, "stopped", "for now")
+        kit.processing.close_survey(SURVEY, "stopped", verbatim("for now"))
         kit.processing.shut_down()
         assert_whole(folder, TRACES[: min(count + 1, 7)])
     assert len(read_json(folder / "survey.json")["resumed"]) == 4
@@ -70,7 +72,7 @@ def test_a_bag_that_is_right_is_not_copied(data, folder):
         kit = Kit(data, open_recordings)
         reopened = kit.processing.reopen_survey(SURVEY)
         fill(kit, [one for one in TRACES[:6] if one.index not in reopened.stored_indices])
-        kit.processing.close_survey(SURVEY, ending, "")
+        kit.processing.close_survey(SURVEY, ending)
         kit.processing.shut_down()
         assert path.stat().st_ino == before
         assert_whole(folder, TRACES[:6])
@@ -104,7 +106,7 @@ def test_a_bag_that_went_on_can_still_be_repaired_by_stock_tools(kit, folder, tm
 def test_a_finished_and_complete_survey_is_refused_and_unchanged(kit, folder):
     finish(kit, folder, kit.processing.reopen_survey(SURVEY))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    with pytest.raises(SurveyRefusedError, match="finished and complete with 7 traces"):
+    with raises_fault("survey.complete", 7, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert kit.processing.state().survey_id == ""
@@ -115,27 +117,27 @@ def test_a_finished_survey_with_an_unreadable_trace_may_go_on(kit, folder):
     path = sorted((folder / "traces").iterdir())[2]
     path.write_bytes(path.read_bytes()[:-10])
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices == list(range(7))
-    assert "wrote" in str(in_a_row(reopened.repairs))
+    assert reopened.stored_indices == tuple(range(7))
+    assert "survey.repaired" in {one.fault_code for one in reopened.repairs}
     finish(kit, folder, reopened)
 
 
 @pytest.mark.parametrize(
-    ("name", "reason"),
+    ("name", "code"),
     [
-        ("", "must be a survey's id"),
-        ("..", "must be a survey's id"),
-        ("../before", "must be a survey's id"),
-        ("/etc", "must be a survey's id"),
-        ("20260921T141320_0f8fad5b/..", "must be a survey's id"),
-        ("20260921T141320_0f8fad5b\n", "must be a survey's id"),
-        (OTHER_SURVEY, "there is no survey"),
-        ("20260921T141320_7c9e6679", "there is no survey"),
-        (SURVEY[:8] + OTHER_SURVEY[8:], "holds survey"),
+        ("", "survey.wrong_name"),
+        ("..", "survey.wrong_name"),
+        ("../before", "survey.wrong_name"),
+        ("/etc", "survey.wrong_name"),
+        ("20260921T141320_0f8fad5b/..", "survey.wrong_name"),
+        ("20260921T141320_0f8fad5b\n", "survey.wrong_name"),
+        (OTHER_SURVEY, "survey.unknown"),
+        ("20260921T141320_7c9e6679", "survey.unknown"),
+        (SURVEY[:8] + OTHER_SURVEY[8:], "survey.unknown"),
     ],
 )
-def test_only_surveys_in_the_data_folder_can_be_reopened(kit, name, reason):
-    with pytest.raises(SurveyRefusedError, match=reason):
+def test_only_surveys_in_the_data_folder_can_be_reopened(kit, name, code):
+    with raises_fault(code, error=SurveyRefusedError):
         kit.processing.reopen_survey(name)
     assert kit.processing.state().survey_id == ""
 
@@ -143,13 +145,13 @@ def test_only_surveys_in_the_data_folder_can_be_reopened(kit, name, reason):
 def test_a_link_out_of_the_data_folder_is_no_survey(kit, data, folder, tmp_path):
     folder.rename(tmp_path / folder.name)
     (data / folder.name).symlink_to(tmp_path / folder.name)
-    with pytest.raises(SurveyRefusedError, match="there is no survey"):
+    with raises_fault("survey.unknown", error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
 
 def test_a_second_survey_is_not_reopened_beside_an_open_one(kit):
     kit.open(OTHER_SURVEY)
-    with pytest.raises(SurveyRefusedError, match="is open"):
+    with raises_fault("survey.other_open", error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
 
@@ -158,7 +160,7 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
     fill(kit, TRACES[FIRST:6])
     kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE"}')
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices == [0, 1, 2, 3, 4, 5]
+    assert reopened.stored_indices == (0, 1, 2, 3, 4, 5)
     assert reopened.last.index == 5
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
     assert len(read_json(folder / "survey.json")["resumed"]) == 2
@@ -175,10 +177,10 @@ def test_a_trace_that_a_recording_refused_is_completed_before_the_answer(kit, fo
         patch.setattr(McapFile, "commit", refuse)
         for ask in (lambda: kit.processing.store(TRACES[4]),
                     lambda: kit.processing.reopen_survey(SURVEY)):  # fmt: skip
-            with pytest.raises(StorageFailedError, match="make space"):
+            with raises_fault("disk.full", error=StorageFailedError):
                 ask()
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices == [0, 1, 2, 3, 4]
+    assert reopened.stored_indices == (0, 1, 2, 3, 4)
     finish(kit, folder, reopened)
 
 
@@ -190,11 +192,11 @@ def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(McapFile, "finish", refuse)
-        with pytest.raises(StorageFailedError, match="make space"):
-            kit.processing.close_survey(SURVEY, "stopped", "")
-    with pytest.raises(SurveyRefusedError, match="being closed; stop it again"):
+        with raises_fault("disk.full", error=StorageFailedError):
+            kit.processing.close_survey(SURVEY, "stopped")
+    with raises_fault("survey.closing", error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     finish(kit, folder, kit.processing.reopen_survey(SURVEY))
 
 
@@ -224,11 +226,11 @@ def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(kit, fold
                 reopened = kit.processing.reopen_survey(SURVEY)
                 break
             except StorageFailedError as error:
-                assert "make space" in str(error)
+                assert error.message.fault_code == "disk.full"
                 failures += 1
     assert failures > 10
     assert path.read_bytes() == content
-    assert reopened.stored_indices == [0, 1, 2, 3]
+    assert reopened.stored_indices == (0, 1, 2, 3)
     finish(kit, folder, reopened)
 
 
@@ -242,11 +244,27 @@ def test_traces_with_other_settings_than_the_survey_asked_for_are_refused_by_nam
     kit.open(metadata_json=json.dumps(described))
     kit.processing.store(planned_trace(0, analyzer=AnalyzerSettings(500.0, 1, "LOW")))
     kit.processing.store(planned_trace(1, analyzer=AnalyzerSettings(1000.0, 4, "HIGH")))
-    kit.processing.close_survey(SURVEY, "stopped", "")
-    with pytest.raises(
-        SurveyRefusedError,
-        match="cannot be resumed: trace 1 was measured with other settings of the VNA: "
-        "IF bandwidth 1000 Hz, averages 4, output power HIGH instead of",
-    ):
+    kit.processing.close_survey(SURVEY, "stopped")
+    shown = (1, 1000, 4, "HIGH")
+    with raises_fault("survey.traces_not_planned", *shown, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
     kit.processing.shut_down()
+
+
+@pytest.mark.parametrize("ending", ["cut off", "failed"])
+def test_a_survey_of_the_version_before_the_fault_codes_is_resumed(kit, folder, ending):
+    if ending == "failed":
+        kit.processing.reopen_survey(SURVEY)
+        reason = verbatim("lost").with_fault(Fault("axis.lost_zero"))
+        kit.processing.close_survey(SURVEY, "failed", reason)
+    path = folder / "survey.json"
+    former = json.loads(path.read_text())
+    del former["fault_code"], former["reason_message"]
+    path.write_bytes(survey_metadata.encode(former))
+    if ending == "failed":
+        sealing.write_manifest(folder, SURVEY, "the former one", former["ended"])
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.repairs == ()
+    values = json.loads(path.read_text())
+    assert (values["outcome"], values["fault_code"], values["reason_message"]) == (None, "", None)
+    finish(kit, folder, reopened)

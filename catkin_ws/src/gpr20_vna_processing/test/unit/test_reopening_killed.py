@@ -34,7 +34,7 @@ def stopped(tmp_path_factory):
     kit.processing.record(text_message("/t", "early"))
     for trace in TRACES[:STORED]:
         kit.processing.store(trace)
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
     return data
 
@@ -125,10 +125,10 @@ def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_p
             assert indices_after_stock_repair(folder, tmp_path)[:STORED] == list(range(STORED))
         kit = Kit(data, open_recordings)
         reopened = kit.processing.reopen_survey(SURVEY)
-        assert reopened.stored_indices[:STORED] == list(range(STORED))
+        assert reopened.stored_indices[:STORED] == tuple(range(STORED))
         for trace in TRACES[len(reopened.stored_indices) :]:
             kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished", "")
+        kit.processing.close_survey(SURVEY, "finished")
         kit.processing.shut_down()
         assert_whole(folder, TRACES)
         assert [one.data for one in messages_in_mcap(folder, "/t")] == ["early"]
@@ -149,6 +149,6 @@ def test_a_kill_does_not_decide_a_contradiction(tmp_path, data):
         kit = Kit(place, open_recordings)
         reopened = kit.processing.reopen_survey(SURVEY)
         kit.processing.shut_down()
-        assert reopened.stored_indices[:3] == [0, 1, 3]
+        assert reopened.stored_indices[:3] == (0, 1, 3)
         shutil.rmtree(str(place))
     assert number > 20

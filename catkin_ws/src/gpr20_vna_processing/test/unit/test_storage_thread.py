@@ -3,6 +3,7 @@ from __future__ import annotations
 import threading
 
 import pytest
+from fault_kit import raises_fault
 from storage_kit import text_message, wait_until
 
 from gpr20_common.low.clock import Clock
@@ -117,7 +118,7 @@ def test_a_full_queue_of_jobs_makes_the_caller_wait_and_then_says_so():
     callers.append(threading.Thread(target=lambda: disk.thread.do(lambda: 1, TIME_LIMIT_S)))
     callers[1].start()
     wait_until(lambda: disk.thread.state().jobs == 1)
-    with pytest.raises(StorageFailedError, match="1 earlier requests waiting"):
+    with raises_fault("disk.slow", 1, error=StorageFailedError):
         disk.thread.do(lambda: 2, 0.1)
     disk.released.set()
     for thread in callers:
@@ -130,7 +131,7 @@ def test_a_job_that_was_given_up_is_not_done_later():
     disk = Disk()
     caller = disk.block()
     done = []
-    with pytest.raises(StorageFailedError, match="nothing was written"):
+    with raises_fault("disk.slow", error=StorageFailedError):
         disk.thread.do(lambda: done.append(1), 0.05)
     disk.released.set()
     caller.join(TIME_LIMIT_S)
@@ -143,6 +144,6 @@ def test_stopping_does_what_waits_and_refuses_what_comes():
     disk.thread.offer(text_message("/t", "last"))
     disk.thread.stop(TIME_LIMIT_S)
     assert len(disk.written) == 1
-    with pytest.raises(StorageFailedError, match="shutting down"):
+    with raises_fault("storage.shutting_down", error=StorageFailedError):
         disk.thread.do(lambda: 1, TIME_LIMIT_S)
     assert not disk.thread.offer(text_message("/t", "too late"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from fault_kit import raises_fault
 from reopening_kit import (
     data,
     finish,
@@ -28,25 +29,28 @@ def test_a_report_is_kept_and_survives_everything(kit, folder):
     assert (survey["report"], survey["outcome"]) == (expected, "finished")
 
 
+REFUSED = "storage.request_refused"
+
+
 @pytest.mark.parametrize(
-    ("survey_id", "text", "reason"),
+    ("survey_id", "text", "expected"),
     [
-        (SURVEY, "[]", "report_json is of type list"),
-        (SURVEY, "{", "report_json is not strict JSON"),
-        (SURVEY, '{"a": NaN}', "NaN"),
-        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', "at most 8388608"),
-        (OTHER_SURVEY, "{}", "is not open"),
-        ("..", "{}", "UUID"),
+        (SURVEY, "[]", (REFUSED, "report_json", "list")),
+        (SURVEY, "{", (REFUSED, "report_json")),
+        (SURVEY, '{"a": NaN}', (REFUSED, "NaN")),
+        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', (REFUSED, 8388608)),
+        (OTHER_SURVEY, "{}", ("survey.other_open", SURVEY)),
+        ("..", "{}", (REFUSED, "..")),
     ],
 )
-def test_a_wrong_report_is_refused_and_the_former_kept(kit, folder, survey_id, text, reason):
+def test_a_wrong_report_is_refused_and_the_former_kept(kit, folder, survey_id, text, expected):
     kit.processing.reopen_survey(SURVEY)
     kit.processing.report(SURVEY, '{"verdict": "old"}')
-    with pytest.raises(SurveyRefusedError, match=reason):
+    with raises_fault(*expected, error=SurveyRefusedError):
         kit.processing.report(survey_id, text)
     assert read_json(folder / "survey.json")["report"] == {"verdict": "old"}
 
 
 def test_a_report_without_a_survey_is_refused(kit):
-    with pytest.raises(SurveyRefusedError, match="no survey is open"):
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
         kit.processing.report(SURVEY, "{}")

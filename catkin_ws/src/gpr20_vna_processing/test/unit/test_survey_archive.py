@@ -5,12 +5,13 @@ import os
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY, make_trace
 
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_vna_processing.mid.survey_archive import (
     MAX_POINTS_PER_PAGE,
@@ -71,82 +72,62 @@ def test_the_list_tells_the_verdict_and_what_is_missing(kit, archive):
     fill(kit)
     (running,), more = archive.list("", 10)
     assert (running.outcome, running.stored_traces, running.planned_traces) == ("", 5, 18)
-    kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE: 5 of 18"}')
-    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    kit.processing.report(SURVEY, json.dumps({"coverage": "mmrmm" + "f" + 12 * "-"}))
+    kit.processing.close_survey(SURVEY, "stopped")
     (ended,), more = archive.list("", 10)
-    assert (ended.outcome, ended.verdict) == ("stopped", "INCOMPLETE: 5 of 18")
+    assert ended.outcome == "stopped"
+    assert ended.verdict.values == {"stored": 5, "planned": 18, "failed": 1, "missing": 12}
     assert not ended.complete
     assert not more
     assert ended.simulated
 
 
+def test_the_list_has_the_fault_that_ended_a_survey(kit, archive):
+    folder = fill(kit)
+    assert archive.list("", 10)[0][0].fault_code == ""
+    reason = Message("lost").with_fault(Fault("axis.lost_zero"))
+    kit.processing.close_survey(SURVEY, "failed", reason)
+    assert archive.list("", 10)[0][0].fault_code == "axis.lost_zero"
+    # Of an earlier version.
+    path = folder / "survey.json"
+    values = json.loads(path.read_text())
+    del values["fault_code"]
+    path.write_text(json.dumps(values))
+    assert archive.list("", 10)[0][0].fault_code == ""
+
+
 def test_a_report_that_may_be_older_than_the_last_traces_gives_no_verdict(kit, archive):
     fill(kit)
-    kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE: 3 of 18"}')
+    kit.processing.report(SURVEY, json.dumps({"coverage": "mmm" + 15 * "-"}))
     (running,), _more = archive.list("", 10)
     kit.processing.interrupt_other(OTHER_SURVEY)
     (cut_off,), _more = archive.list("", 10)
-    assert (running.verdict, cut_off.verdict, cut_off.outcome) == ("", "", "interrupted")
+    assert (running.verdict, cut_off.verdict, cut_off.outcome) == (None, None, "interrupted")
 
 
-VERDICT = Message("INCOMPLETE: {stored} of {planned}", stored=5, planned=18)
-
-
-def verdict_of(kit, archive, report):
+@pytest.mark.parametrize("coverage", [None, 5, "", "mmx", "mxm", ["m"], {}, "\ud800", "m m"])
+def test_a_report_that_was_changed_gives_no_verdict(kit, archive, coverage):
     fill(kit)
-    kit.processing.report(SURVEY, json.dumps(report))
-    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    kit.processing.report(SURVEY, json.dumps({"coverage": coverage, "verdict": "complete"}))
+    kit.processing.close_survey(SURVEY, "stopped")
     (ended,), _more = archive.list("", 10)
-    assert ended.verdict == report["verdict"]
-    return ended.verdict_json
-
-
-def test_the_list_holds_template_and_values_of_the_verdict(kit, archive):
-    report = {"verdict": str(VERDICT), "verdict_message": json.loads(VERDICT.to_json())}
-    assert received_message("", verdict_of(kit, archive, report)) == VERDICT
-
-
-@pytest.mark.parametrize(
-    "record",
-    [
-        None,
-        "INCOMPLETE: 5 of 18",
-        [],
-        {},
-        {"template": "INCOMPLETE: 5 of 18"},
-        {"template": "INCOMPLETE: {stored} of 18", "values": {}},
-        {"template": "INCOMPLETE: {stored.__class__} of 18", "values": {"stored": 5}},
-        {"template": "INCOMPLETE: 5 of {planned:999999999}", "values": {"planned": 18}},
-        {"template": "complete: all 18 planned traces are stored", "values": {}},
-        {"template": "INCOMPLETE: 5 of 18", "values": [1]},
-        {"template": "{text}", "values": {"text": {"template": str(VERDICT), "values": {}}}},
-        {"template": str(VERDICT), "values": {"unused": "x" * 5000}},
-    ],
-)
-def test_a_verdict_that_is_old_or_was_changed_is_text_alone(kit, archive, record):
-    assert verdict_of(kit, archive, {"verdict": str(VERDICT), "verdict_message": record}) == ""
-
-
-def test_a_number_too_large_for_its_format_hides_no_survey(kit, archive):
-    record = {"template": "INCOMPLETE: {stored:g} of 18", "values": {"stored": 10**400}}
-    assert verdict_of(kit, archive, {"verdict": str(VERDICT), "verdict_message": record}) == ""
+    assert (ended.verdict, ended.outcome) == (None, "stopped")
 
 
 def test_half_of_a_character_hides_no_survey(kit, archive):
     folder = fill(kit)
-    kit.processing.close_survey(SURVEY, "stopped", "by the operator")
+    kit.processing.close_survey(SURVEY, "stopped")
     path = folder / "survey.json"
-    report = {"verdict": "\ud800", "verdict_message": {"template": "\ud800", "values": {}}}
-    values = {**json.loads(path.read_text()), "started": "\udcff", "report": report}
+    values = {**json.loads(path.read_text()), "started": "\udcff"}
     path.write_text(json.dumps(values))
     (folder / "survey.mcap").unlink()  # its copy would take the place of the damaged start
     (survey,), _more = archive.list("", 10)
-    assert (survey.started, survey.verdict, survey.verdict_json) == ("\\udcff", "\\ud800", "")
+    assert survey.started == "\\udcff"
 
 
 def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive):
     folder = fill(kit, range(6))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     path = folder / "survey.json"
     values = json.loads(path.read_text())
     original = values["parameters"]["y_points"]
@@ -159,7 +140,7 @@ def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive):
 
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
     folder = fill(kit, range(18))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     assert archive.list("", 1)[0][0].complete
     (folder / "manifest.json").rename(folder / "away")
     assert not archive.list("", 1)[0][0].complete
@@ -171,7 +152,7 @@ def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, arch
 def test_the_list_has_pages_the_newest_first(kit, archive):
     for survey_id, started_us in ((SURVEY, STARTED_US), (OTHER_SURVEY, STARTED_US + 60_000_000)):
         kit.open(survey_id, started_us=started_us)
-        kit.processing.close_survey(survey_id, "stopped", "")
+        kit.processing.close_survey(survey_id, "stopped")
     (newest,), more = archive.list("", 1)
     assert (newest.survey_id, more) == (OTHER_SURVEY, True)
     (oldest,), more = archive.list(newest.folder, 1)
@@ -185,6 +166,7 @@ def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archi
     (one,), _more = archive.list("", 10)
     assert one.folder == "20260921T141320_0f8fad5b"
     assert "survey.json" in str(one.problem)
+    assert one.problem.fault_code == "survey.description_unreadable"
 
 
 def test_a_data_folder_that_was_not_made_yet_holds_no_surveys(tmp_path):
@@ -199,7 +181,7 @@ def test_a_torn_file_is_told_and_the_others_are_read(kit, archive):
     assert [trace.index for trace in page.traces] == [0, 1, 3, 4]
     ((index, reason),) = page.unreadable
     assert index == 2
-    assert "JSON" in str(reason)
+    assert reason.fault_code == "trace.damaged"
 
 
 def test_a_page_of_many_frequencies_is_shorter(kit, archive):
@@ -223,9 +205,9 @@ def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, n
     outside = tmp_path / "outside"
     (folder / name).rename(outside)
     (folder / name).symlink_to(outside)
-    with pytest.raises(SurveyRefusedError, match="symbolic link"):
+    with raises_fault("storage.not_a_file", name, error=SurveyRefusedError):
         archive.traces(SURVEY, 0, 1)
-    assert "symbolic link" in archive.list("", 1)[0][0].problem.sentence()
+    assert archive.list("", 1)[0][0].problem.fault_code == "storage.not_a_file"
 
 
 def test_a_linked_trace_is_no_trace(kit, archive, tmp_path):
@@ -258,8 +240,8 @@ def test_what_is_not_there_is_refused(archive, name):
 @pytest.mark.parametrize("count", [0, 201, 1 << 31])
 def test_pages_are_bounded(kit, archive, count):
     fill(kit, [0])
-    with pytest.raises(SurveyRefusedError, match="between 1 and 200"):
+    with raises_fault("storage.request_refused", count, 1, 200, error=SurveyRefusedError):
         archive.traces(SURVEY, 0, count)
     if count:
-        with pytest.raises(SurveyRefusedError, match="between 1 and 50"):
+        with raises_fault("storage.request_refused", count, 1, 50, error=SurveyRefusedError):
             archive.list("", count)

@@ -7,8 +7,9 @@ import pytest
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.results.survey_summary import NO_THUMBNAIL
 from gpr20_vna_processing.mid.recent_summaries import SETTLED_NS, RecentSummaries
-from gpr20_vna_processing.mid.survey_thumbnail import MOST_CELLS, NONE, thumbnail_of
+from gpr20_vna_processing.mid.survey_thumbnail import MOST_CELLS, thumbnail_of
 
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 
@@ -64,7 +65,7 @@ def test_impossible_counts_make_no_map(wrong):
 @pytest.mark.parametrize("wrong", [None, [], {}, {"x_start_mm": float("nan")}])
 def test_unreadable_parameters_make_no_thumbnail(wrong):
     whole = parameters(np.random.default_rng(0))
-    assert thumbnail_of({**whole, **wrong} if wrong else wrong, [0]) == NONE
+    assert thumbnail_of({**whole, **wrong} if wrong else wrong, [0]) == NO_THUMBNAIL
 
 
 def test_a_summary_is_made_again_only_after_a_change(tmp_path):

@@ -32,7 +32,7 @@ def snapshots(tmp_path_factory):
         kit.processing.record(text_message("/t", f"before {trace.index}"))
         kit.processing.store(trace)
         shutil.copytree(str(folder), str(place / str(trace.index)))
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     shutil.copytree(str(folder), str(place / "end"))
     kit.processing.shut_down()
     return place

@@ -57,13 +57,13 @@ def test_a_trace_whose_recording_failed_is_published_when_the_survey_is_reopened
     with pytest.raises(StorageFailedError):
         kit.processing.store(TRACES[3])
     assert published(kit) == [0, 1, 2]
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == [0, 1, 2, 3]
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2, 3)
     assert published(kit) == [0, 1, 2, 3]
     # The control stores it again, because it got no answer.
     kit.processing.store(TRACES[3])
     kit.processing.store(TRACES[4])
     assert published(kit) == [0, 1, 2, 3, 4]
-    kit.processing.close_survey(SURVEY, "finished", "")
+    kit.processing.close_survey(SURVEY, "finished")
     assert_whole(folder, TRACES[:5])
 
 
@@ -84,7 +84,7 @@ def test_a_trace_is_published_when_its_folder_was_moved_and_is_back(kit, folder,
     # Another survey begins; the storage gives up the first one, which is not there.
     assert kit.processing.interrupt_other(OTHER_SURVEY) == folder.name
     kit.open(OTHER_SURVEY)
-    kit.processing.close_survey(OTHER_SURVEY, "stopped", "")
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
     (tmp_path / "away").rename(folder)
     kit.processing.reopen_survey(SURVEY)
     assert published(kit) == [0, 1, 2, 3]
@@ -115,7 +115,7 @@ def test_the_last_trace_is_published_again_when_another_process_stored_it(tmp_pa
     second.processing.reopen_survey(SURVEY)
     assert published(second) == [3]
     second.processing.store(TRACES[3])
-    second.processing.close_survey(SURVEY, "stopped", "")
+    second.processing.close_survey(SURVEY, "stopped")
     second.processing.reopen_survey(SURVEY)
     second.processing.store(TRACES[4])
     assert published(second) == [3, 4]
@@ -124,7 +124,7 @@ def test_the_last_trace_is_published_again_when_another_process_stored_it(tmp_pa
 
 def test_the_last_trace_is_not_published_again_by_the_process_that_published_it(kit, folder):
     for _ in range(2):
-        kit.processing.close_survey(SURVEY, "stopped", "")
+        kit.processing.close_survey(SURVEY, "stopped")
         kit.processing.reopen_survey(SURVEY)
     assert published(kit) == [0, 1, 2]
 
@@ -133,7 +133,7 @@ def test_a_clock_that_was_set_back_makes_no_trace_be_published_twice(kit):
     kit.open()
     for trace in (TRACES[1], make_trace(5, timestamp_us=STARTED_US + 10**6)):
         kit.processing.store(trace)
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.reopen_survey(SURVEY)
     assert published(kit) == [1, 5]
 
@@ -146,7 +146,7 @@ def test_a_trace_is_published_by_the_commit_that_follows_a_failed_one(tmp_path):
     with pytest.raises(StorageFailedError):
         kit.processing.store(TRACES[0])
     memory.error = None
-    kit.processing.close_survey(SURVEY, "stopped", "")
+    kit.processing.close_survey(SURVEY, "stopped")
     assert published(kit) == [0]
     kit.processing.shut_down()
 
@@ -174,7 +174,7 @@ def test_each_trace_is_published_once_in_a_process_whatever_fails(tmp_path, seed
             elif act == "reopen":
                 kit.processing.reopen_survey(SURVEY)
             elif act == "close":
-                kit.processing.close_survey(SURVEY, "stopped", "")
+                kit.processing.close_survey(SURVEY, "stopped")
             elif lives < 2:
                 lives += 1
                 left = tmp_path / f"left{lives}"

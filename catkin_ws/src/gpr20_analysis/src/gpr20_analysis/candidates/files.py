@@ -8,21 +8,19 @@ from __future__ import annotations
 
 import csv
 import json
-import math
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Tuple
 
+from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Candidate, CandidateList
-from gpr20_analysis.candidates.earth import on_earth
 from gpr20_analysis.candidates.geopackage import write_geopackage
-from gpr20_analysis.candidates.table import SIMULATED
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
+from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
+from gpr20_survey.results.candidate_json import candidate_record, json_text, list_record
+from gpr20_survey.results.candidates import CandidateList
 
-FORMAT = "gpr20-candidates/1"
 CSV, JSON, GEOJSON, GPKG = ".csv", ".json", ".geojson", ".gpkg"
 SUM = ".sha256"
 
@@ -47,7 +45,8 @@ def write_candidates(found: CandidateList, path: Path) -> None:
                 file=path.name,
                 command="gpr20 annotate --position --heading",
                 others=", ".join((CSV, JSON, GPKG)),
-            )
+            ),
+            fault=faults.NO_POSITION,
         )
     write_with_checksum(path, lambda place: WRITERS[path.suffix](found, place))
 
@@ -85,50 +84,6 @@ def check_candidates_path(path: Path) -> None:
     """
     if path.suffix not in WRITERS:
         raise ExportError(wrong_ending(path, tuple(WRITERS)))
-
-
-def list_record(found: CandidateList) -> Dict[str, Any]:
-    """Return what a file says about the whole list."""
-    return {
-        "format": FORMAT,
-        "warning": str(NO_CLEARANCE),
-        "simulated": found.simulated,
-        **({"simulated_warning": str(SIMULATED)} if found.simulated else {}),
-        "survey_id": found.survey_id,
-        "method": found.method,
-        "permittivity": found.permittivity,
-        "permittivity_lowest": found.permittivity_range[0],
-        "permittivity_highest": found.permittivity_range[1],
-        "area_m2": found.area_m2,
-        "false_alarm_rate": found.false_alarm_rate,
-        "listed": len(found.candidates),
-        "omitted": found.omitted,
-        "omitted_primary": found.omitted_primary,
-        "coordinates": "X, Y and depth in metres, in the survey's area",
-        "position": asdict(found.position) if found.position else None,
-        "notes": [str(note) for note in found.notes],
-    }
-
-
-def candidate_record(candidate: Candidate, found: CandidateList) -> Dict[str, Any]:
-    """Return the values of a candidate; None for what is not known."""
-    values = asdict(candidate)
-    values["flags"] = [flag.value for flag in candidate.flags]
-    values["rotations_deg"] = [None if _is_nan(one) else one for one in candidate.rotations_deg]
-    values["confidence"] = candidate.confidence
-    values["longitude_deg"], values["latitude_deg"] = (
-        on_earth(found.position, candidate.x_m, candidate.y_m) if found.position else (None, None)
-    )
-    return {name: None if _is_nan(value) else value for name, value in values.items()}
-
-
-def json_text(found: CandidateList) -> str:
-    """Return the content of a JSON file."""
-    record = {
-        **list_record(found),
-        "candidates": [candidate_record(one, found) for one in found.candidates],
-    }
-    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def _write_json(found: CandidateList, path: Path) -> None:
@@ -178,18 +133,22 @@ def _write_gpkg(found: CandidateList, path: Path) -> None:
 
 def _flat(record: Dict[str, Any]) -> Dict[str, Any]:
     turns = ["combined" if one is None else f"{one:g}" for one in record["rotations_deg"]]
-    return {**record, "flags": " ".join(record["flags"]), "rotations_deg": " ".join(turns)}
-
-
-def _is_nan(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
+    texts = {"flags": " ".join(record["flags"]), "rotations_deg": " ".join(turns)}
+    return {**record, **texts, "doubtful": int(record["doubtful"])}
 
 
 COLUMNS = (
     *("id", "x_m", "y_m", "depth_m"),
     *("x_uncertainty_m", "y_uncertainty_m", "depth_uncertainty_m"),
     *("above_noise_db", "false_alarm_probability", "confidence"),
-    *("rotations_deg", "polarization_ratio_db", "flags", "longitude_deg", "latitude_deg"),
+    *(
+        "rotations_deg",
+        "polarization_ratio_db",
+        "flags",
+        "doubtful",
+        "longitude_deg",
+        "latitude_deg",
+    ),
 )
 WRITERS: Dict[str, Callable[[CandidateList, Path], None]] = {
     CSV: _write_csv,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Optional, Tuple
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import CandidateList
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import DEPTH, IMAGE, MM_PER_M, POLARIZATION, SAMPLE_DIMS, X, Y, usable
@@ -18,35 +17,14 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.noise import law_of
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.message import Message
+from gpr20_survey.results.focused_image import FocusedImage
 
 BACKGROUND = "background:method=surface"
 # With fewer lines neither the background nor the noise can be measured.
 FEWEST_LINES = 3
 
 
-@dataclass(frozen=True)
-class Focused:
-    """A focused image above its noise, and the candidates in it.
-
-    Attributes:
-        traces: Number of traces of which it was made.
-        x_mm: Positions of the survey along X [mm].
-        y_mm: Positions along Y [mm].
-        depth_mm: Depths below the surface [mm].
-        levels_db: Level of the brighter polarization (depth, y, x), float32, above the noise of its
-            place [dB]; NaN where nothing was measured.
-        found: The candidates.
-    """
-
-    traces: int
-    x_mm: np.ndarray
-    y_mm: np.ndarray
-    depth_mm: np.ndarray
-    levels_db: np.ndarray
-    found: CandidateList
-
-
-def focus(survey: xr.Dataset, permittivity: Optional[float]) -> Focused:
+def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     """Return the focused image of what was measured of a survey.
 
     Args:
@@ -69,7 +47,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> Focused:
     levels_db[:, rows, columns] = levels_above_noise_db(image)
     levels_db[:, ~np.any(present, axis=0)] = np.nan
     x_mm, y_mm = (MM_PER_M * survey[name].values.astype(np.float64) for name in (X, Y))
-    return Focused(
+    return FocusedImage(
         traces=int(np.count_nonzero(present)),
         x_mm=x_mm,
         y_mm=y_mm,
@@ -106,6 +84,7 @@ def _measured_part(present: np.ndarray) -> Tuple[slice, slice]:
                 "a focused image needs traces on {fewest} lines; {rows} have any so far",
                 fewest=FEWEST_LINES,
                 rows=min(len(rows), len(columns)),
-            )
+            ),
+            fault=faults.TOO_FEW_LINES,
         )
     return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)

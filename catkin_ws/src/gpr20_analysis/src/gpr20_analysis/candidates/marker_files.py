@@ -9,13 +9,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Callable, Dict, List
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE
-from gpr20_analysis.candidates.earth import on_earth
 from gpr20_analysis.candidates.files import write_with_checksum
 from gpr20_analysis.candidates.marker_list import MarkerList
-from gpr20_analysis.candidates.table import SIMULATED
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.plan.markers import Marker
 
 FORMAT = "gpr20-markers/1"
@@ -71,7 +69,7 @@ def _list_record(found: MarkerList) -> Dict[str, Any]:
 def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:
     x_m, y_m = marker.x_mm / MM_PER_M, marker.y_mm / MM_PER_M
     longitude_deg, latitude_deg = (
-        on_earth(found.position, x_m, y_m) if found.position else (None, None)
+        found.position.on_earth(x_m, y_m) if found.position else (None, None)
     )
     depth_mm = marker.depth_mm
     return {

@@ -8,7 +8,6 @@ from typing import List, Mapping, Optional, Tuple
 
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import AreaPosition
 from gpr20_analysis.candidates.earth import area_position
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.sentences import ENGLISH
@@ -16,6 +15,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker, markers_of
+from gpr20_survey.results.area_position import AreaPosition
 
 NONE = "-"
 

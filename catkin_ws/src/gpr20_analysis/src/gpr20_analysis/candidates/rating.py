@@ -7,11 +7,11 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.candidates.false_alarm import FalseAlarms
 from gpr20_analysis.dataset import DEPTH, NOISE, NOISE_OVER_X, NOISE_OVER_Y, POLARIZATION, X, Y
 from gpr20_analysis.imaging.noise import Law, law_of
+from gpr20_survey.radar.depth import one_way_path_m
 
 # -3 dB width of a peak whose correlation has a Gaussian shape, in units of its curvature.
 WIDTH = 2.0 * math.sqrt(math.log(2.0))
@@ -175,4 +175,4 @@ def _curvature_m(correlation: Sequence[float], step_m: np.ndarray) -> np.ndarray
 
 def _usual_depth_resolution_m(image: xr.Dataset) -> float:
     permittivity = float(image.attrs["permittivity"])
-    return 1.44 * speed_of_light / (2.0 * BAND_HZ * math.sqrt(permittivity))
+    return 1.44 * one_way_path_m(1.0 / BAND_HZ, permittivity)

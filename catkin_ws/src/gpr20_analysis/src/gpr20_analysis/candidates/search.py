@@ -9,13 +9,7 @@ from typing import Dict, List, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import (
-    OMITTED,
-    SECONDARY,
-    Candidate,
-    CandidateList,
-    Flag,
-)
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.earth import area_position
 from gpr20_analysis.candidates.peak_place import peak_places
 from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
@@ -24,6 +18,7 @@ from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
 
 SIDELOBE_REACH_M = 0.5
 
@@ -34,7 +29,7 @@ class CandidateOptions:
 
     Attributes:
         false_alarm_rate: Probability that noise alone leads to any candidate in an image, 0 to 1.
-        most: Most candidates to list. All that are neither `SECONDARY` nor unrated are listed, even
+        most: Most candidates to list. All that are neither `DOUBTFUL` nor unrated are listed, even
             if there are more.
         height_uncertainty_m: Standard deviation of the antenna height [m].
     """
@@ -58,7 +53,8 @@ class CandidateOptions:
                     rate=self.false_alarm_rate,
                     lowest=1e-12,
                     highest=0.5,
-                )
+                ),
+                fault=faults.OPTION,
             )
         if not 1 <= self.most <= 100_000:
             raise WrongDatasetError(
@@ -66,7 +62,8 @@ class CandidateOptions:
                     "the longest list is {most}; it must have 1 to {highest} candidates",
                     most=self.most,
                     highest=100_000,
-                )
+                ),
+                fault=faults.OPTION,
             )
 
 
@@ -95,9 +92,9 @@ def find_candidates(
     groups = grouped(peaks, rating, axes)
     place_m = _places_m(groups, rating, axes)
     flags = _flags(groups, peaks, place_m, rating, axes)
-    # Those of lower rank last, otherwise the brightest first.
-    secondary = np.any([flags[one] for one in SECONDARY], axis=0)
-    order = np.argsort(secondary, kind="stable")
+    # Doubtful ones last, otherwise the brightest first.
+    doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
+    order = np.argsort(doubtful, kind="stable")
     omissible = np.any([flags[one] for one in OMITTED], axis=0)
     count = max(options.most, int(np.count_nonzero(~omissible)))
     listed = tuple(
@@ -123,7 +120,7 @@ def find_candidates(
         candidates=listed,
         notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
         position=area_position(image.attrs),
-        omitted_primary=int(np.count_nonzero(~secondary[order[count:]])),
+        omitted_primary=int(np.count_nonzero(~doubtful[order[count:]])),
     )
 
 

@@ -2,29 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from typing import List, Optional, Sequence, Tuple
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, Candidate, CandidateList, Flag
-from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
+from gpr20_survey.results.candidates import MOST_DOUBTFUL, Candidate, CandidateList
 
 NONE = "-"
-FLAGS = {
-    Flag.SURFACE_RESIDUE: Message("surface residue"),
-    Flag.EDGE: Message("edge"),
-    Flag.ONE_POLARIZATION: Message("one polarization"),
-    Flag.CLUTTER: Message("clutter"),
-    Flag.SIDELOBE: Message("sidelobe"),
-    Flag.UNRATED: Message("not rated"),
-}
-SIMULATED = Message("SIMULATED: these are no measurements of real ground.")
-# The model of the noise is not good enough to distinguish smaller ones.
-SMALLEST_ALARM = 1e-6
-MOST_SECONDARY = 10
-SECONDARY_TITLE = Message(
+DOUBTFUL_TITLE = Message(
     "Doubtful: clutter, or sidelobes of brighter candidates, but weak bodies look the same:"
 )
 
@@ -46,47 +33,19 @@ def candidate_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
 def candidate_row(candidate: Candidate, catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
     """Return a candidate as a row of a table below `candidate_heading`."""
     ratio_db = candidate.polarization_ratio_db
-    unrated = math.isnan(candidate.above_noise_db)
     return (
         candidate.id,
-        _with_uncertainty(candidate.x_m, candidate.x_uncertainty_m),
-        _with_uncertainty(candidate.y_m, candidate.y_uncertainty_m),
-        _with_uncertainty(candidate.depth_m, candidate.depth_uncertainty_m),
-        NONE if unrated else f"{candidate.above_noise_db:.1f}",
-        NONE if unrated else false_alarm_text(candidate.false_alarm_probability),
+        *candidate.place_texts,
+        f"{candidate.above_noise_db:.1f}" if candidate.is_rated else NONE,
+        candidate.false_alarm_text or NONE,
         NONE if ratio_db is None else f"{round(ratio_db, 1) + 0.0:+.1f}",
-        ", ".join(catalogue.text(FLAGS[flag]) for flag in candidate.flags) or NONE,
+        ", ".join(catalogue.text(label) for label in candidate.labels) or NONE,
     )
-
-
-def false_alarm_text(probability: float) -> str:
-    """Return the probability of a false alarm as text, such as "0.3 %"."""
-    if probability < SMALLEST_ALARM:
-        return f"< {100.0 * SMALLEST_ALARM:g} %"
-    percent = 100.0 * probability
-    return f"{percent:.0f} %" if percent >= 9.5 else f"{percent:.1g} %"
 
 
 def head_sentences(found: CandidateList) -> List[Message]:
     """Return what comes before the table: what the list is not, and whether it is simulated."""
     return [*([SIMULATED] if found.simulated else []), NO_CLEARANCE]
-
-
-def shown_candidates(
-    found: CandidateList, most_secondary: Optional[int] = MOST_SECONDARY
-) -> Tuple[Candidate, ...]:
-    """Return the candidates that a person reads: all primary ones, then some secondary ones.
-
-    Args:
-        found: The list.
-        most_secondary: Most secondary candidates; None: all that are listed.
-
-    Returns:
-        The first candidates of the list.
-    """
-    primary = sum(not one.is_secondary for one in found.candidates)
-    last = None if most_secondary is None else primary + most_secondary
-    return found.candidates[:last]
 
 
 def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Message]:
@@ -99,8 +58,7 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
     Returns:
         The sentences.
     """
-    total = len(found.candidates) + found.omitted
-    primary = sum(not one.is_secondary for one in found.candidates) + found.omitted_primary
+    total, primary = found.total, found.primary
     lowest, highest = found.permittivity_range
     sentences = [
         Message(
@@ -158,21 +116,21 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
 def candidate_lines(
     found: CandidateList,
     catalogue: Catalogue = ENGLISH,
-    most_secondary: Optional[int] = MOST_SECONDARY,
+    most_doubtful: Optional[int] = MOST_DOUBTFUL,
 ) -> List[str]:
     """Return a list of candidates as lines of text, without the notes on the survey.
 
     Args:
         found: The list.
         catalogue: Language of the lines.
-        most_secondary: Most candidates that may be only clutter or sidelobes; None: all that are
-            listed. The others are always shown.
+        most_doubtful: Most doubtful candidates; None: all that are listed. The others are always
+            shown.
 
     Returns:
         The lines.
     """
-    shown = shown_candidates(found, most_secondary)
-    primary = sum(not one.is_secondary for one in shown)
+    shown = found.shown(most_doubtful)
+    primary = sum(not one.is_doubtful for one in shown)
     rows = [candidate_row(one, catalogue) for one in shown]
     if rows:
         rows.insert(0, candidate_heading(catalogue))
@@ -182,15 +140,9 @@ def candidate_lines(
         for row in rows
     ]
     if primary < len(shown):
-        lines.insert(1 + primary, catalogue.text(SECONDARY_TITLE))
+        lines.insert(1 + primary, catalogue.text(DOUBTFUL_TITLE))
     return [
         *(catalogue.text(one) for one in head_sentences(found)),
         *lines,
         *(catalogue.text(one) for one in tail_sentences(found, shown)),
     ]
-
-
-def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
-    # 2.00001 mm are 2 mm.
-    about_mm = math.ceil(round(uncertainty_m * MM_PER_M, 2))
-    return f"{value_m * MM_PER_M:.0f} ±{about_mm:d}"

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.commands.rows import print_rows
 from gpr20_analysis.errors import AnalysisError, not_there
@@ -55,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Change what is given, print the whole annotation and return the exit status."""
     if not chosen.survey.is_dir():
-        raise AnalysisError(not_there(chosen.survey))
+        raise AnalysisError(not_there(chosen.survey), fault=faults.NO_INPUT)
     description = survey_metadata.read_description(chosen.survey / survey_folder.SURVEY_FILE)
     present = annotation_of(description)
     changes = _changes(chosen)
@@ -86,7 +87,8 @@ def _refuse_open(folder: Path, description: Dict[str, Any]) -> None:
                 "the survey in {folder} has not ended, and a robot may be writing it; use the "
                 "robot's window, or resume and stop the survey first",
                 folder=folder,
-            )
+            ),
+            fault=faults.SURVEY_RUNS,
         )
 
 

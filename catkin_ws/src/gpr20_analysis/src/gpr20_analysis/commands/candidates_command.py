@@ -6,10 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from gpr20_analysis.candidates.candidate import CandidateList
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.files import (
     check_candidates_path,
-    json_text,
     output_paths,
     write_candidates,
 )
@@ -21,6 +20,8 @@ from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.frames import BASE_LINK
+from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import CandidateList
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,27 +70,29 @@ def _require_master() -> None:
     try:
         import rosgraph
 
-        import gpr20_common.high.candidate_messages  # noqa: F401
+        import gpr20_survey.high.candidate_topics  # noqa: F401
     except ImportError as error:
         raise MissingLibraryError(
-            Message("--publish needs ROS; source catkin_ws/devel/setup.bash first", details=error)
+            Message("--publish needs ROS; source catkin_ws/devel/setup.bash first", details=error),
+            fault=faults.NO_WORKSPACE,
         ) from error
     if not rosgraph.is_master_online():
         raise AnalysisError(
             Message(
                 "no ROS master answers at {address}; start roscore",
                 address=rosgraph.get_master_uri(),
-            )
+            ),
+            fault=faults.NO_ROS_MASTER,
         )
 
 
 def _publish(found: CandidateList) -> None:
     import rospy
 
-    from gpr20_common.high.candidate_messages import CandidateTopics
+    from gpr20_survey.high.candidate_topics import CandidateTopics
 
     rospy.init_node("candidates", anonymous=True)
-    CandidateTopics(BASE_LINK).publish(json_text(found))
+    CandidateTopics(BASE_LINK).publish(found)
     rospy.spin()
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from scipy.constants import speed_of_light
-
+from gpr20_analysis import faults
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.dataset import MM_PER_M
@@ -16,6 +15,7 @@ from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.plan.antenna_delay import KEY
+from gpr20_survey.radar.depth import one_way_path_m
 
 NS_PER_S = 1e9
 FILE = "analyzer.yaml"
@@ -60,7 +60,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                        count=fit.traces))  # fmt: skip
     print(catalogue.tr("spread of single traces: {spread_ns:.3f} ns, {spread_mm:.1f} mm of height",
                        spread_ns=fit.residual_s * NS_PER_S,
-                       spread_mm=0.5 * speed_of_light * fit.residual_s * MM_PER_M))  # fmt: skip
+                       spread_mm=one_way_path_m(fit.residual_s) * MM_PER_M))  # fmt: skip
     print(catalogue.text(_separated(fit)))
     print(catalogue.tr("recorded in the survey: {delay_ns:.3f} ns", delay_ns=recorded_ns))
     print(catalogue.tr("in {file} of the robot's configuration:", file=FILE))
@@ -87,7 +87,8 @@ def _check(name: str, value_m: float, lower_m: float, upper_m: float) -> None:
                 value=f"{value_m:g} m",
                 lower=f"{lower_m:g}",
                 upper=f"{upper_m:g} m",
-            )
+            ),
+            fault=faults.OPTION,
         )
 
 

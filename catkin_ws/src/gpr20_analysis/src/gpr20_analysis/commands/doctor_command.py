@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import MissingLibraryError
 from gpr20_common.catalogue import Catalogue
@@ -39,7 +40,8 @@ def _needs_workspace(error: ImportError) -> MissingLibraryError:
         Message(
             "the doctor needs ROS and the workspace; source catkin_ws/devel/setup.bash first",
             details=error,
-        )
+        ),
+        fault=faults.NO_WORKSPACE,
     )
 
 

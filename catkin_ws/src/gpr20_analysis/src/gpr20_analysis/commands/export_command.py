@@ -21,9 +21,10 @@ from gpr20_analysis.formats.conversion import (
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
 from gpr20_analysis.formats.sums_beside import sums_path
 from gpr20_analysis.processing.delay import to_time
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
+from gpr20_survey.radar.frequency_to_delay import Window
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

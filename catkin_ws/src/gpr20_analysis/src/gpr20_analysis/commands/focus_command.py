@@ -8,14 +8,14 @@ import sys
 from pathlib import Path
 from typing import Any, Dict, Optional
 
-from gpr20_analysis.candidates.files import json_text
-from gpr20_analysis.candidates.focused import Focused, focus
+from gpr20_analysis.candidates.focused import focus
 from gpr20_analysis.commands.command import DONE, Command
+from gpr20_analysis.commands.failure import message_of
 from gpr20_analysis.read.growing_survey import GrowingSurvey
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
+from gpr20_common.sent_message import message_fields
+from gpr20_survey.results.focused_image import FocusedImage, focus_fields
 
 
 def add_arguments(_parser: argparse.ArgumentParser) -> None:
@@ -44,27 +44,18 @@ class FocusService:
                 file to which the levels are written (depth, y, x) as float32, little endian.
 
         Returns:
-            What the image is, or `error`, the message why there is none, as JSON.
+            The fields of the image, or `error`, why there is none, as `message_fields` gives it.
         """
         try:
             request = json.loads(line)
             focused = self._focus(Path(request["survey"]), request["permittivity"])
-            Path(request["levels"]).write_bytes(focused.levels_db.astype("<f4").tobytes())
-        except Gpr20Error as error:
-            return {"error": error.message.to_json()}
-        except MemoryError as error:
-            return {"error": Message("not enough memory for the image", details=error).to_json()}
-        except OSError as error:
-            return {"error": os_reason(error).to_json()}
-        return {
-            "traces": focused.traces,
-            "x_mm": focused.x_mm.tolist(),
-            "y_mm": focused.y_mm.tolist(),
-            "depth_mm": focused.depth_mm.tolist(),
-            "candidates": json_text(focused.found),
-        }
+            fields = focus_fields(focused)
+            Path(request["levels"]).write_bytes(fields.pop("levels_db"))
+        except (Gpr20Error, MemoryError, OSError) as error:
+            return {"error": message_fields(message_of(error, "gpr20 focus"))}
+        return fields
 
-    def _focus(self, folder: Path, permittivity: Optional[float]) -> Focused:
+    def _focus(self, folder: Path, permittivity: Optional[float]) -> FocusedImage:
         if self._survey is None or self._survey.folder != folder:
             self._survey = GrowingSurvey(folder)
         return focus(self._survey.load(), permittivity)

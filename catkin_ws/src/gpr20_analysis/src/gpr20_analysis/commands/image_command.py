@@ -10,12 +10,10 @@ from typing import List, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import cluster
+from gpr20_analysis import cluster, faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.candidates.candidate import CandidateList
-from gpr20_analysis.candidates.files import candidate_record, list_record
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.candidates.table import MOST_SECONDARY, candidate_lines
+from gpr20_analysis.candidates.table import candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
@@ -35,12 +33,14 @@ from gpr20_analysis.imaging.image_output import (
 )
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import PROCESSING, recipe_of
-from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.errors import printable
+from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.results.candidate_json import candidate_record, list_record
+from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
 
 DEFAULT_STEPS = ("background:method=surface",)
 # The GPR-20 group's program subtracts the mean.
@@ -80,7 +80,7 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
         f"{standard.false_alarm_rate:g}")  # fmt: skip
     add("--most", type=int, metavar="N",
         help=f"longest list, in files too; default {standard.most}, of which at most "
-        f"{MOST_SECONDARY} doubtful ones are printed")  # fmt: skip
+        f"{MOST_DOUBTFUL} doubtful ones are printed")  # fmt: skip
 
 
 def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
@@ -180,7 +180,8 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
                 step_m=step,
                 count=max(count, 0.0),
                 most=MOST_DEPTHS,
-            )
+            ),
+            fault=faults.OPTION,
         )
     return ImageOptions(
         method=Method(chosen.method),
@@ -277,8 +278,8 @@ def print_candidates(
     for line in [*notes, *estimated]:
         print(printable(shown(line, catalogue)))
     # Who asks for a number gets all of the list.
-    most_secondary = MOST_SECONDARY if chosen.most is None else None
-    print("\n".join(candidate_lines(found, catalogue, most_secondary)))
+    most_doubtful = MOST_DOUBTFUL if chosen.most is None else None
+    print("\n".join(candidate_lines(found, catalogue, most_doubtful)))
 
 
 COMMAND = Command(

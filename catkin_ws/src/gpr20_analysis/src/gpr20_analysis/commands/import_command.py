@@ -7,7 +7,7 @@ import dataclasses
 from pathlib import Path
 from typing import Optional
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, not_there
@@ -55,7 +55,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     written = [outputs.dataset_output(chosen.output)]
     outputs.check(written, [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
-        raise AnalysisError(not_there(chosen.input))
+        raise AnalysisError(not_there(chosen.input), fault=faults.NO_INPUT)
     band = _band(chosen)
     survey = import_survey(
         chosen.input,

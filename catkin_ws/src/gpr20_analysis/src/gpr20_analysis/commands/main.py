@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import signal
 import sys
@@ -12,29 +13,20 @@ from typing import List, Optional, Tuple
 from gpr20_analysis import __version__
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
-from gpr20_analysis.errors import library_missing
+from gpr20_analysis.commands.failure import EXPECTED, TRACEBACK, first_steps, message_of
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import (
     Catalogue,
     Language,
 )
-from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import (
     language_from_code,
     language_from_environment,
     languages,
     read_catalogue,
 )
-from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
+from gpr20_common.sent_message import message_fields
 from gpr20_survey.errors import printable
-
-EXTRAS = {"matplotlib": "plots"}
-"""Optional libraries that whole commands need, and the extra of each."""
-EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
-"""Errors whose message is sufficient; all others are program errors."""
-TRACEBACK = "GPR20_TRACEBACK"
-"""Environment variable: if set, a program error prints its traceback."""
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -47,21 +39,26 @@ def main(arguments: Optional[List[str]] = None) -> int:
         catalogue = read_catalogue(language)
     except SystemExit:
         return REFUSED
+    chosen = argparse.Namespace()
     try:
-        return _run(given, language, catalogue)
-    except KeyboardInterrupt:
-        reason = Message("interrupted; no partial output is left")
-    except Exception as error:
-        if os.environ.get(TRACEBACK) and not isinstance(error, EXPECTED):
+        return _run(given, chosen, language, catalogue)
+    except (Exception, KeyboardInterrupt) as error:
+        if os.environ.get(TRACEBACK) and not isinstance(error, (*EXPECTED, KeyboardInterrupt)):
             traceback.print_exc()
-        reason = _reason(error, given)
+        reason = message_of(error, f"gpr20 {' '.join(given)}")
     print(f"gpr20 {' '.join(given[:1])}: {printable(shown(reason, catalogue))}", file=sys.stderr)
+    for step in first_steps(reason):
+        print(printable(shown(step, catalogue)), file=sys.stderr)
+    if getattr(chosen, "json", False):
+        print(json.dumps({"error": message_fields(reason)}))
     return REFUSED
 
 
-def _run(given: List[str], language: Language, catalogue: Catalogue) -> int:
+def _run(
+    given: List[str], chosen: argparse.Namespace, language: Language, catalogue: Catalogue
+) -> int:
     try:
-        chosen = _parser(given).parse_args(given)
+        _parser(given).parse_args(given, chosen)
         chosen.language = language.value
         status: int = chosen.run(chosen, catalogue)
         sys.stdout.flush()
@@ -72,25 +69,6 @@ def _run(given: List[str], language: Language, catalogue: Catalogue) -> int:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
-
-
-def _reason(error: Exception, given: List[str]) -> Message:
-    if isinstance(error, Gpr20Error):
-        return error.message
-    if isinstance(error, ModuleNotFoundError):
-        name = error.name or ""
-        return library_missing(name, EXTRAS.get(name.split(".")[0], ""))
-    if isinstance(error, MemoryError):
-        return Message("not enough memory; use fewer samples", details=error)
-    if isinstance(error, OSError) and error.filename:
-        return Message("{file}: {reason}", file=error.filename, reason=os_reason(error))
-    if isinstance(error, OSError):
-        return os_reason(error)
-    return Message(
-        "program error {error}; please report it with the output of {command}",
-        error=f"{type(error).__name__}: {error}",
-        command=f"{TRACEBACK}=1 gpr20 {' '.join(given)}",
-    )
 
 
 def _language(given: List[str]) -> Tuple[Language, List[str]]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Dict, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import cluster
+from gpr20_analysis import cluster, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
@@ -96,7 +96,8 @@ def _check_options(chosen: argparse.Namespace) -> None:
                     kind=chosen.kind,
                     option=option.replace("_", "-"),
                     allowed=", ".join(f"--{name}".replace("_", "-") for name in own) or "-",
-                )
+                ),
+                fault=faults.OPTION,
             )
 
 
@@ -144,12 +145,15 @@ def _c_scan(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) 
 
     if IMAGE in data:
         if chosen.delay is not None:
-            raise WrongDatasetError(Message("--delay is for surveys; an image needs --depth"))
+            raise WrongDatasetError(
+                Message("--delay is for surveys; an image needs --depth"), fault=faults.OPTION
+            )
         depth_m = _level(data, DEPTH, chosen.depth, MM_PER_M, "mm")
         return scans.c_scan_figure(data, depth_m, catalogue)
     if chosen.depth is not None:
         raise WrongDatasetError(
-            Message("--depth is for images; make one with gpr20 image, or use --delay")
+            Message("--depth is for images; make one with gpr20 image, or use --delay"),
+            fault=faults.OPTION,
         )
     in_time = data if A_SCAN in data else to_time(data)
     delay_s = _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns")
@@ -162,7 +166,8 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
         return (lowest_m + highest_m) / 2.0
     if not lowest_m <= given_mm / MM_PER_M <= highest_m:
         raise WrongDatasetError(
-            _outside(axis, given_mm, lowest_m * MM_PER_M, highest_m * MM_PER_M, "mm")
+            _outside(axis, given_mm, lowest_m * MM_PER_M, highest_m * MM_PER_M, "mm"),
+            fault=faults.OPTION,
         )
     return given_mm / MM_PER_M
 
@@ -176,7 +181,8 @@ def _last_s(in_time: xr.Dataset, chosen: argparse.Namespace) -> Optional[float]:
     # Written so that NaN is refused too.
     if not chosen.until >= float(in_time[DELAY][1]) * NS_PER_S:
         raise WrongDatasetError(
-            Message("--until {last_ns:g} ns is too short, no trace is left", last_ns=chosen.until)
+            Message("--until {last_ns:g} ns is too short, no trace is left", last_ns=chosen.until),
+            fault=faults.OPTION,
         )
     return float(chosen.until) / NS_PER_S
 
@@ -184,11 +190,13 @@ def _last_s(in_time: xr.Dataset, chosen: argparse.Namespace) -> Optional[float]:
 def _level(data: xr.Dataset, axis: str, given: Optional[float], scale: float, unit: str) -> float:
     """Return a depth or delay in SI units; it must be within the data."""
     if given is None:
-        raise WrongDatasetError(Message("this figure needs --{option}", option=axis))
+        raise WrongDatasetError(
+            Message("this figure needs --{option}", option=axis), fault=faults.OPTION
+        )
     lowest, highest = (float(end) * scale for end in data[axis].values[[0, -1]])
     # Written so that NaN is refused too.
     if not lowest <= given <= highest:
-        raise WrongDatasetError(_outside(axis, given, lowest, highest, unit))
+        raise WrongDatasetError(_outside(axis, given, lowest, highest, unit), fault=faults.OPTION)
     return given / scale
 
 
@@ -215,7 +223,8 @@ def _turn(data: xr.Dataset, rotation_deg: float) -> int:
                 "rotation {rotation_deg:g} deg was not measured; the data have {rotations} deg",
                 rotation_deg=rotation_deg,
                 rotations=", ".join(f"{turn:g}" for turn in turns),
-            )
+            ),
+            fault=faults.OPTION,
         )
     return int(near[0])
 

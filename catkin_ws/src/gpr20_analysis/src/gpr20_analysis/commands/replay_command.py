@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, not_there
 from gpr20_analysis.read.playback import Pace, Playback
@@ -53,7 +54,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Publish the survey; return the exit status."""
     pace = Pace(chosen.rate, chosen.longest_pause, chosen.start, chosen.paused)
     if not chosen.survey.exists():
-        raise AnalysisError(not_there(chosen.survey))
+        raise AnalysisError(not_there(chosen.survey), fault=faults.NO_INPUT)
     replayed = describe(chosen.survey)
     try:
         import rosgraph
@@ -64,7 +65,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         from gpr20_analysis.high.replay_node import ReplayNode
     except ImportError as error:
         raise MissingLibraryError(
-            Message("a replay needs ROS; source catkin_ws/devel/setup.bash first", details=error)
+            Message("a replay needs ROS; source catkin_ws/devel/setup.bash first", details=error),
+            fault=faults.NO_WORKSPACE,
         ) from error
     if not rosgraph.is_master_online():
         raise AnalysisError(
@@ -72,7 +74,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 "no ROS master answers at {address}; start roscore, or use roslaunch gpr20 "
                 "replay.launch",
                 address=rosgraph.get_master_uri(),
-            )
+            ),
+            fault=faults.NO_ROS_MASTER,
         )
     namespace = replayed.namespace or rospy.names.get_namespace()
     # Before this joins the graph, which would end another replay.

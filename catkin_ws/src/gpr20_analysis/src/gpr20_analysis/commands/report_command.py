@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 from gpr20_analysis import cluster, dataset
@@ -27,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     image_command.add_image_options(parser)
     outputs.add_overwrite(parser)
     inputs.add_scheduler(parser)
+    parser.add_argument(
+        "--json", action="store_true", help="print the result, or the error, as JSON, for programs"
+    )
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -59,7 +63,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             write_pdf(place, report, catalogue)
         else:
             place.write_text(page(report), encoding="utf-8")
-    print(chosen.output)
+    print(json.dumps({"output": str(chosen.output)}) if chosen.json else chosen.output)
     return inputs.status_of(survey)
 
 

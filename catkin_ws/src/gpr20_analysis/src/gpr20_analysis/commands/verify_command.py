@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.failure import first_steps
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
@@ -23,18 +25,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--all", action="store_true", help=f"print all faults, not only the first {LISTED}"
     )
+    parser.add_argument(
+        "--json", action="store_true", help="print everything as JSON, for programs"
+    )
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check the folder, print what was found and return the exit status."""
     found = verify_survey(chosen.folder, inputs.progress_bar(catalogue.tr("verifying")))
+    if chosen.json:
+        print(json.dumps(found.record(), indent=2))
+        return found.status
     listed = found.faults if chosen.all else found.faults[:LISTED]
     lines = [Message("FAULT: {sentence}", sentence=fault) for fault in listed]
     others = len(found.faults) - len(listed)
     if others:
         lines.append(Message("... and {count} more; --all prints all of them", count=others))
     lines += [Message("note: {sentence}", sentence=note) for note in found.notes]
-    for line in [*lines, found.verdict]:
+    for line in [*lines, found.verdict, *first_steps(found.verdict)]:
         print(printable(shown(line, catalogue)))
     return found.status
 

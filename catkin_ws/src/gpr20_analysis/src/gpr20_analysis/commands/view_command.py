@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import CandidateList
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import image_command, inputs
 from gpr20_analysis.commands.command import Command
@@ -18,6 +18,7 @@ from gpr20_analysis.viewer.picks_file import picks_path
 from gpr20_analysis.viewer.session import ViewSession
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import CandidateList
 
 EXTRA = "view"
 LIBRARIES = {"PyQt5": "PyQt5", "pyqtgraph": "pyqtgraph"}
@@ -72,7 +73,8 @@ def _check_screen() -> None:
     # Qt ends the whole program where it finds no screen.
     if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in SCREENS):
         raise AnalysisError(
-            Message("there is no screen here; run gpr20 view on a computer with a desktop")
+            Message("there is no screen here; run gpr20 view on a computer with a desktop"),
+            fault=faults.NO_SCREEN,
         )
 
 

@@ -11,6 +11,7 @@ import hashlib
 from pathlib import Path
 from typing import Dict
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files, sum_of_file
@@ -59,7 +60,8 @@ def has_checksum(path: Path) -> bool:
             Message(
                 "{path} is damaged: its SHA-256 has changed; create it again from the survey",
                 path=path,
-            )
+            ),
+            fault=faults.FILE_CHANGED,
         )
     return True
 
@@ -79,7 +81,8 @@ def _check_folder(path: Path) -> bool:
                 path=path,
                 count=len(wrong),
                 file=min(wrong),
-            )
+            ),
+            fault=faults.FILE_CHANGED,
         )
     return True
 

@@ -8,7 +8,7 @@ from typing import Dict, Iterable, List, Optional, Sequence, Tuple, Union
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.formats.provenance import Facts, snapped
@@ -67,7 +67,8 @@ def as_dataset(found: Imported) -> xr.Dataset:
                 count=wrong.size,
                 height_m=wrong[0],
                 highest_m=HIGHEST_M,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     shape = found.values.shape[:3]
     # A sample of only NaN is missing; one with some NaN is damaged.
@@ -145,7 +146,8 @@ def on_grid(
     cells = grid.places(positions)
     if len(set(cells)) < len(cells):
         raise UnreadableFileError(
-            Message("{source} has two samples at the same position and rotation", source=source)
+            Message("{source} has two samples at the same position and rotation", source=source),
+            fault=faults.FILE_CONTENT,
         )
     axis = delay_s if frequency_hz is None else frequency_hz
     if axis is None:
@@ -208,7 +210,8 @@ def letters(survey: xr.Dataset) -> Dict[str, int]:
                     "the rotations of the antennas are {rotations} deg; this format supports only "
                     "0 (X) and 90 (Y); select these with the step polarization",
                     rotations=", ".join(f"{one:g}" for one in survey[dataset.POLARIZATION].values),
-                )
+                ),
+                fault=faults.FORMAT,
             )
         found[letter] = index
     return found
@@ -232,6 +235,7 @@ def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float
                 smallest=steps.min(),
                 largest=steps.max(),
                 unit=unit,
-            )
+            ),
+            fault=faults.FORMAT,
         )
     return float((values[-1] - values[0]) / (len(values) - 1))

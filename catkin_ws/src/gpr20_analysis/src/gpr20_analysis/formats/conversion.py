@@ -8,7 +8,7 @@ from typing import Callable, Dict, Iterable, Optional, Tuple, Union
 
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import AnalysisError, ExportError
 from gpr20_analysis.formats import (
@@ -133,7 +133,8 @@ def export_survey(
                 "the step time_zero has shifted the data, which the format {format} cannot record, "
                 "so depths would be wrong after an import; export the data without this step",
                 format=form,
-            )
+            ),
+            fault=faults.FORMAT,
         )
     written = {}
     for turn, own in enumerate(output_paths(survey, path, form)):
@@ -174,7 +175,7 @@ def check_ending(path: Path, form: str) -> None:
         ExportError: It has another one, or the format is unknown.
     """
     if form not in EXPORTS:
-        raise ExportError(_unknown(form, EXPORTS))
+        raise ExportError(_unknown(form, EXPORTS), fault=faults.OPTION)
     ending = EXPORTS[form].ending
     if ending and path.suffix != ending:
         raise ExportError(

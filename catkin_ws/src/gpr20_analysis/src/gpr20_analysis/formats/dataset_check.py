@@ -10,6 +10,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError, UnreadableFileError
+from gpr20_analysis.faults import FILE_CONTENT, FILE_DAMAGED
 from gpr20_analysis.sentences import first_of, sentences_of, with_sentences
 from gpr20_common.message import Message
 
@@ -44,7 +45,8 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
                 file=name,
                 needed=", ".join(VALUES),
                 names=", ".join(sorted(map(str, data.data_vars))) or "-",
-            )
+            ),
+            fault=FILE_CONTENT,
         )
     for one in held:
         dims = tuple(data[one].dims)
@@ -57,12 +59,14 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
                     variable=one,
                     found=", ".join(f"{dim} {size}" for dim, size in data[one].sizes.items()),
                     needed=", ".join(VALUES[one]),
-                )
+                ),
+                fault=FILE_CONTENT,
             )
         _check_axes(data, one, name)
     if dataset.IMAGE in held and not bool(np.isfinite(data[dataset.IMAGE]).all()):
         raise DamagedSurveyError(
-            Message("{file} is damaged: its image contains NaN or infinite values", file=name)
+            Message("{file} is damaged: its image contains NaN or infinite values", file=name),
+            fault=FILE_DAMAGED,
         )
     sampled = [one for one in held if one != dataset.IMAGE]
     for one in sampled:
@@ -75,7 +79,8 @@ def _check_axes(data: xr.Dataset, one: str, name: str) -> None:
         values = data[axis].values if axis in data.coords else None
         if values is None or values.dtype.kind not in "fiu":
             raise UnreadableFileError(
-                Message("{file} has no coordinate '{axis}'", file=name, axis=axis)
+                Message("{file} has no coordinate '{axis}'", file=name, axis=axis),
+                fault=FILE_CONTENT,
             )
         if axis in ASCENDING and not (
             np.isfinite(values).all() and (np.diff(values.astype(np.float64)) > 0).all()
@@ -85,7 +90,8 @@ def _check_axes(data: xr.Dataset, one: str, name: str) -> None:
                     "{file} is damaged: the values of '{axis}' are not ascending",
                     file=name,
                     axis=axis,
-                )
+                ),
+                fault=FILE_DAMAGED,
             )
 
 
@@ -98,7 +104,8 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
                     file=name,
                     variable=variable,
                     values=one,
-                )
+                ),
+                fault=FILE_CONTENT,
             )
     quality = data[dataset.QUALITY].transpose(*dataset.SAMPLE_DIMS)
     if quality.dtype.kind not in "ui":
@@ -107,7 +114,8 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
                 "{file}: 'quality' is of type {type} instead of integer flags",
                 file=name,
                 type=quality.dtype,
-            )
+            ),
+            fault=FILE_CONTENT,
         )
     last = VALUES[one][-1]
     whole = (abs(data[one]) < np.inf).all(last).transpose(*dataset.SAMPLE_DIMS).values
@@ -129,7 +137,8 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
                     file=name,
                     count=len(positions),
                     samples=first_of(positions, dataset.NAMED),
-                )
+                ),
+                fault=FILE_DAMAGED,
             )
         data = data.assign({one: data[one].where(~(quality.copy(data=spoilt)))})
         faults += [

@@ -15,10 +15,12 @@ import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
 
+from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import Y
 from gpr20_analysis.errors import (
     AnalysisError,
+    ExportError,
     MissingLibraryError,
     UnreadableFileError,
     library_missing,
@@ -62,7 +64,7 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     """
     path = Path(path).expanduser()
     if not is_dataset(path):
-        raise AnalysisError(wrong_ending(path, (NETCDF, ZARR)))
+        raise ExportError(wrong_ending(path, (NETCDF, ZARR)))
     stored = with_conventions(_as_real(data))
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, _size(stored)) as place:
@@ -103,7 +105,7 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
         OSError: It cannot be read.
     """
     if not path.exists():
-        raise AnalysisError(not_there(path))
+        raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
     checked = has_checksum(path)
     try:
         with np.errstate(invalid="ignore"):

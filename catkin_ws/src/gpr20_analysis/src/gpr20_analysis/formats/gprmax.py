@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.gprmax_source import NONE, Signal, check_strength, source_of
@@ -82,7 +82,8 @@ def read_gprmax(
     paths = [path] if path.is_file() else sorted([*path.glob("*.out"), *path.glob("*.h5")])
     if not paths:
         raise AnalysisError(
-            Message("{folder} contains no files {pattern}", folder=path, pattern="*.out, *.h5")
+            Message("{folder} contains no files {pattern}", folder=path, pattern="*.out, *.h5"),
+            fault=faults.NO_INPUT,
         )
     given = source_of(source) if source is not None else None
     traces = [_read(one) for one in progress(paths, len(paths))]
@@ -96,7 +97,8 @@ def read_gprmax(
                 step_s=slowest_s,
                 highest_hz=0.5 / slowest_s,
                 stop_hz=band.stop_hz,
-            )
+            ),
+            fault=faults.OPTION,
         )
     spectra = [_spectrum(trace, given, source == NONE, band.frequency_hz) for trace in traces]
     data = on_grid(
@@ -129,7 +131,8 @@ def _spectrum(
                 "values, or --source {none} for spectra that can be displayed but not imaged",
                 file=trace.name,
                 none=NONE,
-            )
+            ),
+            fault=faults.OPTION,
         )
     return spectrum / check_strength(source, frequency_hz, trace.name)
 
@@ -159,7 +162,8 @@ def _trace(file: Any, name: str) -> _Trace:
                 file=name,
                 sources=sources,
                 receivers=receivers,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     receiver, source = file["rxs/rx1"], file["srcs/src1"]
     step_s, count = float(file.attrs["dt"]), int(file.attrs["Iterations"])
@@ -174,7 +178,8 @@ def _trace(file: Any, name: str) -> _Trace:
                     field=one,
                     shape=" x ".join(map(str, field.shape)),
                     count=count,
-                )
+                ),
+                fault=faults.FILE_CONTENT,
             )
     along = _component(file, fields, name)
     middle_mm = (np.array(receiver.attrs["Position"]) + source.attrs["Position"]) / 2.0
@@ -202,7 +207,8 @@ def _component(file: Any, fields: Dict[str, Any], name: str) -> str:
                 "be polarized along x or y",
                 file=name,
                 field=along or "Ex, Ey",
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     return along
 
@@ -213,7 +219,9 @@ def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
     excitation = file[EXCITATION]
     values = np.asarray(excitation["samples"][()], np.float64)
     if values.ndim != 1 or not np.isfinite(values).all():
-        raise UnreadableFileError(Message("{file}: the source signal is not valid", file=name))
+        raise UnreadableFileError(
+            Message("{file}: the source signal is not valid", file=name), fault=faults.FILE_CONTENT
+        )
     interval_s = float(excitation.attrs.get("SampleInterval", step_s))
     return Signal(values, interval_s, _offset_s(excitation))
 

@@ -8,6 +8,7 @@ from typing import Callable, Dict, Union
 
 import numpy as np
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_common.message import Message
 
@@ -114,7 +115,9 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
     strong = strength > largest * 10.0 ** (WEAKEST_DB / 20.0)
     if not (largest > 0.0 and strong.all()):
         if not largest > 0.0:
-            raise UnreadableFileError(Message("the source signal of {file} is zero", file=name))
+            raise UnreadableFileError(
+                Message("the source signal of {file} is zero", file=name), fault=faults.FILE_CONTENT
+            )
         usable_hz = frequency_hz[strong]
         raise UnreadableFileError(
             Message(
@@ -127,7 +130,8 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
                 weakest_db=-WEAKEST_DB,
                 first_hz=usable_hz[0],
                 last_hz=usable_hz[-1],
-            )
+            ),
+            fault=faults.OPTION,
         )
     return spectrum
 
@@ -151,7 +155,8 @@ def _from_file(path: Path) -> Signal:
         table = table.astype(np.float64).reshape(len(table), -1)
     except ValueError as error:
         raise UnreadableFileError(
-            Message("{file} does not contain times and values", file=path.name, details=error)
+            Message("{file} does not contain times and values", file=path.name, details=error),
+            fault=faults.FILE_CONTENT,
         ) from error
     if table.shape[0] < 2 or table.shape[1] != 2 or not np.isfinite(table).all():
         raise UnreadableFileError(
@@ -161,12 +166,14 @@ def _from_file(path: Path) -> Signal:
                 file=path.name,
                 lines=table.shape[0],
                 columns=table.shape[1],
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     steps_s = np.diff(table[:, 0])
     step_s = float(steps_s.mean())
     if not (step_s > 0.0 and np.allclose(steps_s, step_s, rtol=1e-2, atol=0.0)):
         raise UnreadableFileError(
-            Message("the times in {file} are not evenly spaced and ascending", file=path.name)
+            Message("the times in {file} are not evenly spaced and ascending", file=path.name),
+            fault=faults.FILE_CONTENT,
         )
     return Signal(table[:, 1], step_s, float(table[0, 0]))

@@ -14,7 +14,7 @@ import orjson
 import pandas as pd
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_analysis.formats.common import DEGREES, even_step, letters, on_grid
 from gpr20_analysis.formats.group_names import (
@@ -65,7 +65,8 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_pr
             Message(
                 "{count} samples have no antenna height, which the file names of this format need",
                 count=np.count_nonzero(~np.isfinite(height_mm[usable])),
-            )
+            ),
+            fault=faults.FORMAT,
         )
     head, tail = head_of(kind, is_simulated(survey)), axis_part(axis, kind)
     x_text, y_text = (place_texts(survey[one].values * MM_PER_M) for one in (dataset.X, dataset.Y))
@@ -114,7 +115,8 @@ def read_group_csv(
                 "{folder} contains no files {pattern}",
                 folder=folder,
                 pattern="VNA_X..._Y..._Or....csv, TIME_X..._Y..._Or....csv",
-            )
+            ),
+            fault=faults.NO_INPUT,
         )
     if all(found.values()):
         raise UnreadableFileError(
@@ -122,7 +124,8 @@ def read_group_csv(
                 "{folder} has files over frequency (VNA_) and over time (TIME_); put each kind "
                 "into a separate folder",
                 folder=folder,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     kind = next(one for one, paths in found.items() if paths)
     names = {path: parsed(path.name, kind) for path in found[kind]}
@@ -135,7 +138,8 @@ def read_group_csv(
                 folder=folder,
                 kind=Message("frequencies") if kind == VNA else Message("times"),
                 sweeps=sorted(sweeps),
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     start, stop, points = sweeps.pop()
     notes = [Message("heights and positions are rounded as in the file names")]
@@ -199,7 +203,8 @@ def _times(
                 points=points,
                 start=start_us,
                 stop=stop_us,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     return times_s
 
@@ -214,7 +219,8 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
                     file=path.name,
                     found=repr(header[:40]),
                     header=repr(expected),
-                )
+                ),
+                fault=faults.FILE_CONTENT,
             )
         content = stream.read()
         if not content.endswith(b"\n"):

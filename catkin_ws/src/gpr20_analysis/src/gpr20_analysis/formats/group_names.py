@@ -12,6 +12,7 @@ from typing import List
 
 import numpy as np
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.formats.provenance import SIMULATED
 from gpr20_common.message import Message
@@ -70,7 +71,8 @@ def parsed(name: str, kind: str) -> GroupName:
         raise UnreadableFileError(
             Message(
                 "the name {file} must have the form {example}", file=name, example=EXAMPLES[kind]
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     simulated, x_mm, y_mm, letter, start, stop, points, height = found.groups()
     return GroupName(
@@ -111,7 +113,8 @@ def place_texts(values_mm: np.ndarray) -> List[str]:
     texts = [f"{value:.0f}" if whole else f"{value:.2f}" for value in values_mm]
     if len(set(texts)) < len(texts):
         raise ExportError(
-            Message("positions closer than 0.01 mm have the same file name in this format")
+            Message("positions closer than 0.01 mm have the same file name in this format"),
+            fault=faults.FORMAT,
         )
     return texts
 

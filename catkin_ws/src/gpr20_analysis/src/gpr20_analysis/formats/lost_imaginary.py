@@ -14,14 +14,15 @@ from typing import List, Optional, Sequence
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import FREQUENCY, HEIGHT, S21, S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.display import DISPLAY_ONLY
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar.frequency_to_delay import Window
 
 NS_PER_S = 1e9
 NOTED_DB, REFUSED_DB = -40.0, -20.0
@@ -138,7 +139,7 @@ def _hilbert(count: int) -> np.ndarray:
 
 def _surface_doubt(sweep: FrequencyGrid, heights_m: Sequence[float]) -> Optional[_Doubt]:
     known = [one for one in heights_m if np.isfinite(one)]
-    surface_s = 2.0 * max(known, default=0.0) / speed_of_light
+    surface_s = two_way_delay_s(max(known, default=0.0))
     if surface_s < 0.25 * sweep.unambiguous_s:
         return None
     message = Message(
@@ -153,8 +154,8 @@ def _surface_doubt(sweep: FrequencyGrid, heights_m: Sequence[float]) -> Optional
 
 def _echo_doubt(spectra: np.ndarray, sweep: FrequencyGrid) -> Optional[_Doubt]:
     """Return a doubt if there is an echo whose mirror image may be the true one."""
-    a_scans = np.fft.ifft(spectra * Window.BLACKMAN.weights(sweep.count), axis=1)
-    power = np.mean(np.abs(a_scans) ** 2, axis=0)[: sweep.count // 2]
+    in_time = a_scans(spectra, sweep, sweep.count, Window.BLACKMAN)
+    power = np.mean(np.abs(in_time) ** 2, axis=0)[: sweep.count // 2]
     far = power[sweep.count // 4 :]
     noise, strongest = float(np.median(far)), float(np.max(power))
     if strongest == 0.0 or far.max() <= noise * 10.0 ** (ABOVE_NOISE_DB / 10.0):

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, lazy
+from gpr20_analysis import dataset, faults, lazy
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.common import DEGREES, Imported, as_dataset, even_step, letters
@@ -104,7 +104,8 @@ def _read(file: Any, name: str) -> xr.Dataset:
                 file=name,
                 x_scan=_scan("X", "Re", kind),
                 y_scan=_scan("Y", "Re", kind),
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     shape = (len(turns), len(x_m), len(y_m))
     _check_amount(file, name, int(np.prod(shape)))
@@ -150,7 +151,8 @@ def _check_amount(file: Any, name: str, found: int) -> None:
                 file=name,
                 recorded=int(recorded),
                 found=found,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
 
 
@@ -172,7 +174,8 @@ def _axis(file: Any, kind: str, notes: List[Message]) -> np.ndarray:
                 start=start,
                 stop=stop,
                 step=step,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     if kind == dataset.S21 and start < LARGEST_MHZ:
         notes.append(Message("the frequencies were read as MHz"))
@@ -190,7 +193,8 @@ def _places(file: Any, name: str, axis: str) -> np.ndarray:
                 "{file} has no d{axis}, so the positions of its scans are unknown",
                 file=name,
                 axis=axis,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     count = 1 if step == 0.0 else round((stop - start) / step) + 1
     if count < 1 or abs(start + (count - 1) * step - stop) > 0.01 * abs(step):
@@ -202,7 +206,8 @@ def _places(file: Any, name: str, axis: str) -> np.ndarray:
                 start=start,
                 stop=stop,
                 step=step,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     return np.linspace(start, stop, count)
 
@@ -221,7 +226,8 @@ def _scans(file: Any, scan: str, name: str, shape: Tuple[int, ...], points: int)
                 shape=" x ".join(map(str, found.shape)),
                 positions=shape[0] * shape[1],
                 points=points,
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     return found.reshape(*shape, points)
 

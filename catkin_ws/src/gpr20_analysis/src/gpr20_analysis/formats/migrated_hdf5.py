@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
@@ -40,7 +40,8 @@ def write_migrated(image: xr.Dataset, path: Path, title: str) -> None:
     values = dataset.require(image, IMAGE, (POLARIZATION, X, Y, DEPTH))
     if values.sizes[POLARIZATION] != 1:
         raise ExportError(
-            Message("a file of a migrated image holds one polarization; write each to its own")
+            Message("a file of a migrated image holds one polarization; write each to its own"),
+            fault=faults.FORMAT,
         )
     axes = {"x": image[X].values, "y": image[Y].values, "z": image[DEPTH].values}
     for name, axis in axes.items():
@@ -110,7 +111,8 @@ def _read(file: Any, name: str, checked: bool) -> xr.Dataset:
                 file=name,
                 found=" x ".join(map(str, values.shape)),
                 expected=" x ".join(map(str, shape)),
-            )
+            ),
+            fault=faults.FILE_CONTENT,
         )
     rotation_deg = float(file.attrs.get(ROTATION, np.nan))
     x_m, y_m, depth_m = axes

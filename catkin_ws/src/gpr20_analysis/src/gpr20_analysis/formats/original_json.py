@@ -13,7 +13,7 @@ import orjson
 import pandas as pd
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
 from gpr20_analysis.formats.lost_imaginary import with_imaginary_parts
@@ -91,7 +91,8 @@ def read_original(
                 "{folder} contains no files {pattern}",
                 folder=folder,
                 pattern="X000.00_Y000.00_Z000.00.json",
-            )
+            ),
+            fault=faults.NO_INPUT,
         )
     samples = [_read(path) for path in progress(paths, len(paths))]
     frequency_hz = samples[0].pop("frequency_hz")
@@ -102,7 +103,8 @@ def read_original(
                     "{file} has other frequencies than {first}",
                     file=path.name,
                     first=paths[0].name,
-                )
+                ),
+                fault=faults.FILE_CONTENT,
             )
     data = on_grid(
         folder.name,

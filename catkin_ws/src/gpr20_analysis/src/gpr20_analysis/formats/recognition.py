@@ -8,6 +8,7 @@ from typing import Optional
 
 import h5py
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats import group_csv, original_json
 from gpr20_common.message import Message
@@ -34,7 +35,8 @@ def refuse_importable(path: Path) -> None:
             path=path,
             format=form,
             command=command,
-        )
+        ),
+        fault=faults.IMPORT_FIRST,
     )
 
 

@@ -16,12 +16,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import ExportError, MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import even_step
 from gpr20_analysis.formats.provenance import SIMULATED, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import delay_kernel
 
 INTERVAL_PS = 50
 PS_PER_S = 1e12
@@ -58,12 +59,14 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
     segyio = _segyio()
     if survey.sizes[dataset.POLARIZATION] != 1:
         raise ExportError(
-            Message("a SEG-Y file holds one polarization; write each to a separate file")
+            Message("a SEG-Y file holds one polarization; write each to a separate file"),
+            fault=faults.FORMAT,
         )
     survey = survey.isel({dataset.POLARIZATION: 0})
     if dataset.S21 not in survey and dataset.A_SCAN not in survey:
         raise ExportError(
-            Message("the data contain neither spectra nor A-scans, so they cannot be exported")
+            Message("the data contain neither spectra nor A-scans, so they cannot be exported"),
+            fault=faults.FORMAT,
         )
     if dataset.A_SCAN in survey:
         delay_s = survey[dataset.DELAY].values
@@ -79,7 +82,8 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
                 most=MOST_SAMPLES,
                 count=len(delay_s),
                 step_ps=interval_ps,
-            )
+            ),
+            fault=faults.FORMAT,
         )
     _check_places(survey)
     spec = segyio.spec()
@@ -110,7 +114,8 @@ def _check_places(survey: xr.Dataset) -> None:
                     axis=axis,
                     furthest_m=furthest_m,
                     most_m=FURTHEST_M,
-                )
+                ),
+                fault=faults.FORMAT,
             )
 
 
@@ -135,11 +140,8 @@ def _a_scans(survey: xr.Dataset, delay_s: np.ndarray) -> np.ndarray:
         return values.real.astype(np.float32)
     s21 = survey[dataset.S21].transpose(dataset.Y, dataset.X, dataset.FREQUENCY)
     # Evaluated at these delays, since the steps of an inverse FFT do not fit SEG-Y.
-    frequency_hz = survey[dataset.FREQUENCY].values
-    weights = np.hanning(len(frequency_hz) + 2)[1:-1]
-    turns = np.exp(2j * np.pi * frequency_hz[:, np.newaxis] * delay_s) / weights.sum()
-    turns *= weights[:, np.newaxis]
-    rows = [(np.asarray(s21[row]) @ turns).real.astype(np.float32) for row in range(len(s21))]
+    kernel = delay_kernel(survey[dataset.FREQUENCY].values, delay_s)
+    rows = [(np.asarray(s21[row]) @ kernel).real.astype(np.float32) for row in range(len(s21))]
     return np.stack(rows)
 
 

@@ -16,6 +16,7 @@ from typing import Dict, List, Optional
 
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats.provenance import Facts
 from gpr20_common.message import Message
@@ -89,7 +90,8 @@ def checked_facts(export: Path) -> Optional[Facts]:
                 export=export.name,
                 sums=path.name,
                 file=min(wrong) or export.name,
-            )
+            ),
+            fault=faults.FILE_CHANGED,
         )
     try:
         return Facts.from_json(json.loads(lines[0][len(FACTS) :]))
@@ -103,7 +105,8 @@ def _damaged(path: Path) -> UnreadableFileError:
             "{file} is damaged, so the files cannot be checked; export the survey again, or "
             "delete {file} to import them without a check",
             file=path.name,
-        )
+        ),
+        fault=faults.FILE_CHANGED,
     )
 
 

@@ -11,6 +11,7 @@ import os
 from pathlib import Path
 from typing import Any, Iterator
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_common.message import Message
 
@@ -45,7 +46,8 @@ def refuse_unsafe_codecs(folder: Path) -> None:
                             path=folder,
                             codec=repr(codec),
                             allowed="blosc, gzip, zlib, zstd",
-                        )
+                        ),
+                        fault=faults.FILE_CONTENT,
                     )
 
 

@@ -6,6 +6,7 @@ from typing import Iterable
 
 import rosgraph
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
@@ -46,7 +47,8 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
                     "survey:=...)",
                     address=rosgraph.get_master_uri(),
                     details=f"{topic} is published by {', '.join(others)}",
-                )
+                ),
+                fault=faults.ROBOT_RUNS,
             )
 
 

@@ -10,6 +10,8 @@ _LENGTH = struct.Struct("<I")
 SEQUENCE_BYTES, TIME_BYTES, BOOL_BYTES, FLOAT64_BYTES = 4, 8, 1, 8
 # A description of today ends with three further texts: version, revision, host.
 ADDED_TEXTS = bytes(3 * _LENGTH.size)
+# And the configuration with one: fault_code.
+ADDED_TEXT = bytes(_LENGTH.size)
 
 
 class _Cursor:
@@ -65,4 +67,4 @@ def completed_configuration(data: bytes) -> bytes:
         cursor.text()  # configuration_json
         parts += [data[begin : cursor.place], ADDED_TEXTS]
         begin = cursor.place
-    return b"".join((*parts, data[begin:]))
+    return b"".join((*parts, data[begin:], ADDED_TEXT))

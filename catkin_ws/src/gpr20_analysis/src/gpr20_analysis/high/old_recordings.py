@@ -8,9 +8,12 @@ from typing import Any, Dict, Tuple
 from gpr20_analysis.high import old_configuration
 from gpr20_msgs.msg import (
     AxisActionResult,
+    CandidateList,
     ControlStatus,
+    ImagingProgress,
     NodeDescription,
     RobotConfiguration,
+    ServiceStatus,
     SurveyCoverage,
     Trace,
 )
@@ -22,14 +25,19 @@ EMPTY = 4
 # By the checksum of the old definition: the present type, and the length of the fields that it
 # adds at its end. They are empty or zero.
 ADDED: Dict[str, Tuple[type, int]] = {
-    "7b530785257ca423f317a80d75c5dad5": (ControlStatus, EMPTY),
+    "7b530785257ca423f317a80d75c5dad5": (ControlStatus, 2 * EMPTY),
+    "a03e61f3a68474fd87c9325d30026060": (ControlStatus, EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
-    "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, EMPTY),
+    "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, 2 * EMPTY),
+    "f06ebb79ed3434417ea61b7366a83ad7": (AxisActionResult, EMPTY),
+    "3741ab00ba640a2a8da407c0f664e814": (CandidateList, 4 + EMPTY),
     "590625d6ef1577da2231acdc855d35aa": (NodeDescription, 3 * EMPTY),
+    "eaf89b67ef3f427e785f46baa81d1eff": (RobotConfiguration, EMPTY),
+    "34280dde11767b5f69c2e30ae831bbb6": (ServiceStatus, EMPTY),
+    "56f3d0ffa64de48d2b6c063794fe5ea1": (ImagingProgress, EMPTY),
 }
 PRESENT = {
     trace_message.MD5SUM,
-    RobotConfiguration._md5sum,
     *(kind._md5sum for kind, _length in ADDED.values()),  # type: ignore[attr-defined]
 }
 

@@ -9,7 +9,8 @@ from typing import Tuple
 import numpy as np
 import scipy.fft
 
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid, summed
+from gpr20_survey.radar.frequency_to_delay import Window
 
 # Linear interpolation between samples of the analytic signal loses (2 pi f dt)^2 / 8 of a
 # component: 0.6 % at 3.3 GHz, 2 % at 6 GHz, without a phase error.
@@ -22,15 +23,13 @@ class Transform:
 
     Attributes:
         matrix: From the spectrum to the gated and weighted one of a coarser sweep.
-        start_hz: First frequency [Hz].
-        sample_s: Step of the A-scans [s].
+        sweep: The coarser sweep.
         count: Samples within the unambiguous delay.
         kept: Samples of an A-scan.
     """
 
     matrix: np.ndarray
-    start_hz: float
-    sample_s: float
+    sweep: FrequencyGrid
     count: int
     kept: int
 
@@ -44,13 +43,16 @@ class Transform:
             window: Weights over the band.
         """
         coarse, gate = gated_sweep(sweep, longest_delay_s)
-        weights = window.weights(sweep.count)
-        scale = coarse.step_hz / (weights.sum() * sweep.step_hz)
-        matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
+        shares = window.shares(sweep.count) * (coarse.step_hz / sweep.step_hz)
+        matrix = (gate * shares[:, None]).astype(np.complex64)
         count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
-        sample_s = coarse.unambiguous_s / count
-        kept = int(np.ceil(longest_delay_s / sample_s)) + 4
-        return cls(matrix, coarse.start_hz, sample_s, count, kept)
+        kept = int(np.ceil(longest_delay_s / (coarse.unambiguous_s / count))) + 4
+        return cls(matrix, coarse, count, kept)
+
+    @property
+    def sample_s(self) -> float:
+        """Step of the A-scans [s]."""
+        return self.sweep.unambiguous_s / self.count
 
     def a_scans(self, spectra: np.ndarray) -> np.ndarray:
         """Return analytic A-scans (trace, delay) from delay 0 on, complex64.
@@ -59,10 +61,7 @@ class Transform:
             spectra: Spectra (trace, frequency).
         """
         gated = spectra.astype(np.complex64, copy=False) @ self.matrix
-        # ifft divides by the count; the true frequency of the first value is put back as a phase.
-        samples = scipy.fft.ifft(gated, self.count, axis=1, workers=2)
-        delay_s = self.sample_s * np.arange(self.count)
-        samples *= (self.count * np.exp(2j * np.pi * self.start_hz * delay_s)).astype(np.complex64)
+        samples = summed(gated, self.sweep, self.count)
         # Never shorter than requested: compiled loops read there without a check.
         beyond = ((0, 0), (0, max(0, self.kept - self.count)))
         return np.ascontiguousarray(np.pad(samples[:, : self.kept], beyond))

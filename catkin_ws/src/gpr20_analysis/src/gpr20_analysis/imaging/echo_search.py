@@ -10,13 +10,15 @@ from dataclasses import dataclass
 from typing import List, Tuple
 
 import numpy as np
-from scipy.constants import speed_of_light
 
 from gpr20_analysis import cluster
 from gpr20_analysis.imaging.a_scans import gated_a_scans
+from gpr20_analysis.imaging.delay_table import DISTANCE_STEP_M
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.imaging.refraction import DISTANCE_STEP_M, one_way_delay_s
 from gpr20_analysis.imaging.wavefront import antenna_offset_m
+from gpr20_survey.radar.depth import one_way_path_m, two_way_delay_s
+from gpr20_survey.radar.frequency_to_delay import delay_kernel
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 TRIAL_PERMITTIVITY = 5.0
 # Two-way waves at 6 GHz need a position every 25 mm for angles of up to 30 deg; the strongest
@@ -84,12 +86,10 @@ def noise_power(traces: Traces, focus: Focus, deepest_m: float) -> float:
     spectra = traces.s21.reshape(-1, traces.sweep.count)
     spectra = spectra[np.any(spectra != 0.0, axis=1)]
     spectra = spectra[:: max(1, len(spectra) // NOISE_TRACES)]
-    weights = focus.window.weights(traces.sweep.count)
-    longest_s = 3.0 * (float(traces.height_m.max()) + deepest_m) / speed_of_light
+    longest_s = 1.5 * two_way_delay_s(float(traces.height_m.max()) + deepest_m)
     end_s = traces.sweep.unambiguous_s
     delay_s = np.linspace(min(longest_s, 0.75 * end_s), 0.93 * end_s, NOISE_DELAYS)
-    turns = np.outer(traces.sweep.frequency_hz, delay_s)
-    values = spectra @ (weights[:, None] / weights.sum() * np.exp(2j * np.pi * turns))
+    values = spectra @ delay_kernel(traces.sweep.frequency_hz, delay_s, focus.window)
     return float(np.mean(np.abs(values) ** 2))
 
 
@@ -102,7 +102,7 @@ def find_apexes(traces: Traces, focus: Focus, deepest_m: float) -> List[Apex]:
         deepest_m: Largest depth of a body times the refractive index [m].
     """
     band_hz = traces.sweep.step_hz * traces.sweep.count
-    shallowest_m = SHALLOWEST_CELLS * speed_of_light / (2.0 * band_hz)
+    shallowest_m = SHALLOWEST_CELLS * one_way_path_m(1.0 / band_hz)
     optical_m = np.arange(shallowest_m, deepest_m, OPTICAL_STEP_M)
     if len(optical_m) < 3:
         return []
@@ -126,7 +126,7 @@ def _aligned(traces: Traces, focus: Focus, optical_m: np.ndarray) -> _Aligned:
     distance_m = np.arange(0.0, APERTURE_M + focus.separation_m, DISTANCE_STEP_M)[:, None]
     depth_m = optical_m / np.sqrt(TRIAL_PERMITTIVITY)
     one_way_s = one_way_delay_s(mean_m, depth_m, distance_m, TRIAL_PERMITTIVITY)
-    higher_s = 2.0 * (height_m - mean_m) / speed_of_light
+    higher_s = two_way_delay_s(height_m - mean_m)
     longest_s = 2.0 * float(one_way_s.max()) + float(higher_s.max())
     a_scans, sample_s = gated_a_scans(spectra, traces.sweep, focus.window, longest_s)
     offset_m = antenna_offset_m(traces, focus)

@@ -8,8 +8,8 @@ from typing import Any, Dict, Hashable, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     ATTRIBUTES,
     DEPTH,
@@ -33,10 +33,11 @@ from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, e
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
-from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.radar.frequency_to_delay import Window
 
 NOTED_DEPTH_M = 0.001
 """Error of depths by antennas that are apart above which an image has a note [m]."""
@@ -138,8 +139,8 @@ def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Mes
 
 def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
     height_m = max(float(np.max(one.height_m)) for one in traces)
-    path_m = height_m + float(focus.depth_m[-1]) * np.sqrt(focus.permittivity)
-    longest_s, unambiguous_s = 2.0 * path_m / speed_of_light, traces[0].sweep.unambiguous_s
+    longest_s = float(delay_of_depth(float(focus.depth_m[-1]), height_m, focus.permittivity))
+    unambiguous_s = traces[0].sweep.unambiguous_s
     if longest_s >= unambiguous_s:
         raise WrongDatasetError(
             Message(
@@ -149,7 +150,8 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
                 longest_s=longest_s,
                 step_hz=traces[0].sweep.step_hz,
                 unambiguous_s=unambiguous_s,
-            )
+            ),
+            fault=faults.OPTION,
         )
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
     if longest_s * band_hz < 1.0:
@@ -160,7 +162,8 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
                 band_hz=band_hz,
                 resolution_s=1.0 / band_hz,
                 longest_s=longest_s,
-            )
+            ),
+            fault=faults.BAND_TOO_NARROW,
         )
 
 

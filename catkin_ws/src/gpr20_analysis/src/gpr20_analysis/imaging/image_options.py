@@ -8,12 +8,14 @@ from typing import Optional, Tuple
 
 import numpy as np
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_delay import check_delay
-from gpr20_analysis.processing.sweep import Window
 from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 
 
 class Method(enum.Enum):
@@ -76,9 +78,15 @@ class ImageOptions:
                 Message(
                     "the depths are {depths} m; they must be two or more, ascending, not negative",
                     depths=", ".join(f"{one:g}" for one in depth_m[:5]) or "-",
-                )
+                ),
+                fault=faults.OPTION,
             )
-        _check(Message("the permittivity"), self.permittivity, 1.0, 100.0)
+        _check(
+            Message("the permittivity"),
+            self.permittivity,
+            MIN_PERMITTIVITY,
+            LARGEST_PERMITTIVITY,
+        )
         _check(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
         _check(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
         _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
@@ -94,7 +102,8 @@ class ImageOptions:
                     "positions of the survey; use --grid-step with --method {other}",
                     method=self.method.value,
                     other=Method.PHASE_SHIFT.value,
-                )
+                ),
+                fault=faults.OPTION,
             )
         if self.ground is Ground.UNEVEN and self.method is not Method.BACK_PROJECTION:
             raise WrongDatasetError(
@@ -103,7 +112,8 @@ class ImageOptions:
                     "{other}",
                     method=self.method.value,
                     other=Method.BACK_PROJECTION.value,
-                )
+                ),
+                fault=faults.METHOD,
             )
 
 
@@ -119,5 +129,6 @@ def _check(
                 value=f"{value:g} {unit}".rstrip(),
                 lower=f"{lowest:g}",
                 upper=f"{highest:g} {unit}".rstrip(),
-            )
+            ),
+            fault=faults.OPTION,
         )

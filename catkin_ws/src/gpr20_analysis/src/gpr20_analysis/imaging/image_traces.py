@@ -7,7 +7,7 @@ from typing import List, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import (
     MM_PER_M,
     NAMED,
@@ -104,7 +104,8 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                     "every trace at {rotation_deg:g} deg is zero, so no echo can be seen; check "
                     "the steps: the background of a single trace is the trace itself",
                     rotation_deg=one.rotation_deg,
-                )
+                ),
+                fault=faults.NO_SAMPLES,
             )
     notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
     of_surface = surface_notes(survey, options, delay_s)
@@ -115,7 +116,8 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 "with --delay, the distance of the antennas with --separation, or the "
                 "permittivity with --permittivity",
                 note=of_surface[0],
-            )
+            ),
+            fault=faults.NO_SURFACE_ECHO,
         )
     return traces, [*notes, *of_surface]
 
@@ -125,7 +127,9 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
         return np.full(present.shape, options.height_m)
     height_m = known_height(survey).values
     if not np.any(present):
-        raise WrongDatasetError(Message("no sample is usable, so there is nothing to image"))
+        raise WrongDatasetError(
+            Message("no sample is usable, so there is nothing to image"), fault=faults.NO_SAMPLES
+        )
     # A sample that is left out adds nothing, so its height does not matter.
     return np.where(present, height_m, float(np.mean(height_m[present])))
 
@@ -146,7 +150,8 @@ def _check_relief(height_m: np.ndarray, options: ImageOptions) -> None:
             "up and down over level ground",
             range_mm=MM_PER_M * float(np.ptp(height_m)),
             deviation_mm=MM_PER_M * deviation_m,
-        )
+        ),
+        fault=faults.METHOD,
     )
 
 

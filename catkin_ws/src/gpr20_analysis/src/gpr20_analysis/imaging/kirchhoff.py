@@ -32,7 +32,7 @@ from typing import Any, List, Tuple
 import numpy as np
 import scipy.fft
 
-from gpr20_analysis import cluster
+from gpr20_analysis import cluster, faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.phase_shift import grid_step_m
@@ -114,7 +114,8 @@ def kirchhoff_image(
                 first_m=focus.depth_m[0],
                 last_m=focus.depth_m[-1],
                 step_m=step_m,
-            )
+            ),
+            fault=faults.OPTION,
         )
     height_m = float(np.mean(traces.height_m))
     image = np.ones((len(depth_m), *traces.height_m.shape))

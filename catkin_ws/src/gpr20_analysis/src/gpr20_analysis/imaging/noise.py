@@ -19,11 +19,13 @@ from functools import lru_cache
 from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
-import scipy.fft
-from scipy.constants import speed_of_light
 from scipy.special import erfc, k0, log_ndtr
 
 from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.sweep import a_scans
+from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.radar.frequency_to_delay import decibels, phase_advance
+from gpr20_survey.radar.noise import rayleigh_ratio
 
 Imager = Callable[[Traces, Focus], Tuple[np.ndarray, np.ndarray]]
 """Returns the image (depth, y, x) of traces and its depths [m]."""
@@ -89,7 +91,7 @@ class Law(enum.Enum):
     def ratio_at(self, log_tail: float) -> float:
         """Return the magnitude in the unit of the law that noise exceeds with a probability."""
         if self is Law.RAYLEIGH:
-            return math.sqrt(-log_tail)
+            return rayleigh_ratio(log_tail)
         from scipy.optimize import brentq  # its import takes 0.2 s
 
         return float(brentq(lambda ratio: float(self.log_tail(ratio)) - log_tail, 0.0, 1e4))
@@ -97,7 +99,7 @@ class Law(enum.Enum):
     def level_db(self, ratio: np.ndarray) -> np.ndarray:
         """Return levels above the unit on the scale of amplitudes [dB]."""
         with np.errstate(divide="ignore"):
-            return 20.0 / self._factors * np.log10(ratio)
+            return decibels(ratio, 0.0) / self._factors
 
 
 @lru_cache(maxsize=None)
@@ -186,9 +188,9 @@ def late_delays_s(traces: Sequence[Traces], focus: Focus) -> List[float]:
     """
     sweep = traces[0].sweep
     height_m = max(float(np.max(one.height_m)) for one in traces)
-    path_m = height_m + float(focus.depth_m[-1]) * math.sqrt(focus.permittivity)
+    deepest_s = float(delay_of_depth(float(focus.depth_m[-1]), height_m, focus.permittivity))
     for aslant, guard in MARGINS:
-        longest_s = aslant * 2.0 * path_m / speed_of_light
+        longest_s = aslant * deepest_s
         guard_s = guard / (sweep.step_hz * sweep.count)
         first_s, last_s = longest_s + guard_s, sweep.unambiguous_s - longest_s - guard_s
         if first_s <= last_s:
@@ -212,14 +214,14 @@ def _quiet_s(
 
 def advanced(traces: Traces, late_s: float) -> Traces:
     """Return traces whose delay 0 was at a later delay."""
-    shift = np.exp(2j * np.pi * traces.sweep.frequency_hz * late_s).astype(np.complex64)
+    shift = phase_advance(traces.sweep.frequency_hz, np.asarray(late_s)).astype(np.complex64)
     return replace(traces, s21=traces.s21 * shift)
 
 
 def _power_over_delay(traces: Traces, focus: Focus) -> np.ndarray:
     flat = traces.s21.reshape(-1, traces.sweep.count)
     some = flat[:: max(1, len(flat) // TRACES_LOOKED_AT)]
-    samples = scipy.fft.ifft(some * focus.window.weights(traces.sweep.count), axis=1)
+    samples = a_scans(some, traces.sweep, traces.sweep.count, focus.window)
     return np.mean(np.abs(samples) ** 2, axis=0)
 
 

@@ -15,15 +15,15 @@ from dataclasses import dataclass, replace
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
-from scipy.constants import speed_of_light
 
-from gpr20_analysis import cluster
+from gpr20_analysis import cluster, faults
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.echo_cells import Cells, cells_around
 from gpr20_analysis.imaging.echo_fit import PERMITTIVITIES, EchoFit, fit_echo
 from gpr20_analysis.imaging.echo_search import Apex, find_apexes, noise_power
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import one_way_path_m
 
 # Of the log likelihood, for one unknown: half of the 95 % quantile of chi-squared.
 COMPATIBLE = 1.92
@@ -91,7 +91,8 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
                 "no echo is clearly above noise and clutter, so the permittivity cannot be "
                 "estimated; {advice}",
                 advice=_advice(),
-            )
+            ),
+            fault=faults.NO_PERMITTIVITY,
         )
     fits = [fit for fit in cluster.distribute(_fitted, None, echoes) if fit is not None]
     fits = [fit for fit in fits if fit.left_over <= MOST_LEFT_OVER]
@@ -102,7 +103,8 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
                 "body, so the permittivity cannot be estimated; {advice}",
                 count=len(echoes),
                 advice=_advice(),
-            )
+            ),
+            fault=faults.NO_PERMITTIVITY,
         )
     estimate = _range_of(_of_same_body(fits))
     one_line = all(min(len(one.x_m), len(one.y_m)) == 1 for one in traces)
@@ -119,7 +121,7 @@ def _advice() -> Message:
 def _clear_echoes(traces: Traces, focus: Focus) -> List[Tuple[Cells, Apex, float]]:
     deepest_m = float(focus.depth_m[-1]) * np.sqrt(SEARCHED_PERMITTIVITY)
     height_m = float(traces.height_m.max())
-    unambiguous_m = traces.sweep.unambiguous_s * speed_of_light / 2.0
+    unambiguous_m = one_way_path_m(traces.sweep.unambiguous_s)
     deepest_m = min(deepest_m, SEARCHED_SHARE * unambiguous_m - height_m)
     noise = noise_power(traces, focus, deepest_m)
     return [
@@ -175,7 +177,8 @@ def _range_of(bodies: Sequence[np.ndarray]) -> PermittivityEstimate:
                 lowest=lowest,
                 highest=highest,
                 advice=_advice(),
-            )
+            ),
+            fault=faults.NO_PERMITTIVITY,
         )
     likelihood = np.exp(-worse)
     mean = float(np.exp(np.sum(likelihood * fine) / np.sum(likelihood)))

@@ -19,18 +19,18 @@ from typing import Iterator, Optional, Tuple, Union
 
 import numpy as np
 import scipy.fft
-from scipy.constants import speed_of_light
 
-from gpr20_analysis import cluster
+from gpr20_analysis import cluster, faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
 from gpr20_analysis.imaging.image_grid import interpolated
 from gpr20_analysis.imaging.one_height import transform_at_one_height, unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 # Positions are read from axes that count steps of 0.01 mm.
 GRID_TOLERANCE = 0.02
@@ -67,7 +67,7 @@ def phase_shift_image(
         scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
         for count, step in zip(spectra.shape[1:], step_m)
     )
-    air_rad_m = 4.0 * np.pi / speed_of_light * sweep.frequency_hz
+    air_rad_m = 4.0 * np.pi / SPEED_OF_LIGHT_M_S * sweep.frequency_hz
     across_rad_m = _wavenumbers(padded, step_m)
     spectra = transform_at_one_height(
         spectra, traces.height_m - height_m, padded, air_rad_m, across_rad_m, focus
@@ -174,7 +174,8 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
                 "more; use --method back-projection",
                 count=len(position_m),
                 axis=axis,
-            )
+            ),
+            fault=faults.METHOD,
         )
     step_m = (position_m[-1] - position_m[0]) / (len(position_m) - 1)
     off_m = np.max(np.abs(position_m - position_m[0] - step_m * np.arange(len(position_m))))
@@ -186,7 +187,8 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
                 axis=axis,
                 off_mm=off_m * MM_PER_M,
                 step_mm=step_m * MM_PER_M,
-            )
+            ),
+            fault=faults.METHOD,
         )
     return float(step_m)
 

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from typing import Iterator, Tuple
 
 import numpy as np
-from scipy.constants import speed_of_light
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import Transform
+from gpr20_analysis.imaging.delay_table import DelayTable, tabulate_delays
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.imaging.refraction import DelayTable, tabulate_delays
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 
 # Traces that are transformed at once: about 20 MiB.
 BLOCK = 2048
@@ -69,7 +70,7 @@ class Scene:
         step_m = self.table.height_step_m
         level = np.rint((height_m - self.table.lowest_m) / step_m).astype(np.int32)
         more_m = height_m - self.table.lowest_m - step_m * level
-        more = more_m / speed_of_light / self.transform.sample_s
+        more = more_m / SPEED_OF_LIGHT_M_S / self.transform.sample_s
         return level, more.astype(np.float32)
 
 
@@ -82,7 +83,8 @@ def scene_of(traces: Traces, focus: Focus, x_m: np.ndarray, y_m: np.ndarray) -> 
     held = np.any(traces.s21, axis=2).ravel()
     if not np.any(held):
         raise WrongDatasetError(
-            Message("every trace is zero or was left out, so there is nothing to image")
+            Message("every trace is zero or was left out, so there is nothing to image"),
+            fault=faults.NO_SAMPLES,
         )
     # Also where a trace is zero: uneven ground is interpolated between all heights.
     height_m = np.asarray(traces.height_m, dtype=np.float64).ravel()

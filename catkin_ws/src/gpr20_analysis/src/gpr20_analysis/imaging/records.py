@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_survey.radar.frequency_to_delay import Window
 
 
 class Ground(enum.Enum):

@@ -6,13 +6,13 @@ from typing import List
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import HEIGHT, MM_PER_M, usable
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.antenna_delay import REMOVED
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import one_way_path_m
 
 NOTED_M = 0.005
 """Median difference of surface echo and height above which an image has a note [m]."""
@@ -31,7 +31,7 @@ def surface_notes(survey: xr.Dataset, options: ImageOptions, delay_s: float) -> 
     recorded_m = float(survey[HEIGHT].where(usable(survey)).median())
     used_m = recorded_m if options.height_m is None else options.height_m
     removed_s = delay_s + float(survey.attrs.get(REMOVED, 0.0))
-    echo_m = recorded_m + 0.5 * speed_of_light * (float(survey.attrs[SURFACE_DELAY]) - removed_s)
+    echo_m = recorded_m + one_way_path_m(float(survey.attrs[SURFACE_DELAY]) - removed_s)
     expected_m = float(np.hypot(used_m, 0.5 * options.separation_m))
     difference_m = echo_m - expected_m
     # Written so that a height that is not known gives no note.

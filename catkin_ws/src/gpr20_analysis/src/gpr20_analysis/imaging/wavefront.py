@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.imaging.refraction import Floats, tangent_in_air
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, Number
+from gpr20_survey.radar.refraction import tangent_in_air
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ class Wavefront:
 def wavefront(
     stops: Stops,
     place_m: Tuple[float, float],
-    optical_m: Floats,
-    permittivity: Floats,
-    radius_m: Floats,
+    optical_m: Number,
+    permittivity: Number,
+    radius_m: Number,
 ) -> Wavefront:
     """Return the echo of a sphere.
 
@@ -89,7 +89,9 @@ def wavefront(
     delay_m = twice * optical - 2.0 * radius_m * index * half
     slopes_m = np.stack([first[0] + second[0], first[1] + second[1], first[2] + second[2]])
     return Wavefront(
-        delay_m / speed_of_light, slopes_m / speed_of_light, (cosines[0] + cosines[-1]) / 2.0
+        delay_m / SPEED_OF_LIGHT_M_S,
+        slopes_m / SPEED_OF_LIGHT_M_S,
+        (cosines[0] + cosines[-1]) / 2.0,
     )
 
 

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from gpr20_analysis.candidates.candidate import Candidate
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.plotting.style import (
     PANEL_TITLE_PT,
@@ -22,6 +21,7 @@ from gpr20_analysis.plotting.style import (
 )
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
+from gpr20_survey.results.candidates import Candidate
 
 MARK_PT, MARK_LETTERS_PT, OUTLINE_PT = 9.0, 7.0, 2.0
 ROWS = 1.7
@@ -136,7 +136,7 @@ def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
     Returns:
         Those that figures mark: at most `MOST_MARKED`.
     """
-    first = [one for one in candidates if not one.is_secondary]
+    first = [one for one in candidates if not one.is_doubtful]
     return (first or candidates)[:MOST_MARKED]
 
 

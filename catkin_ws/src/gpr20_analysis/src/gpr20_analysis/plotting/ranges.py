@@ -6,11 +6,12 @@ from typing import Optional
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import DELAY, HEIGHT
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar.frequency_to_delay import decibels
 
 # Without other values: depth of a default image, moist soil, antennas as high as usual.
 DEEPEST_M, PERMITTIVITY, HEIGHT_M = 0.3, 9.0, 0.3
@@ -35,7 +36,7 @@ def surface_delay_s(data: xr.Dataset) -> Optional[float]:
         return antennas_s
     heights_m = data[HEIGHT].values if HEIGHT in data else np.array([])
     known = heights_m[np.isfinite(heights_m)]
-    return antennas_s + 2.0 * float(known.mean()) / speed_of_light if known.size else None
+    return antennas_s + two_way_delay_s(float(known.mean())) if known.size else None
 
 
 def last_delay_s(
@@ -53,8 +54,8 @@ def last_delay_s(
     """
     surface_s = surface_delay_s(data)
     if surface_s is None:
-        surface_s = 2.0 * HEIGHT_M / speed_of_light
-    soil_s = 2.0 * deepest_m * np.sqrt(permittivity or PERMITTIVITY) / speed_of_light
+        surface_s = two_way_delay_s(HEIGHT_M)
+    soil_s = two_way_delay_s(deepest_m * np.sqrt(permittivity or PERMITTIVITY))
     return float(surface_s + soil_s + MARGIN_S)
 
 
@@ -105,5 +106,5 @@ def range_db(magnitudes: np.ndarray, reference: float) -> float:
     middle = float(np.median(some)) if some.size else 0.0
     if not (middle > 0.0 and reference > 0.0):
         return LARGEST_RANGE_DB
-    steps = np.ceil(20.0 * np.log10(reference / middle) / RANGE_STEP_DB)
+    steps = np.ceil(decibels(reference / middle) / RANGE_STEP_DB)
     return float(np.clip(RANGE_STEP_DB * steps, SMALLEST_RANGE_DB, LARGEST_RANGE_DB))

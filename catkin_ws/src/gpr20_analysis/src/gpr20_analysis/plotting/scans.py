@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from scipy.constants import speed_of_light
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     A_SCAN,
     DELAY,
@@ -39,6 +39,7 @@ from gpr20_analysis.plotting.style import (
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import one_way_path_m
 
 NS_PER_S = 1e9
 DEPTH_TICKS = 8
@@ -79,7 +80,8 @@ def a_scan_figure(
     trace = a_scans.sel({X: x_m, Y: y_m}, method="nearest")
     if not bool(np.isfinite(trace).any()):
         raise WrongDatasetError(
-            Message("no sample at x {x_m:g} m, y {y_m:g} m has data", x_m=x_m, y_m=y_m)
+            Message("no sample at x {x_m:g} m, y {y_m:g} m has data", x_m=x_m, y_m=y_m),
+            fault=faults.OPTION,
         )
     x_mm, y_mm = float(in_mm(trace[X])), float(in_mm(trace[Y]))
     title = catalogue.tr("A-scan at x {x_mm:g} mm, y {y_mm:g} mm", x_mm=x_mm, y_mm=y_mm)
@@ -166,8 +168,9 @@ def _add_depth_axis(
     axes: Axes, surface_s: float, permittivity: float, catalogue: Catalogue
 ) -> None:
     surface_ns = surface_s * NS_PER_S
-    air_mm_per_ns = speed_of_light / 2.0 * MM_PER_M / NS_PER_S
-    soil_mm_per_ns = air_mm_per_ns / np.sqrt(permittivity)
+    air_mm_per_ns, soil_mm_per_ns = (
+        one_way_path_m(1.0 / NS_PER_S, one) * MM_PER_M for one in (1.0, permittivity)
+    )
 
     def depth_mm(delay_ns: Any) -> Any:
         below_ns = np.asarray(delay_ns, dtype=np.float64) - surface_ns

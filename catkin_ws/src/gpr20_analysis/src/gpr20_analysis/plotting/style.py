@@ -16,6 +16,7 @@ from gpr20_analysis.processing.polarization import COMBINED
 from gpr20_analysis.sentences import ENGLISH, limited, sentence_of, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import decibels
 
 # A perceptually uniform map, readable by the colour-blind.
 MAGNITUDE_MAP = "viridis"
@@ -25,6 +26,7 @@ WIDTH_IN, HEIGHT_IN, COLOUR_BAR_IN = 4.3, 3.9, 0.9
 PANEL_TITLE_PT = 9.0
 # What is brighter than the scale by less is not marked at its end.
 LEAST_CLIPPED = 1.01
+SMALLEST_PART = 1e-15  # of the reference, where nothing has no logarithm
 LISTED = 6
 """Number of notes below a figure."""
 
@@ -65,12 +67,13 @@ def remarks_of(data: xr.Dataset) -> List[Message]:
     return [*remarks, *limited(sentences_of(data, "notes"), LISTED)]
 
 
-def decibels(values: np.ndarray, reference: Optional[float] = None) -> np.ndarray:
+def relative_db(values: np.ndarray, reference: Optional[float] = None) -> np.ndarray:
     """Return magnitudes in dB relative to a reference, by default the maximum; NaN stays NaN."""
     magnitude = np.abs(values)
     largest = float(np.nanmax(magnitude)) if reference is None else reference
-    floor = largest * 1e-15 if largest > 0.0 else 1.0
-    return 20.0 * np.log10(np.maximum(magnitude, floor) / (largest if largest > 0.0 else 1.0))
+    if not largest > 0.0:
+        return decibels(magnitude, 1.0)
+    return decibels(magnitude / largest, SMALLEST_PART)
 
 
 def rotation_name(turn_deg: float, data: xr.Dataset, catalogue: Catalogue = ENGLISH) -> str:
@@ -114,7 +117,7 @@ class DecibelScale:
     def draw(self, axes: Axes, values: np.ndarray, across: np.ndarray, down: np.ndarray) -> None:
         """Draw magnitudes (down, across)."""
         limits = {"cmap": MAGNITUDE_MAP, "vmin": -self._range_db, "vmax": 0.0}
-        self._drawn = draw(axes, decibels(values, self._reference), across, down, **limits)
+        self._drawn = draw(axes, relative_db(values, self._reference), across, down, **limits)
 
     def add_bar(self, figure: NotedFigure, panels: Sequence[Axes], label: str) -> None:
         """Add the colour bar beside the panels."""

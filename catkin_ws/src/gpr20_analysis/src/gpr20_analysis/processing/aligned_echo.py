@@ -7,11 +7,12 @@ from typing import List, Optional
 
 import numpy as np
 import scipy.fft
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_path_m
+from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
 
 PADDING = 4
 # Delays beyond the path by the height, between which the surface echo may lie [s]. What is earlier
@@ -110,7 +111,7 @@ class SurfaceEcho:
             WrongDatasetError: It is not clear; the message says why.
         """
         self._sweep = sweep
-        self._path_s = path_m / speed_of_light
+        self._path_s = path_m / SPEED_OF_LIGHT_M_S
         self._check_input(spectra)
         moving = self._moving(spectra)
         self.by_movement = moving is not None
@@ -184,15 +185,12 @@ class SurfaceEcho:
         return found
 
     def _turned(self, delay_s: np.ndarray) -> np.ndarray:
-        turns: np.ndarray = np.exp(2j * np.pi * delay_s[:, None] * self._sweep.frequency_hz)
-        return turns
+        return phase_advance(self._sweep.frequency_hz, delay_s)
 
     def _a_scan(self, spectra: np.ndarray) -> np.ndarray:
         """Return the magnitude over the delay."""
-        weights = Window.HANN.weights(self._sweep.count)
         count = scipy.fft.next_fast_len(PADDING * self._sweep.count)
-        magnitude: np.ndarray = np.abs(scipy.fft.ifft(spectra * weights, count, axis=-1))
-        return magnitude * (count / weights.sum())
+        return np.abs(a_scans(spectra, self._sweep, count))
 
     def _echoes(self, traces: _Aligned) -> _Echoes:
         magnitude = self._a_scan(traces.common)
@@ -258,7 +256,7 @@ class SurfaceEcho:
             self._check_alone(echoes)
 
     def _check_rigid(self, unmoved_s: np.ndarray) -> None:
-        spread_m = 0.5 * speed_of_light * float(np.std(unmoved_s))
+        spread_m = one_way_path_m(float(np.std(unmoved_s)))
         if spread_m > SENSOR_NOISE_M:
             raise WrongDatasetError(
                 Message(

@@ -7,6 +7,7 @@ from typing import Optional
 
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
 from gpr20_common.message import Message
@@ -44,7 +45,8 @@ def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
                 "the step delay has removed {delay_ns:g} ns, so --delay would remove a second "
                 "delay; use one of them",
                 delay_ns=survey.attrs[REMOVED] * 1e9,
-            )
+            ),
+            fault=faults.OPTION,
         )
     return given_s
 
@@ -64,5 +66,6 @@ def check_delay(delay_s: float) -> None:
                 delay_ns=delay_s * 1e9,
                 lower_ns=-LONGEST_DELAY_S * 1e9,
                 upper_ns=LONGEST_DELAY_S * 1e9,
-            )
+            ),
+            fault=faults.OPTION,
         )

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import uniform_filter
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.cluster import slices
 from gpr20_analysis.dataset import (
     FREQUENCY,
@@ -66,7 +66,8 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
             Message(
                 "the reference is the survey itself, so echoes of the ground would be subtracted "
                 "too; use a survey measured towards the sky, or the step background"
-            )
+            ),
+            fault=faults.REFERENCE,
         )
     measured = require(survey, S21, S21_DIMS)
     empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
@@ -79,7 +80,8 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
                 "reference with the sweep of the survey",
                 reference=_range(theirs),
                 survey=_range(ours),
-            )
+            ),
+            fault=faults.REFERENCE,
         )
     for turn in survey[POLARIZATION].values:
         off_deg = np.abs(reference[POLARIZATION].values - turn)
@@ -89,12 +91,14 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
                     "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg",
                     rotation_deg=turn,
                     rotations=", ".join(f"{one:g}" for one in reference[POLARIZATION].values),
-                )
+                ),
+                fault=faults.REFERENCE,
             )
     matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
     if not bool(np.all(np.isfinite(matched.values))):
         raise WrongDatasetError(
-            Message("the reference has no usable sample at one of the rotations")
+            Message("the reference has no usable sample at one of the rotations"),
+            fault=faults.REFERENCE,
         )
     return survey.assign({S21: measured - matched.values[:, None, None, :]})
 
@@ -168,7 +172,8 @@ def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
                 "the width of the moving window is {width}; it must be odd, from 3 to {most}",
                 width=width,
                 most=2 * smaller + 1,
-            )
+            ),
+            fault=faults.OPTION,
         )
     return lazy.with_neighbours(lambda rows: rows - _moving_mean(rows, width), measured, width // 2)
 
@@ -195,7 +200,8 @@ def _without_strongest(measured: xr.DataArray, rank: int) -> xr.DataArray:
                 most=min(traces, frequencies) - 1,
                 traces=traces,
                 frequencies=frequencies,
-            )
+            ),
+            fault=faults.OPTION,
         )
     return xr.concat(
         [_projected(measured.isel({POLARIZATION: [turn]}), rank) for turn in range(len(measured))],

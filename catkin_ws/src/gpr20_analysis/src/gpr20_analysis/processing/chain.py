@@ -13,6 +13,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Type
 import xarray as xr
 import yaml
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.processing.step_functions import StepFunction, StepLibrary
 from gpr20_analysis.processing.surface_echo import with_surface_delay
@@ -112,7 +113,8 @@ def _check_origin(step: Step, recorded: object) -> None:
                 recorded=str(recorded),
                 origin=step.function.origin or "gpr20_analysis",
                 key=ORIGIN,
-            )
+            ),
+            fault=faults.STEP_VERSION,
         )
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.fft
 import xarray as xr
-from scipy.constants import speed_of_light
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -23,10 +22,12 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.processing.antenna_delay import REMOVED, check_delay, recorded_delay_s
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, even_delays_s
 from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
 from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
 
 ADVANCE = "advance"
 """Variable: delay of time zero after that of the antennas, (polarization, y, x) [s]."""
@@ -51,22 +52,14 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
     """
     if not padding >= 1.0:
         raise WrongDatasetError(
-            Message("the padding is {padding:g}; it must be 1 or more", padding=padding)
+            Message("the padding is {padding:g}; it must be 1 or more", padding=padding),
+            fault=faults.OPTION,
         )
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     sweep = FrequencyGrid.of(survey)
-    weights = window.weights(sweep.count)
     count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
-    delay_s = np.arange(count) * (sweep.unambiguous_s / count)
-    turn = count / weights.sum() * np.exp(2j * np.pi * sweep.start_hz * delay_s)
-
-    def transformed(spectra: np.ndarray) -> np.ndarray:
-        a_scans: np.ndarray = scipy.fft.ifft(spectra * weights, count, axis=-1, workers=2)
-        a_scans *= turn
-        return a_scans
-
-    a_scans = xr.apply_ufunc(
-        transformed,
+    found = xr.apply_ufunc(
+        lambda spectra: a_scans(spectra, sweep, count, window),
         measured.drop_vars(FREQUENCY),
         input_core_dims=[[FREQUENCY]],
         output_core_dims=[[DELAY]],
@@ -76,8 +69,10 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
     )
     in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
     in_time = in_time.assign_attrs({SPECTRUM: Spectrum(sweep, window).to_json()})
-    in_time = in_time.assign_coords({DELAY: (DELAY, delay_s, ATTRIBUTES[DELAY])})
-    return in_time.assign({A_SCAN: a_scans.assign_attrs(ATTRIBUTES[A_SCAN])})
+    in_time = in_time.assign_coords(
+        {DELAY: (DELAY, even_delays_s(sweep, count), ATTRIBUTES[DELAY])}
+    )
+    return in_time.assign({A_SCAN: found.assign_attrs(ATTRIBUTES[A_SCAN])})
 
 
 def remove_delay(survey: xr.Dataset, delay_s: float) -> xr.Dataset:
@@ -105,7 +100,7 @@ def remove_delay(survey: xr.Dataset, delay_s: float) -> xr.Dataset:
         raise WrongDatasetError(
             Message("time zero was set before; apply the step delay before time_zero")
         )
-    turns = np.exp(2j * np.pi * survey[FREQUENCY].values * delay_s)
+    turns = phase_advance(survey[FREQUENCY].values, np.asarray(delay_s))
     shifted = lazy.in_rows(measured) * xr.DataArray(turns, dims=FREQUENCY)
     attributes = {**survey.attrs, ANTENNA_DELAY: 0.0, REMOVED: delay_s}
     return survey.assign({S21: shifted.assign_attrs(measured.attrs)}).assign_attrs(attributes)
@@ -127,7 +122,7 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         raise WrongDatasetError(
             Message("time zero was set before; setting it again would shift it twice")
         )
-    return advanced(survey, 2.0 * known_height(survey) / speed_of_light + recorded_delay_s(survey))
+    return advanced(survey, two_way_delay_s(known_height(survey)) + recorded_delay_s(survey))
 
 
 def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
@@ -140,7 +135,7 @@ def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     frequency_hz = survey[FREQUENCY].values
     shifted = xr.apply_ufunc(
-        lambda s21, s: s21 * np.exp(2j * np.pi * frequency_hz * s[..., np.newaxis]),
+        lambda s21, s: s21 * phase_advance(frequency_hz, s),
         measured,
         lazy.beside(advance, measured),
         input_core_dims=[[FREQUENCY], []],
@@ -168,6 +163,7 @@ def known_height(survey: xr.Dataset) -> xr.DataArray:
                 "for all samples (--height), or apply the step fill",
                 count=int(lacking.sum()),
                 position=positions_of(survey, lacking.values)[0],
-            )
+            ),
+            fault=faults.NO_HEIGHT,
         )
     return height_m

@@ -7,10 +7,9 @@ import enum
 import numpy as np
 import scipy.fft
 import xarray as xr
-from scipy.constants import speed_of_light
 from scipy.ndimage import uniform_filter1d
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import (
     A_SCAN,
     DELAY,
@@ -26,6 +25,7 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 
 # Of the distance between two positions.
 STEP_TOLERANCE = 1e-3
@@ -57,7 +57,8 @@ def dewow(survey: xr.Dataset, window_s: float = 2e-9) -> xr.Dataset:
         raise WrongDatasetError(
             Message(
                 "the window of dewow is {window_s:g} s; it must be more than 0", window_s=window_s
-            )
+            ),
+            fault=faults.OPTION,
         )
     if S21 in survey:
         measured = lazy.in_rows(require(survey, S21, S21_DIMS))
@@ -74,7 +75,8 @@ def dewow(survey: xr.Dataset, window_s: float = 2e-9) -> xr.Dataset:
                 "least three samples",
                 window_s=window_s,
                 step_s=step_s,
-            )
+            ),
+            fault=faults.OPTION,
         )
     filtered = xr.apply_ufunc(
         lambda values: values - _running_mean(values, width),
@@ -130,7 +132,8 @@ def filter_dips(
                 least=least_deg,
                 most=most_deg,
                 taper=taper_deg,
-            )
+            ),
+            fault=faults.OPTION,
         )
     measured = require(survey, S21, S21_DIMS)
     require_complete(survey, Message("the f-k filter"))
@@ -139,7 +142,7 @@ def filter_dips(
     count = scipy.fft.next_fast_len(2 * survey.sizes[axis])
     sine = (
         0.5
-        * speed_of_light
+        * SPEED_OF_LIGHT_M_S
         * np.abs(scipy.fft.fftfreq(count, step_m))[:, None]
         / survey[FREQUENCY].values
     )
@@ -184,7 +187,8 @@ def _even_step_m(survey: xr.Dataset, axis: str) -> float:
                 "the f-k filter needs at least {fewest} evenly spaced positions along {axis}",
                 fewest=FEWEST_POSITIONS,
                 axis=axis,
-            )
+            ),
+            fault=faults.STEPS,
         )
     return float(np.mean(steps_m))
 

@@ -7,6 +7,7 @@ import enum
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import A_SCAN, HEIGHT, POLARIZATION, QUALITY, S21, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.sentences import with_sentence
@@ -40,7 +41,8 @@ def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
                 "rotation {rotation_deg:g} deg was not measured; the data have {rotations} deg",
                 rotation_deg=rotation_deg,
                 rotations=", ".join(f"{turn:g}" for turn in turns),
-            )
+            ),
+            fault=faults.OPTION,
         )
     return survey.isel({POLARIZATION: near[:1]})
 

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import S21, S21_DIMS, require, require_complete
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.message import Message
@@ -45,7 +45,8 @@ def remove_low_rank(survey: xr.Dataset, sparsity: float = 1.0) -> xr.Dataset:
             Message(
                 "the sparsity of the step rpca is {sparsity:g}; it must be more than 0",
                 sparsity=sparsity,
-            )
+            ),
+            fault=faults.OPTION,
         )
     measured = require(survey, S21, S21_DIMS)
     require_complete(survey, Message("robust PCA"))

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import maximum_filter
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import (
     FREQUENCY,
     HEIGHT,
@@ -42,7 +42,8 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     """
     if not 0.0 <= most <= 1.0:
         raise WrongDatasetError(
-            Message("the share that may be filled is {share:g}; it must be 0 to 1", share=most)
+            Message("the share that may be filled is {share:g}; it must be 0 to 1", share=most),
+            fault=faults.OPTION,
         )
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     height_m = require(survey, HEIGHT, SAMPLE_DIMS).values.copy()
@@ -57,7 +58,8 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
                 count=np.count_nonzero(absent),
                 total=absent.size,
                 share=most,
-            )
+            ),
+            fault=faults.SAMPLES_MISSING,
         )
     _check_neighbours(present)
     known = present & np.isfinite(height_m)
@@ -98,7 +100,8 @@ def _check_neighbours(present: np.ndarray) -> None:
                 row=row,
                 column=column,
                 polarization=turn,
-            )
+            ),
+            fault=faults.SAMPLES_MISSING,
         )
 
 

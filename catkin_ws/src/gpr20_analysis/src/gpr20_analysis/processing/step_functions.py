@@ -18,6 +18,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple, get_type_hints
 
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
 from gpr20_analysis.errors import AnalysisError, RecipeError
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
@@ -100,7 +101,8 @@ class StepFunction:
                     step=self.name,
                     origin=self.origin,
                     reason=f"{type(error).__name__}: {error}",
-                )
+                ),
+                fault=faults.OWN_STEP,
             ) from error
         self._check(survey, result)
         return result.assign_attrs({**survey.attrs, **result.attrs, **_kept(survey)})
@@ -113,7 +115,8 @@ class StepFunction:
                     step=self.name,
                     origin=self.origin,
                     type=type(result).__name__,
-                )
+                ),
+                fault=faults.OWN_STEP,
             )
         lost = [
             name
@@ -133,7 +136,8 @@ class StepFunction:
                     step=self.name,
                     origin=self.origin,
                     names=", ".join(lost),
-                )
+                ),
+                fault=faults.OWN_STEP,
             )
 
 
@@ -194,7 +198,8 @@ def _exists(name: str, origin: str) -> RecipeError:
             "step '{step}' ({origin}) has a name that exists already; rename one of them",
             step=name,
             origin=origin,
-        )
+        ),
+        fault=faults.OWN_STEP,
     )
 
 
@@ -216,7 +221,8 @@ def _installed(entry: metadata.EntryPoint) -> StepFunction:
                 step=entry.name,
                 origin=entry.value,
                 reason=f"{type(error).__name__}: {error}",
-            )
+            ),
+            fault=faults.OWN_STEP,
         ) from error
     return _checked(entry.name, function, f"{_distribution(entry)}, {entry.value}")
 
@@ -232,7 +238,9 @@ def _steps_of_file(path: Path) -> Dict[str, StepFunction]:
     name = f"steps_of_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise RecipeError(Message("{path} is not a Python file (.py)", path=path))
+        raise RecipeError(
+            Message("{path} is not a Python file (.py)", path=path), fault=faults.OWN_STEP
+        )
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
@@ -244,7 +252,8 @@ def _steps_of_file(path: Path) -> Dict[str, StepFunction]:
                 "{path} cannot be run: {reason}",
                 path=path,
                 reason=f"{type(error).__name__}: {error}",
-            )
+            ),
+            fault=faults.OWN_STEP,
         ) from error
     functions = {
         key: one
@@ -258,7 +267,8 @@ def _checked(name: str, function: Any, origin: str) -> StepFunction:
     """Return a step that is not of this package, after a check of its parameters."""
     if not callable(function):
         raise RecipeError(
-            Message("step '{step}' ({origin}) is not a function", step=name, origin=origin)
+            Message("step '{step}' ({origin}) is not a function", step=name, origin=origin),
+            fault=faults.OWN_STEP,
         )
     found = StepFunction(name, function, f"{origin}, sha256 {_sum_of(function)}")
     for key, (kind, _default) in found.parameters.items():
@@ -271,7 +281,8 @@ def _checked(name: str, function: Any, origin: str) -> StepFunction:
                     step=name,
                     origin=origin,
                     allowed=PARAMETER_TYPES,
-                )
+                ),
+                fault=faults.OWN_STEP,
             )
     return found
 

@@ -17,11 +17,11 @@ from typing import Optional, Sequence
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import FREQUENCY, HEIGHT, POLARIZATION, SAMPLE_DIMS, X, Y
 from gpr20_analysis.processing.delay import ADVANCE
+from gpr20_survey.radar.depth import two_way_delay_s
 
 COMPONENT = "component"
 # A background of as many components as traces would be the traces themselves.
@@ -142,7 +142,7 @@ class _Surface:
         height_m, mean_m, spread_m, advance_s = (one[:, None] for one in known)
         turn = 2j * np.pi * self._frequency_hz
         constant = np.exp(turn * advance_s)
-        surface = constant * np.exp(-turn * 2.0 * height_m / speed_of_light) * mean_m / height_m
+        surface = constant * np.exp(-turn * two_way_delay_s(height_m)) * mean_m / height_m
         change = surface * (height_m - mean_m) / spread_m
         return np.stack([constant, surface, change])[: self._components]
 

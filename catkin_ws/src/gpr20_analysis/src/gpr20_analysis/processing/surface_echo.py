@@ -14,6 +14,7 @@ from typing import List, Optional
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.aligned_echo import SurfaceEcho
@@ -100,7 +101,8 @@ def fit_delay(
             reasons.append(error.message)
     if not fits:
         raise WrongDatasetError(
-            Message("the echo of the surface is not clear: {reason}", reason=reasons[0])
+            Message("the echo of the surface is not clear: {reason}", reason=reasons[0]),
+            fault=faults.NO_SURFACE_ECHO,
         )
     return _combined(fits, FEWEST_OVER_PLATE if plate else FEWEST_TRACES)
 
@@ -127,7 +129,8 @@ def _combined(fits: List[SurfaceEcho], fewest: int) -> SurfaceFit:
                 "use at least {fewest}",
                 count=found.size,
                 fewest=fewest,
-            )
+            ),
+            fault=faults.NO_SURFACE_ECHO,
         )
     if count < LEAST_SHARE * found.size:
         raise WrongDatasetError(
@@ -136,7 +139,8 @@ def _combined(fits: List[SurfaceEcho], fewest: int) -> SurfaceFit:
                 "their recorded height",
                 count=count,
                 total=found.size,
-            )
+            ),
+            fault=faults.NO_SURFACE_ECHO,
         )
     delay_s = float(np.median(delays_s[found]))
     residual_s = SIGMA_OF_MAD * float(np.median(np.abs(delays_s[found] - delay_s)))

@@ -8,16 +8,18 @@ from typing import Tuple
 import numpy as np
 import scipy.fft
 import xarray as xr
-from scipy.constants import speed_of_light
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import FREQUENCY, S21, S21_DIMS, SAMPLE_DIMS, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.delay import ADVANCE, advanced, known_height
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar.frequency_to_delay import delay_kernel, phase_advance
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 
 TOPOGRAPHY = "topography_permittivity"
 """Attribute: permittivity with which the step `topography` moved the traces."""
@@ -72,7 +74,8 @@ def pick_time_zero(
                 "more than 0, and the share at most 1",
                 within_s=within_s,
                 share=share,
-            )
+            ),
+            fault=faults.OPTION,
         )
     if arrival is Arrival.FIRST:
         sweep = FrequencyGrid.of(survey)
@@ -113,19 +116,20 @@ def correct_topography(survey: xr.Dataset, permittivity: float) -> xr.Dataset:
         raise WrongDatasetError(
             Message("topography was applied before; it would move traces twice")
         )
-    if not 1.0 <= permittivity <= 100.0:
+    if not MIN_PERMITTIVITY <= permittivity <= LARGEST_PERMITTIVITY:
         raise WrongDatasetError(
             Message(
                 "{name} is {value}; it must lie between {lower} and {upper}",
                 name=Message("the permittivity"),
                 value=f"{permittivity:g}",
-                lower="1",
-                upper="100",
-            )
+                lower=f"{MIN_PERMITTIVITY:g}",
+                upper=f"{LARGEST_PERMITTIVITY:g}",
+            ),
+            fault=faults.OPTION,
         )
     height_m = known_height(survey)
     relief_m = height_m - float(height_m.where(usable(survey)).min())
-    down_s = 2.0 * np.sqrt(permittivity) * relief_m / speed_of_light
+    down_s = two_way_delay_s(np.sqrt(permittivity) * relief_m)
     before_s = survey[ADVANCE].transpose(*SAMPLE_DIMS)
     moved = advanced(survey.drop_vars(ADVANCE), -down_s)
     advance = (before_s - down_s).assign_attrs(before_s.attrs)
@@ -134,10 +138,9 @@ def correct_topography(survey: xr.Dataset, permittivity: float) -> xr.Dataset:
 
 def first_arrival_s(spectra: np.ndarray, sweep: FrequencyGrid, share: float) -> np.ndarray:
     """Return where the envelope of each trace first reaches a share of its maximum [s]."""
-    weights = Window.HANN.weights(sweep.count)
     count = scipy.fft.next_fast_len(PADDING * sweep.count)
     # The last eighth of the period is before delay 0, where the main lobe of an echo begins.
-    envelope = np.roll(np.abs(scipy.fft.ifft(spectra * weights, count, axis=-1)), count // 8, -1)
+    envelope = np.roll(np.abs(a_scans(spectra, sweep, count)), count // 8, -1)
     least = share * envelope.max(axis=-1, keepdims=True)
     above = np.argmax(envelope >= least, axis=-1)[..., None]
     after = np.take_along_axis(envelope, above, -1)
@@ -157,12 +160,9 @@ def strongest_s(
     step_s = 1.0 / (PADDING * sweep.step_hz * sweep.count)
     reach = max(2, int(np.ceil(within_s / step_s)))
     near_s = within_s / reach * np.arange(-reach - 1, reach + 2)
-    weights = Window.HANN.weights(sweep.count)[:, None]
-    largest = np.abs(scipy.fft.ifft(spectra * weights[:, 0], 2 * sweep.count, axis=-1)).max(axis=-1)
-    least = LEAST_LEVEL * 2 * sweep.count * largest
-    frequency_hz = sweep.frequency_hz
-    aligned = spectra * np.exp(2j * np.pi * frequency_hz * expected_s[..., None])
-    level = np.abs(aligned @ (np.exp(2j * np.pi * np.outer(frequency_hz, near_s)) * weights))
+    least = LEAST_LEVEL * np.abs(a_scans(spectra, sweep, 2 * sweep.count)).max(axis=-1)
+    aligned = spectra * phase_advance(sweep.frequency_hz, expected_s)
+    level = np.abs(aligned @ delay_kernel(sweep.frequency_hz, near_s))
     here, before, after = level[..., 1:-1], level[..., :-2], level[..., 2:]
     tops = np.where((here >= before) & (here > after), here, -1.0)
     top = np.argmax(tops, axis=-1)[..., None]
@@ -178,7 +178,7 @@ def _surface_picks(
 ) -> Tuple[xr.DataArray, int]:
     """Return the picks, and how many of them are by the height only."""
     sweep = FrequencyGrid.of(survey)
-    expected = 2.0 * known_height(survey) / speed_of_light + recorded_delay_s(survey)
+    expected = two_way_delay_s(known_height(survey)) + recorded_delay_s(survey)
     picked = _of_traces(
         lambda spectra, near_s: strongest_s(spectra, near_s, sweep, within_s), measured, expected
     )

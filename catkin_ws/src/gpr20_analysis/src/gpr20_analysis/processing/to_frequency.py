@@ -9,7 +9,7 @@ from typing import List, Optional
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -21,9 +21,10 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.sweep import FrequencyGrid, Window
+from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
 
 SPECTRUM = "spectrum"
 """Attribute: the sweep and window from which A-scans were made, as JSON."""
@@ -101,10 +102,9 @@ def to_frequency(
             )
         ]
     frequency_hz = spectrum.sweep.frequency_hz
-    weights = spectrum.window.weights(spectrum.sweep.count)
-    matrix = np.exp(-2j * np.pi * delay_s[:, np.newaxis] * frequency_hz)
+    matrix = phase_advance(frequency_hz, -delay_s)
     # The factor that `time` has applied, for a full period of it.
-    matrix *= (weights.sum() * step_s * spectrum.sweep.step_hz) / weights
+    matrix *= step_s * spectrum.sweep.step_hz / spectrum.window.shares(spectrum.sweep.count)
 
     def transformed(values: np.ndarray) -> np.ndarray:
         # A real trace has half of its spectrum at negative frequencies.
@@ -132,7 +132,8 @@ def _step_s(delay_s: np.ndarray) -> float:
     step_s = (delay_s[-1] - delay_s[0]) / max(len(delay_s) - 1, 1)
     if len(delay_s) < 2 or np.ptp(np.diff(delay_s)) > EVEN * step_s:
         raise WrongDatasetError(
-            Message("the times of the A-scans are not evenly spaced; two or more are needed")
+            Message("the times of the A-scans are not evenly spaced; two or more are needed"),
+            fault=faults.SWEEP,
         )
     return float(step_s)
 
@@ -148,7 +149,8 @@ def _given(start_hz: float, stop_hz: float, points: int, step_s: float) -> Frequ
                 stop_hz=stop_hz,
                 points=points,
                 highest_hz=1.0 / step_s,
-            )
+            ),
+            fault=faults.OPTION,
         )
     return FrequencyGrid(start_hz, (stop_hz - start_hz) / (points - 1), points)
 
@@ -158,14 +160,18 @@ def _found(a_scans: xr.DataArray, survey: xr.Dataset, step_s: float) -> Frequenc
     count = a_scans.sizes[DELAY]
     level = np.sqrt(np.mean(np.abs(np.fft.fft(rows, axis=-1)) ** 2, axis=0)) if len(rows) else None
     if level is None or not np.any(level):
-        raise WrongDatasetError(Message("every A-scan is zero or missing, so there is no spectrum"))
+        raise WrongDatasetError(
+            Message("every A-scan is zero or missing, so there is no spectrum"),
+            fault=faults.NO_SAMPLES,
+        )
     # The upper half are the negative frequencies; those of a complex trace may be weaker.
     positive = level[: count // 2]
     strong = np.flatnonzero(positive >= FAINTEST * positive.max())
     first, last = max(int(strong[0]), 1), int(strong[-1])
     if last <= first:
         raise WrongDatasetError(
-            Message("the A-scans contain a single frequency, which resolves no delay")
+            Message("the A-scans contain a single frequency, which resolves no delay"),
+            fault=faults.SWEEP,
         )
     step_hz = 1.0 / (count * step_s)
     return FrequencyGrid(first * step_hz, step_hz, last - first + 1)

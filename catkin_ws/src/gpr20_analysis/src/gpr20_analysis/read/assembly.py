@@ -16,7 +16,7 @@ from gpr20_analysis.read.analyzer_attributes import analyzer_attributes
 from gpr20_analysis.read.annotation_attributes import annotation_attributes, marker_attributes
 from gpr20_analysis.read.antenna_attributes import antenna_attributes
 from gpr20_analysis.read.aux_variables import aux_variables
-from gpr20_analysis.read.sources import Fault, Position, SurveySource
+from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
 from gpr20_analysis.sentences import first_of, with_sentences
@@ -51,7 +51,7 @@ def assemble(
     for trace in progress(source.traces(), source.count or None):
         misplaced = plan.misplaced(trace) if plan else []
         if misplaced:
-            table.faults += [Fault(message, trace.index) for message in misplaced]
+            table.faults += [Damage(message, trace.index) for message in misplaced]
         else:
             table.add(trace)
     _check_readable(source, table)
@@ -73,7 +73,7 @@ def _plan(source: SurveySource) -> Optional[Plan]:
     try:
         return Plan(source.description)
     except AnalysisError as error:
-        source.faults.append(Fault(error.message))
+        source.faults.append(Damage(error.message))
         return None
 
 
@@ -96,7 +96,7 @@ def _check_readable(source: SurveySource, table: TraceTable) -> None:
         )
 
 
-def _refusal(name: str, faults: List[Fault]) -> Message:
+def _refusal(name: str, faults: List[Damage]) -> Message:
     return Message(
         "{source} is damaged: {faults}; check with `gpr20 verify` whether another "
         "recording of the survey is readable, or leave these samples out with --accept-damaged",
@@ -157,7 +157,7 @@ class _Assembly:
                     "them is used",
                     indices=", ".join(str(one.index) for one in same),
                 )
-                self.faults.append(Fault(message, position=same[0].position))
+                self.faults.append(Damage(message, position=same[0].position))
         return [
             (cell, same[0])
             for cell, same in by_cell.items()
@@ -177,7 +177,7 @@ class _Assembly:
                 if self._quality[cell] & int(Quality.MISSING):
                     self._quality[cell] = int(Quality.DAMAGED)
 
-    def _damaged_position(self, fault: Fault) -> Optional[Position]:
+    def _damaged_position(self, fault: Damage) -> Optional[Position]:
         if self._plan and fault.index is not None and fault.index < len(self._plan.points):
             z_deg, y_mm, x_mm = self._plan.positions[fault.index]
             return z_deg, y_mm, x_mm

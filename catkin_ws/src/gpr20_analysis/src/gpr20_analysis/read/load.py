@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Tuple, Union
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats import migrated_hdf5
 from gpr20_analysis.formats.dataset_check import checked
@@ -57,7 +57,8 @@ def load_survey(
     found = Path(path).expanduser()
     if found.exists() and not (found.is_file() or found.is_dir()):
         raise AnalysisError(
-            Message("{path} is neither a file nor a folder, so it is not a survey", path=found)
+            Message("{path} is neither a file nor a folder, so it is not a survey", path=found),
+            fault=faults.NO_INPUT,
         )
     if is_dataset(found):
         return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import List
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import manifest_check
@@ -93,11 +94,13 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
                 "the manifest is whole, but files differ from it: {differences}; resume the "
                 "survey, which repairs its files, or restore them from a copy",
                 differences=in_a_row(found.differences[:SHOWN]),
-            )
+            ),
+            fault=faults.FILES_DIFFER,
         )
     if found.seal is Seal.REOPENED or not has_ended:
         raise AnalysisError(
-            Message("the survey is not closed; resume it and stop it, which writes the manifest")
+            Message("the survey is not closed; resume it and stop it, which writes the manifest"),
+            fault=faults.NOT_CLOSED,
         )
 
 

@@ -22,6 +22,7 @@ from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
 from rosbags.rosbag1 import Reader
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.read.unindexed_bag import complete_messages, has_whole_index
 from gpr20_common.message import Message, in_a_row
@@ -135,7 +136,8 @@ def is_finished(path: Path) -> bool:
             raise UnreadableFileError(
                 Message(
                     "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
-                )
+                ),
+                fault=faults.RECORDING_DAMAGED,
             )
         if path.suffix == MCAP:
             stream.seek(max(len(magic), stream.seek(0, os.SEEK_END) - len(magic)))
@@ -143,7 +145,9 @@ def is_finished(path: Path) -> bool:
         head = stream.read(4096)
     place = head.find(INDEX_POSITION)
     if place < 0:
-        raise UnreadableFileError(Message("{file} has no bag header", file=path.name))
+        raise UnreadableFileError(
+            Message("{file} has no bag header", file=path.name), fault=faults.RECORDING_DAMAGED
+        )
     place += len(INDEX_POSITION)
     return head[place : place + 8] != bytes(8) and has_whole_index(path)
 
@@ -198,7 +202,10 @@ def _mcap_traces(path: Path, summary: Optional[Summary]) -> Iterator[RecordedMes
     with _failing_as_unreadable(path), path.open("rb") as stream:
         summary = summary or make_reader(stream, validate_crcs=True).get_summary()
         if summary is None:
-            raise UnreadableFileError(Message("{file} has no MCAP summary", file=path.name))
+            raise UnreadableFileError(
+                Message("{file} has no MCAP summary", file=path.name),
+                fault=faults.RECORDING_DAMAGED,
+            )
         channels = _trace_channels(summary)
         for message in _chunk_messages(stream, summary, channels):
             channel = channels[message.channel_id]
@@ -236,7 +243,7 @@ def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
     stored = StoredBag(path) if is_bag(path) else StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
-        raise UnreadableFileError(in_a_row(stored.faults))
+        raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
 
 
 def _readable_messages(path: Path) -> Iterator[RecordedMessage]:
@@ -265,7 +272,8 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
     except Exception as error:
         # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
         raise UnreadableFileError(
-            Message("{file} is damaged", file=path.name, details=repr(error))
+            Message("{file} is damaged", file=path.name, details=repr(error)),
+            fault=faults.RECORDING_DAMAGED,
         ) from error
 
 
@@ -280,5 +288,7 @@ def _is_trace_type(name: str) -> bool:
 def _text(data: bytes) -> str:
     (size,) = struct.unpack_from("<I", data)
     if size + 4 != len(data):
-        raise UnreadableFileError(Message("the recorded survey.json is incomplete"))
+        raise UnreadableFileError(
+            Message("the recorded survey.json is incomplete"), fault=faults.RECORDING_DAMAGED
+        )
     return data[4:].decode("utf-8", "replace")

@@ -10,11 +10,13 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 import orjson
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
+from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
@@ -26,7 +28,7 @@ Position = Tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Fault:
+class Damage:
     """Something that is damaged, and the sample that is lost by it, if that is known."""
 
     message: Message
@@ -56,7 +58,7 @@ class JsonSource:
         self.name = name
         self.description = description
         self.count = len(files)
-        self.faults: List[Fault] = []
+        self.faults: List[Damage] = []
         self.notes: List[Message] = []
         self._files = files
         self._read = read
@@ -71,7 +73,7 @@ class JsonSource:
                 index = int(found.group(1)) if found else None
                 reason = os_reason(error) if isinstance(error, OSError) else error.message
                 message = Message("{file}: {reason}", file=path.name, reason=reason)
-                self.faults.append(Fault(message, index))
+                self.faults.append(Damage(message, index))
 
 
 class RecordingSource:
@@ -87,7 +89,7 @@ class RecordingSource:
         self._recording = recordings.open_recording(path)
         self.name = path.name
         self.count = self._recording.count
-        self.faults: List[Fault] = []
+        self.faults: List[Damage] = []
         self.notes: List[Message] = list(self._recording.notes)
         self.description = self._description(self._recording.metadata)
 
@@ -104,12 +106,12 @@ class RecordingSource:
                         number=number,
                         reason=error.message,
                     )
-                    self.faults.append(Fault(message))
+                    self.faults.append(Damage(message))
         except UnreadableFileError as error:
             message = Message(
                 "{file} cannot be read to its end: {reason}", file=self.name, reason=error.message
             )
-            self.faults.append(Fault(message))
+            self.faults.append(Damage(message))
 
     def _description(self, metadata: Optional[str]) -> Optional[Dict[str, Any]]:
         if metadata is None:
@@ -117,7 +119,7 @@ class RecordingSource:
         try:
             return survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
         except SurveyRefusedError as error:
-            self.faults.append(Fault(error.message))
+            self.faults.append(Damage(error.message))
             return None
 
 
@@ -148,7 +150,7 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
     if path.is_dir():
         return _folder_source(path, read)
     if not path.exists():
-        raise AnalysisError(not_there(path))
+        raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
     if recordings.is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
@@ -158,7 +160,8 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
             "{path} is not a survey; give its folder, the folder of its JSON files, its .bag or "
             "its .mcap; `gpr20 import` reads other formats",
             path=path,
-        )
+        ),
+        fault=faults.NO_INPUT,
     )
 
 
@@ -166,12 +169,12 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
     described = folder / survey_folder.SURVEY_FILE
     files = _trace_files(traces if traces.is_dir() else folder)
-    description, faults = None, []
+    description, damage = None, []
     if described.exists():
         try:
             description = survey_metadata.read_description(described)
         except SurveyRefusedError as error:
-            faults.append(Fault(error.message))
+            damage.append(Damage(error.message))
     if not files:
         raise AnalysisError(
             Message(
@@ -179,10 +182,11 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
                 "folder {traces}/",
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
-            )
+            ),
+            fault=faults.NO_INPUT,
         )
     source = JsonSource(folder.name, files, description, read)
-    source.faults += faults
+    source.faults += damage
     return source
 
 
@@ -197,5 +201,7 @@ def _decode(content: bytes) -> Trace:
     try:
         values = orjson.loads(content)
     except orjson.JSONDecodeError as error:
-        raise TraceRefusedError(Message("the file is not valid JSON", details=error)) from error
+        raise TraceRefusedError(
+            Message("the file is not valid JSON", details=error), fault=TRACE_DAMAGED
+        ) from error
     return trace_json.from_values(values)

@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -85,7 +86,8 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
                 count=len(positions),
                 columns=len(grid.x_mm),
                 rows=len(grid.y_mm),
-            )
+            ),
+            fault=faults.NO_GRID,
         )
     return grid
 
@@ -143,7 +145,8 @@ class Plan:
             self._fit = PlanFit(description)
         except InvalidValueError as error:
             raise AnalysisError(
-                Message("the plan is unknown: survey.json: {reason}", reason=error.message)
+                Message("the plan is unknown: survey.json: {reason}", reason=error.message),
+                fault=faults.SURVEY_DAMAGED,
             ) from error
         self.points: List[SurveyPoint] = self._fit.points
         self.positions = np.array([(one.z_deg, one.y_mm, one.x_mm) for one in self.points])

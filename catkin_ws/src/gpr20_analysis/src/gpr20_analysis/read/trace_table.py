@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
-from gpr20_analysis.read.sources import Fault, Position
+from gpr20_analysis.read.sources import Damage, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
 from gpr20_survey.trace.aux_value import AuxValue
@@ -59,7 +59,7 @@ class TraceTable:
     """Collects the traces of one Dataset; a trace that does not fit becomes a fault."""
 
     def __init__(self, count: int, plan: Optional[Plan], allocate: Allocate) -> None:
-        self.faults: List[Fault] = []
+        self.faults: List[Damage] = []
         self.samples: Dict[int, Sample] = {}
         """The samples by index."""
         self.void: Set[int] = set()
@@ -84,7 +84,7 @@ class TraceTable:
             self.survey_id = trace.survey_id
             self.rows = self._allocate((self._capacity, len(trace.frequency_hz)))
         if trace.survey_id != self.survey_id:
-            self.faults.append(Fault(of_other_survey(trace)))
+            self.faults.append(Damage(of_other_survey(trace)))
         elif not np.array_equal(trace.frequency_hz, self.frequency_hz):
             self.other_frequencies += 1
             message = Message(
@@ -151,7 +151,7 @@ class TraceTable:
         self._refuse(trace, message)
 
     def _refuse(self, trace: Trace, message: Message) -> None:
-        self.faults.append(Fault(message, trace.index, _position(trace)))
+        self.faults.append(Damage(message, trace.index, _position(trace)))
 
 
 def of_other_survey(trace: Trace) -> Message:

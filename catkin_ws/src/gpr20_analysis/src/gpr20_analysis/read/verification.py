@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import description_check, manifest_check
@@ -25,6 +26,8 @@ FILES = (
     survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
 )
+MEASURED = frozenset("mr")
+"""Letters of the coverage in a report for a trace that is stored: measured, or measured again."""
 REMEDY = Message(
     "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
 )
@@ -42,7 +45,8 @@ def check_survey_folder(folder: Path) -> None:
                 "{folder} is not the folder of a survey: it contains none of {names}",
                 folder=folder,
                 names=", ".join(FILES),
-            )
+            ),
+            fault=faults.NO_INPUT,
         )
 
 
@@ -122,7 +126,7 @@ class _Verifier:
                     "manifest.json is damaged: {reason}; {remedy}",
                     reason=found.damage,
                     remedy=REMEDY,
-                )
+                ).with_fault(faults.MANIFEST)
             )
         elif found.seal is Seal.MISSING and self._found.closed:
             self._found.fault(
@@ -130,7 +134,7 @@ class _Verifier:
                     "manifest.json is missing, so changes to files cannot be detected: it was "
                     "removed, or the survey was cut off while it was closed; {remedy}",
                     remedy=REMEDY,
-                )
+                ).with_fault(faults.MANIFEST)
             )
         elif found.seal is Seal.MISSING:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
@@ -242,12 +246,19 @@ class _Verifier:
                     "unreadable"
                 )
             )
-        if missing and _claims_complete(recorded.get("report")):
+        if missing and _claims_complete(recorded):
             self._found.fault(
                 Message("the report in survey.json is complete, but planned traces are missing")
             )
 
 
-def _claims_complete(report: Any) -> bool:
-    verdict = report.get("verdict") if isinstance(report, dict) else None
-    return isinstance(verdict, str) and verdict.startswith("complete")
+def _claims_complete(recorded: Dict[str, Any]) -> bool:
+    """Return whether the report in survey.json says that no planned trace is missing."""
+    report = recorded.get("report")
+    if not isinstance(report, dict):
+        return False
+    if isinstance(report.get("complete"), bool):
+        return bool(report["complete"])
+    # A report of an earlier version.
+    coverage = report.get("coverage")
+    return isinstance(coverage, str) and bool(coverage) and set(coverage) <= MEASURED

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import List, Optional
+from typing import Any, Dict, List, Optional
 
+from gpr20_analysis import faults
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 UNCOVERED = Message(
@@ -39,6 +41,22 @@ class Verification:
         """Note what else a user should know."""
         self.notes.append(message)
 
+    def record(self) -> Dict[str, Any]:
+        """Return everything as JSON holds it, each sentence with the code of its fault."""
+        return {
+            "status": self.status,
+            "planned": self.planned,
+            "stored": self.stored,
+            "sealed": self.sealed,
+            "closed": self.closed,
+            "verdict": message_fields(self.verdict),
+            "faults": [
+                message_fields(one if one.cause else one.with_fault(faults.NOT_INTACT))
+                for one in self.faults
+            ],
+            "notes": [message_fields(one) for one in self.notes],
+        }
+
     @property
     def status(self) -> int:
         """0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory."""
@@ -49,7 +67,16 @@ class Verification:
 
     @property
     def verdict(self) -> Message:
-        """The result in one sentence."""
+        """The result in one sentence, with the fault that it reports."""
+        if self.faults:
+            of_manifest = all(one.fault_code == faults.MANIFEST.code for one in self.faults)
+            return self._sentence.with_fault(faults.MANIFEST if of_manifest else faults.NOT_INTACT)
+        if self.status == INCOMPLETE:
+            return self._sentence.with_fault(faults.NOT_COMPLETE)
+        return self._sentence
+
+    @property
+    def _sentence(self) -> Message:
         if self.faults:
             return Message(
                 "DAMAGED or contradictory ({count} faults): {counted}",

@@ -7,7 +7,6 @@ from typing import Sequence
 
 import xarray as xr
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import Step
 from gpr20_analysis.progress import Progress, no_progress
@@ -15,6 +14,7 @@ from gpr20_analysis.report.records import Report
 from gpr20_analysis.report.sections import sections_of
 from gpr20_analysis.report.summary import SIMULATED
 from gpr20_common.catalogue import Catalogue, Language
+from gpr20_survey.no_clearance import NO_CLEARANCE
 
 
 def report_of(

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.candidates.table import (
     candidate_heading,
     candidate_row,
-    shown_candidates,
     tail_sentences,
 )
 from gpr20_analysis.errors import AnalysisError
@@ -29,6 +27,8 @@ from gpr20_analysis.report.records import Section
 from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.results.candidates import CandidateList
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -147,7 +147,7 @@ def _no_image(error: AnalysisError, catalogue: Catalogue) -> Section:
 
 def _candidates(image: xr.Dataset, found: CandidateList, catalogue: Catalogue) -> Section:
     figure = projections.candidate_map_figure(image, found.candidates, catalogue)
-    listed = shown_candidates(found)
+    listed = found.shown()
     return Section(
         catalogue.text(CANDIDATES_TITLE),
         catalogue.text(NO_CLEARANCE),
@@ -240,5 +240,6 @@ def _b_scans(
 
 def _no_other_survey(path: str) -> xr.Dataset:
     raise AnalysisError(
-        Message("a report cannot subtract another survey, but a step names {path}", path=path)
+        Message("a report cannot subtract another survey, but a step names {path}", path=path),
+        fault=faults.RECIPE,
     )

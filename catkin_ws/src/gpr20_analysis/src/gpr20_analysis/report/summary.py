@@ -18,7 +18,8 @@ from gpr20_analysis.read.annotation_attributes import (
     SITE,
     position_text,
 )
-from gpr20_common.message import Message, received_message, verbatim
+from gpr20_common.message import Message, verbatim
+from gpr20_common.sent_message import received_message
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.trace.calibration import MEANINGS
@@ -74,9 +75,8 @@ def heading_text(heading_deg: float) -> Message:
 def summary_of(survey: xr.Dataset) -> List[Row]:
     """Return the lines of a survey's summary."""
     described = _description(survey)
-    verdict = _verdict(described)
     rows = [
-        (title, _recorded(name, survey.attrs[name], verdict))
+        (title, _recorded(name, survey.attrs[name], described))
         for name, title in RECORDED.items()
         if name in survey.attrs
     ]
@@ -108,10 +108,10 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     return rows
 
 
-def _recorded(name: str, value: object, verdict: Optional[Message]) -> Message:
+def _recorded(name: str, value: object, described: Mapping[str, Any]) -> Message:
     text = verbatim(str(value))
-    if name == "reason" and verdict is not None and str(verdict) == str(value):
-        return verdict
+    if name == "reason" and value == _mapping(described, "report").get("verdict"):
+        return _verdict(described) or text
     return OUTCOMES.get(str(value), text) if name == "outcome" else text
 
 

@@ -8,12 +8,13 @@ from typing import Optional, Tuple
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
-from gpr20_analysis.candidates.candidate import CandidateList
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.results.candidates import CandidateList
 
 NS_PER_S = 1e9
 
@@ -125,14 +126,7 @@ class LiveImage:
 
     def gain_db(self, db_per_ns: float) -> np.ndarray:
         """Return the display gain of each depth [dB]."""
-        return (
-            db_per_ns
-            * NS_PER_S
-            * 2.0
-            * self.depth_m
-            * np.sqrt(self.permittivity)
-            / (speed_of_light)
-        )
+        return db_per_ns * NS_PER_S * two_way_delay_s(self.depth_m * np.sqrt(self.permittivity))
 
     def reference_db(self, db_per_ns: float) -> float:
         """Return the brightest level of all polarizations with a display gain [dB]."""
@@ -157,5 +151,4 @@ class LiveImage:
 
 
 def _decibels(magnitude: np.ndarray) -> np.ndarray:
-    floor = np.finfo(np.float32).tiny
-    return 20.0 * np.log10(np.maximum(magnitude, floor))
+    return decibels(magnitude, float(np.finfo(np.float32).tiny))

@@ -6,9 +6,11 @@ import math
 from dataclasses import dataclass, replace
 from typing import List, Optional, Tuple
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.message import Message
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 
 NO_CLEARANCE_BY_PICKS = Message(
     "This is a list of picks, no clearance: ground without a pick is not free of mines."
@@ -22,6 +24,8 @@ MOST_NOTE_CHARACTERS = 2000
 
 class PickRefusedError(AnalysisError, ValueError):
     """A pick cannot be made or changed like this."""
+
+    fault = faults.PICK
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,7 @@ class Pick:
             raise PickRefusedError(
                 Message("the pick {name} has a number that is not finite", name=self.id)
             )
-        if self.depth_m < 0.0 or not 1.0 <= self.permittivity <= 100.0:
+        if self.depth_m < 0.0 or not MIN_PERMITTIVITY <= self.permittivity <= LARGEST_PERMITTIVITY:
             raise PickRefusedError(
                 Message(
                     "the pick {name} has the depth {depth_m:g} m and the permittivity "

@@ -7,6 +7,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
+from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.viewer.identity import SurveyIdentity
 from gpr20_analysis.viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, PickEditor
@@ -23,6 +24,8 @@ MOST_BYTES = 64 << 20
 
 class PicksFileError(AnalysisError, ValueError):
     """A file of picks cannot be used for this survey."""
+
+    fault = faults.PICKS_FILE
 
 
 def picks_path(survey: Path) -> Path:
@@ -114,7 +117,8 @@ class PicksFile:
                     "{path} was changed by another program, so the picks are not saved; export "
                     "them, then open the survey again",
                     path=self.path,
-                )
+                ),
+                fault=faults.PICKS_CHANGED,
             )
         data = _json(self._record(editor))
         if self._known is None:
@@ -134,7 +138,8 @@ class PicksFile:
         inside = sealed_folder(path.expanduser().resolve().parent)
         if inside is not None or path.expanduser().resolve() == self.path:
             raise PicksFileError(
-                Message("{path} is kept for the survey; export to another place", path=path)
+                Message("{path} is kept for the survey; export to another place", path=path),
+                fault=faults.OUTPUT,
             )
         export_picks(editor.picks, self._identity, path)
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from gpr20_analysis.dataset import A_SCAN, DELAY, MM_PER_M, POLARIZATION, X, Y
 from gpr20_analysis.processing.delay import to_time
-from gpr20_analysis.processing.sweep import Window
 from gpr20_analysis.viewer.live_image import NS_PER_S, LiveImage
 from gpr20_analysis.viewer.positions import Line, Place
 from gpr20_analysis.viewer.session import ViewSession
+from gpr20_survey.radar.frequency_to_delay import Window, decibels
 
 MOST_CELLS = 4000
 """Largest number of cells along an axis of a picture."""
@@ -66,7 +66,7 @@ def traces_picture(
     in_time = in_time.sel({DELAY: in_time[DELAY].values <= until_s})
     delay_ns = in_time[DELAY].values * NS_PER_S
     values = np.abs(in_time[A_SCAN].transpose(POLARIZATION, other, DELAY, line.along).values[0, 0])
-    levels_db = 20.0 * np.log10(np.maximum(values, 1e-300)) + db_per_ns * delay_ns[:, None]
+    levels_db = decibels(values, 1e-300) + db_per_ns * delay_ns[:, None]
     if np.isfinite(levels_db).any():
         levels_db -= np.nanmax(levels_db)
     return Picture.of(levels_db.astype(np.float32), line.position_m * MM_PER_M, delay_ns)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import HEIGHT, SAMPLE_DIMS, X, Y
-from gpr20_analysis.imaging.refraction import one_way_delay_s
 from gpr20_analysis.processing.delay import ADVANCE
+from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,8 @@ class Line:
     def surface_delays_s(self, separation_m: float) -> np.ndarray:
         """Return the two-way delay of the surface below each position [s]."""
         apart_m = 0.0 if np.isnan(self.rotation_deg) else separation_m
-        path_m = 2.0 * np.hypot(self.height_m, apart_m / 2.0)
-        return np.asarray(path_m / speed_of_light + self.delay_s - self.advance_s)
+        down_m = np.hypot(self.height_m, apart_m / 2.0)
+        return np.asarray(two_way_delay_s(down_m) + self.delay_s - self.advance_s)
 
     def depth_m(
         self, at_m: float, delay_s: float, permittivity: float, separation_m: float,

@@ -8,14 +8,13 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_analysis.candidates.candidate import Candidate
-from gpr20_analysis.candidates.table import shown_candidates
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.viewer.live_image import NS_PER_S, LiveImage
 from gpr20_analysis.viewer.picks import Pick
 from gpr20_analysis.viewer.positions import Line, Place
 from gpr20_analysis.viewer.session import ViewSession
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import Candidate
 
 SINGLE_STEP_M = 0.005
 """Step of the cursor along an axis with one position."""
@@ -180,11 +179,11 @@ class Scene:
     def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
         """Return the marks of candidates in section and slice.
 
-        All primary ones, and those secondary ones that tables show; these have no name.
+        All that are not doubtful, and those doubtful ones that tables show; these have no name.
         """
         near_m = self._step_m(Y if self.display.along == X else X)
         places = [
-            (Place(one.x_m, one.y_m, one.depth_m), "" if one.is_secondary else one.id)
+            (Place(one.x_m, one.y_m, one.depth_m), "" if one.is_doubtful else one.id)
             for one in self._marked()
         ]
         in_section = [
@@ -207,7 +206,7 @@ class Scene:
     def _marked(self) -> Tuple[Candidate, ...]:
         if self.image is None or self.image.candidates is None:
             return ()
-        return shown_candidates(self.image.candidates)
+        return self.image.candidates.shown()
 
     def _step_m(self, axis: str) -> float:
         places_m = self.session.axis_m(axis)

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import lazy
-from gpr20_analysis.candidates.candidate import CandidateList
 from gpr20_analysis.dataset import (
     HEIGHT,
     POLARIZATION,
@@ -32,6 +31,7 @@ from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_analysis.viewer.live_image import ImageRequest, LiveImage, PermittivitySource
 from gpr20_analysis.viewer.positions import Line, Place, line_of
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import CandidateList
 
 BACKGROUND = "background:method=surface"
 ASSUMED_PERMITTIVITY = 4.0

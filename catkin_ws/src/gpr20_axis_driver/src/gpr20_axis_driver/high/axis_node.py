@@ -9,6 +9,7 @@ from typing import Callable, Optional, Tuple
 import rospy
 from std_msgs.msg import Bool
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goals import ClientContact, GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
@@ -16,18 +17,21 @@ from gpr20_axis_driver.motion import AxisMotions
 from gpr20_common.high import diagnostics
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.high.services import advertise
+from gpr20_common.high.services import advertise, internal_error
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.axes.control_silent import CONTROL_SILENT
+from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
 from gpr20_survey.frames import BASE_LINK
 
+NO_CONTACT = Message("the axis stopped because it had no contact with the main control").with_fault(
+    CONTROL_SILENT
+)
 MOVING_PERIOD_S = 1.0 / 50
 RESTING_PERIOD_S = 1.0 / 10
 # At rest every fifth tick is published, until the ticks become slower.
@@ -95,12 +99,15 @@ class AxisNode:
             )
         except MotionStopped as stop:
             # A requested stop counts, even if the contact was lost as well.
-            message = CONTROL_SILENT if contact.was_lost and not stopped() else stop.message
+            message = NO_CONTACT if contact.was_lost and not stopped() else stop.message
             self._finish(self._server.set_preempted, False, message)
         except AxisException as error:
             self._last_error = error.message
             rospy.logwarn("move refused or failed: %s", error)
             self._finish(self._server.set_aborted, False, error.message)
+        except Exception as error:
+            self._last_error = internal_error("axis", error)
+            self._finish(self._server.set_aborted, False, self._last_error)
         else:
             self._last_error = None
             self._finish(self._server.set_succeeded, True)
@@ -129,7 +136,7 @@ class AxisNode:
             return self._find_zero(lambda: self._driver.homing(ended))
         except MotionStopped:
             if contact.was_lost and not stopped():
-                return CommandResponse(success=False, **message_fields(CONTROL_SILENT))
+                return CommandResponse(success=False, **message_fields(NO_CONTACT))
             raise
 
     def _set_zero(self, _request: CommandRequest) -> CommandResponse:
@@ -225,7 +232,7 @@ class AxisNode:
         if error:
             return diagnostics.ERROR, error
         if not self._driver.homing_done:
-            return diagnostics.WARN, Message("not homed")
+            return diagnostics.WARN, Message("not homed").with_fault(NOT_HOMED).as_warning()
         if self._motions.unpunctual:
             homed = Message("homed; {scheduling}", scheduling=self._motions.scheduling)
             return diagnostics.WARN, homed
@@ -237,7 +244,7 @@ class AxisNode:
                 edges=lateness.slowed,
                 late_ms=lateness.max_s * 1e3,
             )
-            return diagnostics.WARN, slowed
+            return diagnostics.WARN, slowed.with_fault(faults.PULSES_SLOWED)
         return diagnostics.OK, Message("homed")
 
     def _shut_down(self) -> None:

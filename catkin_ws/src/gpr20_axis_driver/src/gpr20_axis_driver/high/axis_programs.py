@@ -6,6 +6,7 @@ from typing import Callable
 
 import rospy
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.high.axis_node import AxisNode
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.controllers import controller_driver, open_controller
@@ -35,7 +36,8 @@ def own_axis() -> AxisId:
         Message(
             "the namespace of {node} does not name an axis; start it in x_axis, y_axis or z_axis",
             node=rospy.get_name(),
-        )
+        ),
+        fault=faults.NO_AXIS_NAME,
     )
 
 

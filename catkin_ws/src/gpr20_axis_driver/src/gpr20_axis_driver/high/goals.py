@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import socket
 import time
 from typing import Any, Callable, Dict, Iterator, Tuple
@@ -10,7 +11,10 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
+from gpr20_axis_driver import faults
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 
 # How long a client's computer may leave probes unanswered: three probes, one second each.
 SILENCE_LIMIT_S = 3.5
@@ -19,6 +23,9 @@ STATUS_LIMIT_S = 1.0
 # How many goals that have ended are still listed in the status. A client sends its next goal when
 # it has the result of the one before, so it no longer waits for these.
 LISTED_GOALS = 4
+NOT_BEGUN = Message("a stop or another motion came before this motion began").with_fault(
+    faults.NOT_BEGUN
+)
 ENDED = frozenset(
     (
         GoalStatus.SUCCEEDED,
@@ -54,6 +61,11 @@ class GoalServer(actionlib.SimpleActionServer):
             execute: Carries out one goal.
         """
         super().__init__(name, action, execute_cb=execute, auto_start=False)
+        # It makes the results of goals that it ends before `execute` has them.
+        server = self.action_server
+        server.ActionResultType = functools.partial(
+            server.ActionResultType, **message_fields(NOT_BEGUN)
+        )
 
     def internal_goal_callback(self, goal: actionlib.ServerGoalHandle) -> None:
         """Accept a new goal, whatever its stamp; it replaces the previous one."""

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Iterator, List, Optional, Sequence
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import PinLibraryError, PulseProcessError
 from gpr20_common.message import Message
 
@@ -63,7 +64,8 @@ def lock_wave_transmitter(path: Path) -> IO[bytes]:
             Message(
                 "another axis already uses pigpio, which can serve only one axis; set backend to "
                 "pigpio for one axis and rpi_gpio for the others"
-            )
+            ),
+            fault=faults.PIGPIO_TAKEN,
         ) from None
     return file
 
@@ -93,7 +95,8 @@ class StepWaves:
                 Message(
                     "the daemon pigpiod does not answer; start it (systemctl start pigpiod) or set "
                     "backend to rpi_gpio"
-                )
+                ),
+                fault=faults.PIGPIO_FAILED,
             )
         with self._errors():
             self._set_up()
@@ -175,5 +178,6 @@ class StepWaves:
                 Message(
                     "pigpio failed; check that the daemon pigpiod runs, then home the axis",
                     details=error,
-                )
+                ),
+                fault=faults.PIGPIO_FAILED,
             ) from error

@@ -17,6 +17,7 @@ import time
 from multiprocessing.connection import Connection, Pipe
 from typing import Callable, NoReturn, Optional
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import PulseProcessError
 from gpr20_axis_driver.low.scheduling import ORDINARY, Scheduling, realtime_scheduling
 from gpr20_axis_driver.low.step_counter import StepCounter
@@ -144,7 +145,8 @@ class PulseProcess:
                     "the pulse process of this axis was not ready within {limit_s:g} s; reduce "
                     "this computer's load and restart the axis driver",
                     limit_s=START_LIMIT_S,
-                )
+                ),
+                fault=faults.PULSES_NOT_READY,
             )
         try:
             answer = self._connection.recv()
@@ -172,7 +174,7 @@ class PulseProcess:
         return Message(
             "the pulse process of this axis ended unexpectedly; see the log and home the axis",
             details=how,
-        )
+        ).with_fault(faults.PULSES_ENDED)
 
 
 def serve(connection: Connection, counter: StepCounter, parent: int) -> None:
@@ -242,7 +244,7 @@ def _serve_and_report(connection: Connection, counter: StepCounter, parent: int)
             "the pulse process of this axis failed; see the log and home the axis",
             details=f"{type(error).__name__}: {error}",
         )
-        connection.send(PulseProcessError(failure))
+        connection.send(PulseProcessError(failure, fault=faults.FAILED))
         raise
 
 

@@ -8,6 +8,7 @@ import os
 from dataclasses import dataclass
 from typing import List
 
+from gpr20_axis_driver import faults
 from gpr20_common.message import Message
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
@@ -59,7 +60,7 @@ def realtime_scheduling() -> Scheduling:
             "pulses are made without real-time scheduling and can be late; allow rtprio and "
             "memlock in /etc/security/limits.d",
             details=f"refused: {', '.join(refused)}",
-        )
+        ).with_fault(faults.NO_REALTIME)
         return Scheduling(False, without)
     granted = Message("real-time scheduling", details=f"SCHED_FIFO {PULSE_PRIORITY}, memory locked")
     return Scheduling(True, granted)

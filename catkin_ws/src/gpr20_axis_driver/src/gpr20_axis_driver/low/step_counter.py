@@ -15,6 +15,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Optional
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import StepCounterError
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -196,7 +197,8 @@ def _not_ours(path: Path) -> StepCounterError:
             "their mark and set the zero of this axis",
             path=path,
             details="service set_zero",
-        )
+        ),
+        fault=faults.STEP_COUNT_UNKNOWN,
     )
 
 
@@ -212,7 +214,8 @@ def _lock(path: Path, descriptor: int, limit_s: float) -> None:
                     Message(
                         "another process drives this axis; end the other driver of this axis first",
                         details=f"it has locked {path}",
-                    )
+                    ),
+                    fault=faults.DRIVEN_BY_OTHER,
                 ) from None
         time.sleep(LOCK_POLL_S)
 

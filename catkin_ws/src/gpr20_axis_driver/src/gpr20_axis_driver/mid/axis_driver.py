@@ -6,6 +6,7 @@ import threading
 from contextlib import contextmanager
 from typing import Callable, Iterator, Optional
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
     EndstopError,
@@ -31,6 +32,7 @@ from gpr20_survey.axes.ramp import Ramp
 SET_ZERO = Message(
     "turn the antennas to their mark and set the zero of this axis", details="service set_zero"
 )
+HOME_WITH_LESS_LOAD = Message("reduce this computer's load and home the axis")
 
 
 class AxisDriver:
@@ -153,7 +155,8 @@ class AxisDriver:
         """
         if self._parameters.finds_zero:
             raise EndstopError(
-                Message("the endstop determines the zero of this axis; home the axis")
+                Message("the endstop determines the zero of this axis; home the axis"),
+                fault=faults.ENDSTOP_SETS_ZERO,
             )
         with self._exclusive_motion():
             self._motions.revive()
@@ -224,7 +227,8 @@ class AxisDriver:
                     "steps were lost or the switch is stuck; home the axis",
                     coordinate=self.current_coord,
                     unit=unit,
-                )
+                ),
+                fault=faults.ENDSTOP_PRESSED,
             )
         if ending is Ending.STOPPED:
             raise MotionStopped(
@@ -242,6 +246,7 @@ class AxisDriver:
             self._last_motion = report
         if report.ending is Ending.GAP:
             self._homing_done = False
+            finds_zero = self._parameters.finds_zero
             raise PositionLostError(
                 Message(
                     "a pulse was {late_ms:.0f} ms late near {coordinate:.12g} {unit}, at a speed "
@@ -250,12 +255,8 @@ class AxisDriver:
                     late_ms=report.gap_s * 1e3,
                     coordinate=self.current_coord,
                     unit=self._parameters.unit,
-                    advice=self._advice_after_lost_steps(),
-                )
+                    advice=HOME_WITH_LESS_LOAD if finds_zero else SET_ZERO,
+                ),
+                fault=faults.PULSE_LATE if finds_zero else faults.ZERO_UNKNOWN,
             )
         return report
-
-    def _advice_after_lost_steps(self) -> Message:
-        if self._parameters.finds_zero:
-            return Message("reduce this computer's load and home the axis")
-        return SET_ZERO

@@ -7,6 +7,7 @@ import threading
 import time
 from typing import Callable, List, Optional
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisException,
     EndstopError,
@@ -34,7 +35,7 @@ SILENT = Message(
     "the controller of this axis did not answer for {limit_s:g} s; check its power and cable, and "
     "home the axis",
     limit_s=CALL_LIMIT_S,
-)
+).with_fault(faults.CONTROLLER_SILENT)
 
 
 class _Limits:
@@ -170,13 +171,15 @@ class ControllerMotions:
                 Message(
                     "the controller did not find the zero of this axis; check the endstop, its "
                     "cable and the motor, and home the axis"
-                )
+                ),
+                fault=faults.ENDSTOP_NOT_REACHED,
             )
 
     def place(self, _steps: int) -> None:
         """Refuse: only a controller knows where its axis is."""
         raise EndstopError(
-            Message("the controller determines the zero of this axis; home the axis")
+            Message("the controller determines the zero of this axis; home the axis"),
+            fault=faults.ENDSTOP_SETS_ZERO,
         )
 
     def revive(self) -> None:
@@ -286,7 +289,7 @@ class ControllerMotions:
         late = Message(
             "the controller of this axis did not end a motion in time; check the motor and the "
             "endstop, and home the axis"
-        )
+        ).with_fault(faults.MOTION_NOT_ENDED)
         with contextlib.suppress(ControllerError):
             self._call(self._controller.stop)
         self._set_failure(late)
@@ -324,7 +327,8 @@ class ControllerMotions:
             self._changed.notify_all()
         if lost:
             raise ControllerError(
-                Message("the controller has lost the zero of this axis; home the axis")
+                Message("the controller has lost the zero of this axis; home the axis"),
+                fault=faults.POSITION_LOST,
             )
 
     def _set_failure(self, reason: Optional[Message]) -> None:
@@ -340,7 +344,7 @@ class ControllerMotions:
             target=self._parameters.coordinate_of(target),
             coordinate=self._parameters.coordinate_of(self.steps),
             unit=unit,
-        )
+        ).with_fault(faults.POSITION_LOST)
 
     def _reason(self, error: Exception) -> Message:
         if isinstance(error, AxisException):
@@ -348,4 +352,4 @@ class ControllerMotions:
         return Message(
             "the controller of this axis failed; see the log and home the axis",
             details=f"{type(error).__name__}: {error}",
-        )
+        ).with_fault(faults.CONTROLLER_FAILED)

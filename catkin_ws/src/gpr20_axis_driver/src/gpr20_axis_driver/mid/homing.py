@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Callable
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, Until
 from gpr20_common.message import Message
@@ -54,7 +55,8 @@ class Homing:
                     distance=made * self._step_size,
                     backoff=self._backoff_steps * self._step_size,
                     unit=self._unit,
-                )
+                ),
+                fault=faults.ENDSTOP_INACCURATE,
             )
         self._back_off(stop)
 
@@ -68,7 +70,8 @@ class Homing:
                     "motor",
                     distance=most_steps * self._step_size,
                     unit=self._unit,
-                )
+                ),
+                fault=faults.ENDSTOP_NOT_REACHED,
             )
         return report.steps_made
 

@@ -6,6 +6,7 @@ import threading
 import time
 from typing import Optional
 
+from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException, NodeHungError, PulseProcessError
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
@@ -149,7 +150,7 @@ class PulseClient:
                     "{reason}; its pins could not be set low: {pins_reason}",
                     reason=reason,
                     pins_reason=error.message,
-                )
+                ).with_fault(faults.PINS_NOT_LOW)
 
 
 class _Progress:
@@ -177,5 +178,6 @@ class _Progress:
                     "the pulse process of this axis made no step for {time_s:.0f} s and was ended; "
                     "reduce this computer's load and home the axis",
                     time_s=real_s,
-                )
+                ),
+                fault=faults.PULSES_STALLED,
             )

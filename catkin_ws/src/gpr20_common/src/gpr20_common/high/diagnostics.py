@@ -17,6 +17,8 @@ ERROR = 2
 Health = Tuple[int, Message, Dict[str, Any]]
 # Name of the value that holds the sentence's template and values.
 MESSAGE_JSON = "message_json"
+# Name of the value that holds the code of the fault; empty: none.
+FAULT_CODE = "fault_code"
 
 PERIOD_S = 1.0
 
@@ -35,6 +37,7 @@ class Diagnostics:
         level, message, values = self._health()
         status.summary(level, str(message))
         status.add(MESSAGE_JSON, message.to_json())
+        status.add(FAULT_CODE, message.fault_code)
         for name, value in values.items():
             status.add(name, str(value))
         return status

@@ -9,6 +9,7 @@ from typing import Any, List, Optional, Tuple, Type
 import genpy
 import roslib.message
 
+from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.message import Message
@@ -55,7 +56,8 @@ class MessageField:
                     found=header["type"],
                     wanted=self._type._type,
                     details=f"{header['md5sum']}, not {self._type._md5sum}",
-                )
+                ),
+                fault=faults.SENSOR_TYPE_DIFFERS,
             )
         message = self._type()
         try:
@@ -63,7 +65,8 @@ class MessageField:
             return float(self._walk(message))
         except (genpy.DeserializationError, struct.error, IndexError) as error:
             raise InvalidValueError(
-                Message("a message does not hold {field}", field=self._path, details=error)
+                Message("a message does not hold {field}", field=self._path, details=error),
+                fault=faults.SENSOR_FIELD_MISSING,
             ) from error
 
     def _walk(self, value: Any) -> Any:
@@ -91,7 +94,8 @@ def _unknown(datatype: str, reason: Optional[Exception]) -> InvalidValueError:
             "the message type {type} is not installed here; check its name, or install its package",
             type=datatype,
             details=reason or "",
-        )
+        ),
+        fault=faults.SENSOR_TYPE_UNKNOWN,
     )
 
 
@@ -109,12 +113,13 @@ def _checked_steps(kind: Type, path: str) -> List[Step]:
                     type=text,
                     field=part,
                     fields=", ".join(f"{name} ({one})" for name, one in fields.items()) or "-",
-                )
+                ),
+                fault=faults.SENSOR_FIELD_MISSING,
             )
         text = fields[found["name"]]
         index = None if found["index"] is None else int(found["index"])
         if ("[" in text) != (index is not None):
-            raise InvalidValueError(_list_message(part, text))
+            raise InvalidValueError(_list_message(part, text), fault=faults.SENSOR_FIELD_MISSING)
         text, _bracket, _length = text.partition("[")
         owner = roslib.message.get_message_class(text) if "/" in text else None
         steps.append((found["name"], index))
@@ -126,7 +131,8 @@ def _checked_steps(kind: Type, path: str) -> List[Step]:
                 field=path,
                 type=text,
                 fields=inside or "-",
-            )
+            ),
+            fault=faults.SENSOR_FIELD_MISSING,
         )
     return steps
 

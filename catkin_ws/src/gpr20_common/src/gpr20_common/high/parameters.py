@@ -15,6 +15,7 @@ from typing import Any, Dict, Mapping, Type, TypeVar
 import rosgraph
 import rospy
 
+from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
@@ -62,7 +63,8 @@ def refuse_private_parameters() -> None:
                 "robot's configuration, or start the node with configuration:=NAME",
                 names=", ".join(names),
                 node=rospy.get_name(),
-            )
+            ),
+            fault=faults.PRIVATE_PARAMETERS,
         )
 
 
@@ -76,6 +78,7 @@ def _launched(name: str) -> Dict[str, Any]:
                 "the configuration of this launch is gone, because the ROS master was restarted; "
                 "end the launch and start it again",
                 details=f"{name}: {text!r}",
-            )
+            ),
+            fault=faults.CONFIGURATION_GONE,
         ) from error
     return values

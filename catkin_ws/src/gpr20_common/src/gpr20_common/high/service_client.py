@@ -13,6 +13,7 @@ import genpy
 import rosgraph
 import rospy
 
+from gpr20_common import faults
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.service_connection import ServiceConnection
 from gpr20_common.low.clock import Clock
@@ -32,6 +33,8 @@ LATE_LIMIT_S = 900.0
 
 class ServiceUnavailableError(Gpr20Error, OSError):
     """A service is not there, died while it was asked, or did not answer in time."""
+
+    fault = faults.SERVICE_UNAVAILABLE
 
 
 @dataclass(eq=False)
@@ -118,7 +121,8 @@ class ServiceClient:
                     "node is running and not hung",
                     service=self._name,
                     limit_s=timeout_s,
-                )
+                ),
+                fault=faults.SERVICE_SILENT,
             ) from error
         except (
             rospy.ROSException,

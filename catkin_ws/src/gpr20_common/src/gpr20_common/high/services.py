@@ -8,8 +8,9 @@ from typing import Any, Callable
 import rospy
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.high.graph_message import message_fields
+from gpr20_common.faults import INTERNAL
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 
 
 def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> rospy.Service:
@@ -17,7 +18,7 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
 
     Args:
         name: Relative name of the service.
-        service_class: Generated class; its response has `success`, `message` and `message_json`.
+        service_class: Generated class; its response has `success` and what `message_fields` gives.
         handler: Takes the request, returns the response of a success, raises otherwise.
     """
 
@@ -30,12 +31,22 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
         except Exception as error:
             # A fault in our own code must reach the operator as an answer too:
             # a caller that waits for a survey step cannot do anything with a dropped call.
-            rospy.logerr("%s failed:\n%s", name, traceback.format_exc())
-            message = Message(
-                "internal error in {service}; see the log",
-                service=name,
-                details=f"{type(error).__name__}: {error}",
-            )
+            message = internal_error(name, error)
             return service_class._response_class(success=False, **message_fields(message))
 
     return rospy.Service(name, service_class, answer)
+
+
+def internal_error(name: str, error: Exception) -> Message:
+    """Log the exception that is being handled, a fault in our own code; return what to answer.
+
+    Args:
+        name: The service or action that failed.
+        error: The exception.
+    """
+    rospy.logerr("%s failed:\n%s", name, traceback.format_exc())
+    return Message(
+        "internal error in {service}; see the log",
+        service=name,
+        details=f"{type(error).__name__}: {error}",
+    ).with_fault(INTERNAL)

@@ -16,8 +16,10 @@ from typing import Dict, List, Mapping, Tuple
 
 import polib
 
+from gpr20_common import faults
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 
 FOLDER = Path(__file__).resolve().parent.parent / "translations"
@@ -68,7 +70,10 @@ def language_from_code(code: object) -> Language:
             return language
     allowed = ", ".join(f"{one.value} ({one.own_name})" for one in known)
     raise InvalidValueError(
-        Message("language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed)
+        Message(
+            "language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed
+        ),
+        fault=CONFIGURATION,
     )
 
 
@@ -121,7 +126,8 @@ def read_translations(path: Path) -> Mapping[str, str]:
         catalogue = polib.pofile(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InvalidValueError(
-            Message("the translations {path} cannot be read", path=path, details=error)
+            Message("the translations {path} cannot be read", path=path, details=error),
+            fault=faults.TRANSLATION_UNREADABLE,
         ) from error
     return {
         entry.msgid: entry.msgstr

@@ -7,6 +7,7 @@ from typing import Any, Union
 
 import yaml
 
+from gpr20_common import faults
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 
@@ -25,6 +26,8 @@ MERGE_TAG = "tag:yaml.org,2002:merge"
 
 class YamlFileError(Gpr20Error, ValueError):
     """A file is no YAML, or not of a size and depth that one of ours has."""
+
+    fault = faults.FILE_DAMAGED
 
 
 def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:

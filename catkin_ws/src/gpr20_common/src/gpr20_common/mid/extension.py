@@ -7,6 +7,7 @@ import inspect
 import re
 from typing import Any, List, Mapping
 
+from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
@@ -40,7 +41,8 @@ def load_extension(key: str, name: str, protocol: type) -> type:
                 key=key,
                 name=repr(name[:NAME_LENGTH]),
                 example="package.module:Class",
-            )
+            ),
+            fault=faults.EXTENSION_UNUSABLE,
         )
     module_name, class_name = match.groups()
     try:
@@ -54,7 +56,8 @@ def load_extension(key: str, name: str, protocol: type) -> type:
                 name=name,
                 module=module_name,
                 reason=f"{type(error).__name__}: {error}",
-            )
+            ),
+            fault=faults.EXTENSION_UNUSABLE,
         ) from error
     if not inspect.isclass(found):
         raise InvalidValueError(
@@ -64,7 +67,8 @@ def load_extension(key: str, name: str, protocol: type) -> type:
                 name=name,
                 module=module_name,
                 class_name=class_name,
-            )
+            ),
+            fault=faults.EXTENSION_UNUSABLE,
         )
     missing = [one for one in _members(protocol) if not hasattr(found, one)]
     if missing:
@@ -75,7 +79,8 @@ def load_extension(key: str, name: str, protocol: type) -> type:
                 name=name,
                 protocol=protocol.__name__,
                 missing=", ".join(missing),
-            )
+            ),
+            fault=faults.EXTENSION_UNUSABLE,
         )
     return found
 
@@ -101,7 +106,8 @@ def check_options(key: str, extension: type, arguments: int, options: Mapping[st
                 key=key,
                 class_name=extension.__name__,
                 reason=str(error),
-            )
+            ),
+            fault=faults.EXTENSION_UNUSABLE,
         ) from error
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Mapping, Optional
 
-from gpr20_common import __version__
+from gpr20_common import __version__, faults
 from gpr20_common.low.revision import git_revision
 from gpr20_common.message import Message, in_a_row
 
@@ -64,4 +64,4 @@ def software_difference(nodes: Mapping[str, NodeSoftware]) -> Optional[Message]:
             )
             for name, group in sorted(groups.items())
         ),
-    )
+    ).with_fault(faults.SOFTWARE_DIFFERS)

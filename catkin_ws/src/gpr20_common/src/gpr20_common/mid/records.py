@@ -10,6 +10,7 @@ import typing
 from typing import Any, Mapping, Optional, Type, TypeVar
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 
@@ -42,7 +43,8 @@ def record_from(
         raise InvalidValueError(
             Message(
                 "{place} is {value}; it must be a group of values", place=place, value=repr(values)
-            )
+            ),
+            fault=CONFIGURATION,
         )
     fields = {one.name: one for one in dataclasses.fields(record_class)}  # type: ignore[arg-type]
     for name in values:
@@ -51,7 +53,8 @@ def record_from(
             raise InvalidValueError(
                 Message(
                     "{place} is unknown; allowed: {known}", place=_below(place, name), known=known
-                )
+                ),
+                fault=CONFIGURATION,
             )
     hints = _type_hints(record_class)  # type: ignore[arg-type]
     arguments = {}
@@ -61,7 +64,9 @@ def record_from(
         elif base is not None:
             arguments[name] = getattr(base, name)
         elif _is_required(field):
-            raise InvalidValueError(Message("{place} is missing", place=_below(place, name)))
+            raise InvalidValueError(
+                Message("{place} is missing", place=_below(place, name)), fault=CONFIGURATION
+            )
     return record_class(**arguments)
 
 
@@ -117,7 +122,8 @@ def _value(place: str, value: Any, hint: Any, field: dataclasses.Field) -> Any:
 def _items(place: str, values: Any, hint: Any, field: dataclasses.Field) -> Any:
     if not isinstance(values, (list, tuple)):
         raise InvalidValueError(
-            Message("{place} is {value}; it must be a list", place=place, value=repr(values))
+            Message("{place} is {value}; it must be a list", place=place, value=repr(values)),
+            fault=CONFIGURATION,
         )
     if dataclasses.is_dataclass(hint):
         item_class = typing.cast(type, hint)

@@ -22,6 +22,7 @@ from gpr20_common.low.catalogue_file import (
 )
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_doctor import faults
 from gpr20_doctor.high.graph import Graph, master_answers
 from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.finding import Finding
@@ -30,8 +31,9 @@ from gpr20_doctor.mid.listener import without_master
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_doctor.mid.output import as_json, lines
-from gpr20_doctor.mid.robot_facts import AnalyzerFacts, RobotFacts
+from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, NodeDescription
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 HEIGHT_LIMIT_S = 5.0
 ANALYZER_LIMIT_S = 8.0
@@ -76,7 +78,10 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     except (OSError, RuntimeError, rospy.ROSException) as error:
         # ~USER without such a user, a master that ends while it is asked.
         failed = Message("The doctor could not work: {reason}", reason=str(error))
+        failed = failed.with_fault(faults.CANNOT_WORK)
         print(catalogue.text(failed), file=sys.stderr)
+        if failed.remedy is not None:
+            print(f"-> {catalogue.text(failed.remedy)}", file=sys.stderr)
         return REFUSED
     shown: Sequence[str] = (
         [as_json(found, catalogue)] if given.json else list(lines(found, catalogue))
@@ -116,12 +121,12 @@ def _wait_for_master(master: str, limit_s: float) -> bool:
     return True
 
 
-def _test(graph: Graph) -> Optional[AnalyzerFacts]:
+def _test(graph: Graph) -> Optional[AnalyzerTest]:
     """Test VNA and height sensor, if no survey needs them."""
     known = graph.listener.facts()
     if known.surveying or not known.control_alive:
         return None
-    found: List[AnalyzerFacts] = []
+    found: List[AnalyzerTest] = []
     analyzer = threading.Thread(
         target=lambda: found.append(graph.test_analyzer(ANALYZER_LIMIT_S)), daemon=True
     )

@@ -6,20 +6,22 @@ from typing import Any, List
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
 
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import descriptions, node_healths
+from gpr20_common.sent_message import message_from
+from gpr20_doctor import faults
+from gpr20_doctor.high.node_reports import axis_position, descriptions, height_m, node_healths
 from gpr20_doctor.mid.listener import Listener
-from gpr20_doctor.mid.robot_facts import AnalyzerFacts
-from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
 
 NODE = "doctor"
 # A master that lives answers within this time [s].
@@ -56,6 +58,13 @@ class Graph:
                 self._subscribe(f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis)
                 for axis in (AxisId.X, AxisId.Y)
             ),
+            *(
+                self._subscribe(
+                    f"{axis.value}_axis/current_coord", CurrentCoordinate, self._on_axis, axis
+                )
+                for axis in AxisId
+            ),
+            self._subscribe("measured_height", Range, self._on_height),
         ]
         self._height = ServiceClient(f"{self._prefix}/get_height", GetHeight)
         self._analyzer = ServiceClient(f"{self._prefix}/test_analyzer", TestAnalyzer)
@@ -67,7 +76,7 @@ class Graph:
         except ServiceUnavailableError:
             return  # a sensor that does not report is a finding of its own
 
-    def test_analyzer(self, limit_s: float) -> AnalyzerFacts:
+    def test_analyzer(self, limit_s: float) -> AnalyzerTest:
         """Have the VNA tested; the main control refuses it beside a survey.
 
         Args:
@@ -81,10 +90,9 @@ class Graph:
                 "connected",
                 limit_s=limit_s,
                 details=error,
-            )
-            return AnalyzerFacts("", "", late)
-        failure = None if answer.success else message_from(answer)
-        return AnalyzerFacts(answer.identity, answer.calibration, failure)
+            ).with_fault(faults.NO_VNA_RESULT)
+            return AnalyzerTest("", failure=late)
+        return analyzer_test_of(answer)
 
     def leave(self) -> None:
         """Leave the graph."""
@@ -108,3 +116,9 @@ class Graph:
 
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
         self.listener.note_endstop(axis, message.data)
+
+    def _on_axis(self, message: CurrentCoordinate, axis: AxisId) -> None:
+        self.listener.note_axis(axis, axis_position(message))
+
+    def _on_height(self, message: Range) -> None:
+        self.listener.note_height(height_m(message))

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, List
 
 from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import Range
 
-from gpr20_common.high.diagnostics import MESSAGE_JSON
-from gpr20_common.message import received_message
+from gpr20_common.high.diagnostics import FAULT_CODE, MESSAGE_JSON
+from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_msgs.msg import RobotConfiguration
+from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_msgs.msg import CurrentCoordinate, RobotConfiguration
 from gpr20_survey.plan.robot_description import NodeDescription
 
 
@@ -28,9 +31,10 @@ def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
         if prefix and not name.startswith(f"{prefix}/"):
             continue
         values = {pair.key: pair.value for pair in status.values}
-        level = HealthLevel(_level_number(status.level))
+        level = _level(status.level)
         own_name = name[len(prefix) :].strip("/")
-        text = received_message(status.message, values.pop(MESSAGE_JSON, ""))
+        code = values.pop(FAULT_CODE, "")
+        text = received_message(status.message, values.pop(MESSAGE_JSON, ""), code)
         found.append(NodeHealth(own_name, level, text, values))
     return found
 
@@ -46,6 +50,19 @@ def descriptions(message: RobotConfiguration) -> Dict[str, NodeDescription]:
     return found
 
 
-def _level_number(level: Any) -> int:
+def axis_position(message: CurrentCoordinate) -> AxisPosition:
+    """Convert `current_coord` of an axis."""
+    return AxisPosition(message.coordinate, message.homed, message.moving)
+
+
+def height_m(message: Range) -> float:
+    """Convert `measured_height` [m]; a value outside the sensor's range is none (REP 117)."""
+    within = message.min_range <= message.range <= message.max_range
+    return float(message.range) if within else math.nan
+
+
+def _level(level: Any) -> HealthLevel:
     # The type byte is an int in ROS 1's Python messages, and bytes in some builds of them.
-    return level[0] if isinstance(level, bytes) else int(level)
+    number = level[0] if isinstance(level, bytes) else int(level)
+    # Anybody can publish here: what no version knows counts as bad.
+    return HealthLevel(number) if number in set(HealthLevel) else HealthLevel.ERROR

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, Severity
 
 
 class Level(enum.IntEnum):
@@ -50,6 +50,25 @@ class Finding:
     level: Level
     text: Message
     remedy: Optional[Message] = None
+
+    @classmethod
+    def of_fault(cls, check: str, text: Message) -> Finding:
+        """Return the finding of a sentence that reports a fault: that says level and remedy.
+
+        Args:
+            check: Short name of the check.
+            text: What was found, with its fault.
+        """
+        cause = text.cause
+        assert cause is not None
+        return cls(check, _LEVELS[cause.severity], text, cause.remedy)
+
+
+_LEVELS: Dict[Severity, Level] = {
+    Severity.NOTE: Level.NOTE,
+    Severity.WARNING: Level.WARNING,
+    Severity.FAULT: Level.FAULT,
+}
 
 
 @dataclass(frozen=True)

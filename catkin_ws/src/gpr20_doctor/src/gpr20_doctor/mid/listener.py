@@ -16,9 +16,10 @@ from gpr20_doctor.mid.node_health import (
     HealthLevel,
     NodeHealth,
 )
-from gpr20_doctor.mid.robot_facts import AnalyzerFacts, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 # Endstops are watched and clocks compared for so long at least [s].
 WATCH_S = 1.5
@@ -42,6 +43,8 @@ class Listener:
         self._nodes: Dict[str, NodeHealth] = {}
         self._offsets_s: Dict[str, float] = {}
         self._endstops: Dict[AxisId, EndstopSeen] = {}
+        self._axes: Dict[AxisId, AxisPosition] = {}
+        self._height_m = math.nan
         self._descriptions: Mapping[str, NodeDescription] = {}
         self._configured = False
         self._reports: Dict[str, int] = {}
@@ -64,6 +67,16 @@ class Listener:
             seen = self._endstops.get(axis, EndstopSeen(pressed))
             changed = int(seen.pressed != pressed)
             self._endstops[axis] = EndstopSeen(pressed, seen.changes + changed)
+
+    def note_axis(self, axis: AxisId, position: AxisPosition) -> None:
+        """Take the state of an axis."""
+        with self._lock:
+            self._axes[axis] = position
+
+    def note_height(self, height_m: float) -> None:
+        """Take a height of the antennas [m]; not finite: it could not be measured."""
+        with self._lock:
+            self._height_m = height_m
 
     def note_configuration(
         self, problem: Optional[Message], simulated: bool, nodes: Mapping[str, NodeDescription]
@@ -107,7 +120,7 @@ class Listener:
         while self._clock.now_s() < deadline_s and not self._is_complete():
             self._clock.wait_s(never, POLL_S)
 
-    def facts(self, analyzer: Optional[AnalyzerFacts] = None) -> RobotFacts:
+    def facts(self, analyzer: Optional[AnalyzerTest] = None) -> RobotFacts:
         """Return what is known now.
 
         Args:
@@ -130,6 +143,8 @@ class Listener:
                 listening_s=math.inf,
                 software={name: one.software for name, one in self._descriptions.items()},
                 endstops=dict(self._endstops),
+                axes=dict(self._axes),
+                height_m=self._height_m,
                 analyzer=analyzer,
             )
 

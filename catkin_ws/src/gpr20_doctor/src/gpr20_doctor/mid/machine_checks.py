@@ -9,6 +9,8 @@ import math
 from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.remedies import CHECK_VNA_CABLE
+from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding, Level, Unknown
 from gpr20_doctor.mid.hardware_checks import check_hardware
 from gpr20_doctor.mid.machine_facts import (
@@ -20,7 +22,6 @@ from gpr20_doctor.mid.machine_facts import (
     PowerFacts,
 )
 from gpr20_doctor.mid.not_known import not_known
-from gpr20_doctor.mid.remedies import CHECK_VNA_CABLE
 from gpr20_doctor.mid.robot_checks import disk_space
 
 BYTES_PER_GB = 1e9
@@ -207,10 +208,9 @@ def _two_machines(addresses: AddressFacts) -> Finding:
 def _disk_speed(trace_s: object) -> Finding:
     if not isinstance(trace_s, float):
         return not_known("disk_speed", Message("the speed of the disk"), trace_s)
-    remedy = Message("Use a faster disk or SD card (data:=).")
     if math.isinf(trace_s):
         text = Message("The disk did not store a large trace in time.")
-        return Finding("disk_speed", Level.FAULT, text, remedy)
+        return Finding.of_fault("disk_speed", text.with_fault(faults.DISK_TOO_SLOW))
     text = Message(
         "Disk: a large trace is stored in {trace_s:.2f} s; a survey needs {limit_s:g} s or less",
         trace_s=trace_s,
@@ -218,7 +218,7 @@ def _disk_speed(trace_s: object) -> Finding:
     )
     if trace_s <= TRACE_LIMIT_S:
         return Finding("disk_speed", Level.OK, text)
-    return Finding("disk_speed", Level.WARNING, text, remedy)
+    return Finding.of_fault("disk_speed", text.with_fault(faults.DISK_TOO_SLOW).as_warning())
 
 
 CHECKS: Tuple[Check, ...] = (

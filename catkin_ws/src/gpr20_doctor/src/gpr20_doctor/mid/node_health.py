@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
-from typing import Mapping
+from typing import Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import AxisId
@@ -45,10 +46,49 @@ class HealthLevel(enum.IntEnum):
 
 
 @dataclass(frozen=True)
+class ReportedValues:
+    """The values that only the diagnostics hold and that something depends on.
+
+    Attributes:
+        free_disk_mb: Space for recordings [MB]; None: not reported.
+        identity: What the VNA says it is; empty: not reported.
+        calibration: Name of its calibration status; empty: not reported.
+    """
+
+    free_disk_mb: Optional[float]
+    identity: str
+    calibration: str
+
+
+@dataclass(frozen=True)
 class NodeHealth:
-    """What a node reports about itself on /diagnostics, once a second."""
+    """What a node reports about itself on /diagnostics, once a second.
+
+    Attributes:
+        name: Of the node.
+        level: Its own judgement.
+        message: What it says, with the fault.
+        values: As they are shown to people; programs use `reported`.
+    """
 
     name: str
     level: HealthLevel
     message: Message
     values: Mapping[str, str]
+
+    @property
+    def reported(self) -> ReportedValues:
+        """The values that something depends on."""
+        return ReportedValues(
+            free_disk_mb=_size(self.values.get("free disk [MB]", "")),
+            identity=self.values.get("identity", ""),
+            calibration=self.values.get("calibration", ""),
+        )
+
+
+def _size(text: str) -> Optional[float]:
+    try:
+        size = float(text)
+    except ValueError:
+        return None
+    return size if math.isfinite(size) and size >= 0.0 else None

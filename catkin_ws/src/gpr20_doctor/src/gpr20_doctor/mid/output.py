@@ -31,6 +31,7 @@ def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
         "findings": [
             {
                 "check": one.check,
+                "fault_code": one.text.fault_code,
                 "level": one.level.name,
                 "text": catalogue.text(one.text),
                 "details": BETWEEN.join(one.text.all_details),

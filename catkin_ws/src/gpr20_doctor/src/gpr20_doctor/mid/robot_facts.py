@@ -8,8 +8,9 @@ from typing import Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, ReportedValues
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 
 @dataclass(frozen=True)
@@ -26,18 +27,18 @@ class EndstopSeen:
 
 
 @dataclass(frozen=True)
-class AnalyzerFacts:
-    """The result of a test of the VNA.
+class AxisPosition:
+    """The state of an axis, as its `current_coord` says.
 
     Attributes:
-        identity: What the VNA says it is; empty: no connection.
-        calibration: Name of its calibration status; empty: not read.
-        failure: What failed; None: nothing.
+        coordinate: Where it is [mm or deg]; meaningful only if homed.
+        homed: Whether its zero is known.
+        moving: Whether it moves.
     """
 
-    identity: str
-    calibration: str
-    failure: Optional[Message] = None
+    coordinate: float
+    homed: bool
+    moving: bool
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,8 @@ class RobotFacts:
         listening_s: How long the robot was listened to [s].
         software: Software of each node that has described itself.
         endstops: State of the endstops; one that is not known is missing.
+        axes: State of the axes; one that is not known is missing.
+        height_m: The last height of the antennas [m]; not finite: there was none.
         analyzer: Result of a test of the VNA; None: not tested.
     """
 
@@ -72,7 +75,9 @@ class RobotFacts:
     listening_s: float = math.inf
     software: Mapping[str, NodeSoftware] = field(default_factory=dict)
     endstops: Mapping[AxisId, EndstopSeen] = field(default_factory=dict)
-    analyzer: Optional[AnalyzerFacts] = None
+    axes: Mapping[AxisId, AxisPosition] = field(default_factory=dict)
+    height_m: float = math.nan
+    analyzer: Optional[AnalyzerTest] = None
 
     @property
     def unheard(self) -> bool:
@@ -84,7 +89,7 @@ class RobotFacts:
         found = next((node for node in self.nodes if node.name == name), None)
         return None if found is None or found.level is HealthLevel.STALE else found
 
-    def value(self, name: str, key: str) -> str:
-        """Return a value of a node's report; empty if it is not known now."""
+    def reported(self, name: str) -> Optional[ReportedValues]:
+        """Return the values of a node's report; None if it does not report now."""
         node = self.node(name)
-        return "" if node is None else node.values.get(key, "")
+        return None if node is None else node.reported

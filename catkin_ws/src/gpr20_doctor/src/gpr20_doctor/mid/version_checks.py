@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Iterator
 
+from gpr20_common.faults import SOFTWARE_DIFFERS
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware, software_difference
+from gpr20_common.remedies import SAME_VERSION
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import MAIN_CONTROL
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_doctor.mid.titles import node_title
-
-UPDATE = Message("Update the software on both computers, and restart the robot.")
 
 
 def check_versions(facts: RobotFacts) -> Iterator[Finding]:
@@ -29,10 +29,10 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
         )
     elif difference is not None:
         text = Message("Versions: {difference}", difference=difference)
-        yield Finding("versions", Level.WARNING, text, UPDATE)
+        yield Finding.of_fault("versions", text)
     elif silent is not None:
         text = Message("{part} does not say which software it runs.", part=node_title(silent))
-        yield Finding("versions", Level.UNKNOWN, text, UPDATE)
+        yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)
     else:
         name = next(iter(facts.software.values())).name
         text = Message("Software {software} on every part", software=name)
@@ -44,13 +44,9 @@ def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Find
     running = facts.software.get(MAIN_CONTROL)
     if running is None or not running.version or running.name == installed.name:
         return
-    yield Finding(
-        "installed",
-        Level.WARNING,
-        Message(
-            "The robot runs the software {running}, but {installed} is installed here.",
-            running=running.name,
-            installed=installed.name,
-        ),
-        UPDATE,
+    text = Message(
+        "The robot runs the software {running}, but {installed} is installed here.",
+        running=running.name,
+        installed=installed.name,
     )
+    yield Finding.of_fault("installed", text.with_fault(SOFTWARE_DIFFERS))

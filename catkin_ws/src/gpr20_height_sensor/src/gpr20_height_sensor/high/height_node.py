@@ -10,7 +10,6 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high import diagnostics
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.ros_time import ros_time
@@ -18,11 +17,13 @@ from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
+from gpr20_common.sent_message import message_fields
 from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_msgs.srv import GetHeight, GetHeightRequest, GetHeightResponse
+from gpr20_survey.faults import HEIGHT_NOT_MEASURED
 
 NODE = "height_sensor"
 
@@ -106,7 +107,8 @@ class HeightNode:
         if last_error:
             return diagnostics.ERROR, last_error, values
         if height is None:
-            return diagnostics.WARN, Message("no height measured yet"), values
+            message = Message("no height measured yet").with_fault(HEIGHT_NOT_MEASURED)
+            return diagnostics.WARN, message, values
         return diagnostics.OK, Message("height {height_m:.3f} m", height_m=height.height_m), values
 
 

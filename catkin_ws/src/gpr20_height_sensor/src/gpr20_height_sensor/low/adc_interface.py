@@ -8,6 +8,7 @@ from typing import List, Protocol
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_common.os_reason import os_reason
+from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import SpiError
 
 CHANNELS = 8
@@ -105,7 +106,8 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
                 "this computer has no usable SPI bus; on the robot run scripts/setup.sh --robot, "
                 "elsewhere launch with robot:=simulated",
                 details=error,
-            )
+            ),
+            fault=faults.NO_SPI_LIBRARY,
         ) from error
     device_file = f"/dev/spidev{bus}.{device}"
     spi = spidev.SpiDev()
@@ -121,6 +123,7 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
                 "computer and allow this user to read and write the file",
                 device_file=device_file,
                 reason=os_reason(error),
-            )
+            ),
+            fault=faults.SPI_REFUSED,
         ) from error
     return spi

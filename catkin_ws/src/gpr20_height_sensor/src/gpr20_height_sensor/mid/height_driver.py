@@ -10,6 +10,7 @@ import numpy as np
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
+from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import (
     HeightStoppedError,
     SensorNoiseError,
@@ -207,7 +208,8 @@ class HeightDriver:
                     "put a hand under the sensor; if the value changes, raise frozen_readings (0 "
                     "switches this check off); if not, replace the sensor",
                     readings=count,
-                )
+                ),
+                fault=faults.SENSOR_FROZEN,
             )
 
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:

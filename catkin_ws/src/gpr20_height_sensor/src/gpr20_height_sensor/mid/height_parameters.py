@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_height_sensor.low.adc_interface import CHANNELS
@@ -111,7 +112,8 @@ class HeightParameters:
                     "because a few readings are equal by chance",
                     readings=self.frozen_readings,
                     least=FEWEST_FROZEN,
-                )
+                ),
+                fault=CONFIGURATION,
             )
         number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
         number_between("field_of_view_rad", self.field_of_view_rad, 0.0, math.pi, "rad")

@@ -6,14 +6,13 @@ from typing import Any
 
 import rospy
 
-from gpr20_common.high.candidate_messages import CandidateTopics
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.sent_message import message_fields
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging import Imaging, health_values
@@ -32,6 +31,10 @@ from gpr20_msgs.srv import (
     ListVolumesResponse,
 )
 from gpr20_survey.frames import BASE_LINK
+from gpr20_survey.high.candidate_topics import CandidateTopics
+from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.focused_image import focus_fields
+from gpr20_survey.results.volume import volume_fields
 
 NODE = "imaging"
 
@@ -59,28 +62,19 @@ class ImagingNode:
 
     def _focus(self, request: Any) -> FocusSurveyResponse:
         found = self._imaging.focus(request.request_id, request.survey, request.permittivity)
-        self._candidates.publish(found.candidates_json)
-        return FocusSurveyResponse(
-            success=True,
-            **message_fields(Message("an image of {count} traces", count=found.traces)),
-            survey_id=found.survey_id,
-            traces=found.traces,
-            x_mm=found.x_mm,
-            y_mm=found.y_mm,
-            depth_mm=found.depth_mm,
-            levels_db=found.levels_db,
-            candidates_json=found.candidates_json,
-        )
+        self._candidates.publish(found.found)
+        message = Message("an image of {count} traces", count=found.traces)
+        return FocusSurveyResponse(success=True, **message_fields(message), **focus_fields(found))
 
     def _find(self, request: Any) -> FindCandidatesResponse:
         found = self._imaging.find_candidates(
             request.request_id, request.survey, request.permittivity, request.language
         )
-        self._candidates.publish(found.candidates_json)
+        self._candidates.publish(found.found)
         return FindCandidatesResponse(
             success=True,
             **message_fields(Message("the list is complete")),
-            candidates_json=found.candidates_json,
+            candidates_json=json_text(found.found),
             remarks=found.remarks,
         )
 
@@ -102,9 +96,7 @@ class ImagingNode:
             success=True,
             **message_fields(Message("{count} USB sticks", count=len(found))),
             computer=self._imaging.computer,
-            volumes=[
-                Volume(str(one.path), one.name, one.free_bytes, one.writable) for one in found
-            ],
+            volumes=[Volume(**volume_fields(one)) for one in found],
         )
 
     def _cancel(self, request: Any) -> CancelImagingResponse:
@@ -119,7 +111,7 @@ class ImagingNode:
         missing = self._imaging.missing
         values = health_values(self._imaging)
         if missing is not None:
-            return WARN, missing, values
+            return WARN, missing.as_warning(), values
         return OK, Message("ready for images, candidates and exports"), values
 
 

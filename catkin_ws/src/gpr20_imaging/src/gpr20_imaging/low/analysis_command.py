@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import shutil
 import subprocess
 import sys
@@ -10,7 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Optional, Sequence
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
+from gpr20_common.sent_message import received_message
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import end_child, start_child
@@ -18,6 +21,7 @@ from gpr20_imaging.low.child_process import end_child, start_child
 COMMAND = "gpr20"
 # Every workspace has the command, but not the libraries that it needs; this is one of them.
 LIBRARY = "xarray"
+LONGEST_REASON = 1000
 
 
 def gpr20_path() -> Optional[str]:
@@ -41,6 +45,19 @@ class CommandResult:
     status: int
     output: str
     errors: str
+
+    @property
+    def failure(self) -> Message:
+        """Why it failed, with the fault that it has printed as JSON, if it has."""
+        try:
+            error = json.loads(self.output)["error"]
+            return received_message(error["message"], error["message_json"], error["fault_code"])
+        except (ValueError, KeyError, TypeError):
+            pass
+        text = self.errors.strip()[-LONGEST_REASON:]
+        if text:
+            return verbatim(text)
+        return Message("the analysis ended with status {status}", status=self.status)
 
 
 class AnalysisCommand:
@@ -69,7 +86,7 @@ class AnalysisCommand:
         """Run the command.
 
         Args:
-            arguments: Its arguments.
+            arguments: Its arguments; with `--json` it says as data why it failed.
             limit_s: Time limit [s].
             cancellation: Ends it.
 
@@ -87,7 +104,9 @@ class AnalysisCommand:
                 errors="replace",
             )
         except OSError as error:
-            raise ImagingError(Message("the analysis cannot be started", details=error)) from error
+            raise ImagingError(
+                Message("the analysis cannot be started", details=error), fault=faults.NOT_INSTALLED
+            ) from error
         with cancellation.stopping(lambda: end_child(child)):
             try:
                 output, errors = child.communicate(timeout=limit_s)
@@ -95,6 +114,7 @@ class AnalysisCommand:
                 child.kill()
                 child.communicate()
                 raise ImagingError(
-                    Message("the analysis took longer than {limit_s:g} s", limit_s=limit_s)
+                    Message("the analysis took longer than {limit_s:g} s", limit_s=limit_s),
+                    fault=faults.TOO_MUCH,
                 ) from None
         return CommandResult(child.returncode, output, errors)

@@ -9,7 +9,9 @@ import threading
 from pathlib import Path
 from typing import IO, Any, Callable, Dict, Optional
 
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Message
+from gpr20_common.sent_message import received_message
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import end_child, start_child
@@ -34,7 +36,7 @@ class FocusProcess:
     def ask(
         self, folder: Path, permittivity: Optional[float], cancellation: Cancellation
     ) -> Dict[str, Any]:
-        """Return the answer of the command, with the bytes of the levels as `levels`.
+        """Return the answer of the command, with the bytes of the levels as `levels_db`.
 
         Args:
             folder: The survey's folder.
@@ -61,8 +63,11 @@ class FocusProcess:
                 raise self._died(child)
             answer: Dict[str, Any] = json.loads(line)
             if "error" in answer:
-                raise ImagingError(received_message("", answer["error"]))
-            return {**answer, "levels": levels.read_bytes()}
+                error = answer["error"]
+                raise ImagingError(
+                    received_message(error["message"], error["message_json"], error["fault_code"])
+                )
+            return {**answer, "levels_db": levels.read_bytes()}
 
     def close(self) -> None:
         """End the process, if there is one, and wait for its end."""
@@ -95,7 +100,9 @@ class FocusProcess:
                 encoding="utf-8",
             )
         except OSError as error:
-            raise ImagingError(Message("the analysis cannot be started", details=error)) from error
+            raise ImagingError(
+                Message("the analysis cannot be started", details=error), fault=faults.NOT_INSTALLED
+            ) from error
         return self._child
 
     @staticmethod
@@ -120,5 +127,6 @@ class FocusProcess:
                 "{limit_s:g} s",
                 limit_s=self._limit_s,
                 details=f"{status}: {errors[-LONGEST_ERROR:]}",
-            )
+            ),
+            fault=faults.TOO_MUCH,
         )

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Tuple
 
 from gpr20_common.message import Message
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
+from gpr20_survey.results.volume import Volume
 
 COMMAND = (
     *("lsblk", "--json", "--bytes"),
@@ -19,25 +20,6 @@ COMMAND = (
 LIMIT_S = 10.0
 # Where desktops, servers and people mount sticks; never a disk of the system.
 MOUNT_FOLDERS = (Path("/media"), Path("/run/media"), Path("/mnt"))
-
-
-@dataclass(frozen=True)
-class Volume:
-    """A mounted removable volume.
-
-    Attributes:
-        path: Where it is mounted.
-        name: Its label, or that of its device.
-        free_bytes: What can be written [bytes].
-        writable: Whether this process may write to it.
-        device: Number of the device; another stick at the same place has another one.
-    """
-
-    path: Path
-    name: str
-    free_bytes: int
-    writable: bool
-    device: int
 
 
 def list_block_devices() -> str:
@@ -57,7 +39,8 @@ def list_block_devices() -> str:
         )
     except (OSError, subprocess.SubprocessError) as error:
         raise ImagingError(
-            Message("the USB sticks of this computer cannot be listed", details=error)
+            Message("the USB sticks of this computer cannot be listed", details=error),
+            fault=faults.NO_STICK_LIST,
         ) from error
     return done.stdout
 
@@ -93,7 +76,8 @@ class UsbVolumes:
             ]
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise ImagingError(
-                Message("the USB sticks of this computer cannot be listed", details=error)
+                Message("the USB sticks of this computer cannot be listed", details=error),
+                fault=faults.NO_STICK_LIST,
             ) from error
         return [
             volume
@@ -109,13 +93,14 @@ class UsbVolumes:
             ImagingError: There is none.
         """
         for volume in self.mounted():
-            if str(volume.path) == path:
+            if volume.path == path:
                 return volume
         raise ImagingError(
             Message(
                 "the USB stick at {path} is not mounted any more; plug it in",
                 path=repr(path[:200]),
-            )
+            ),
+            fault=faults.STICK_GONE,
         )
 
     def check_present(self, volume: Volume) -> None:
@@ -125,9 +110,10 @@ class UsbVolumes:
             ImagingError: It was removed or replaced. What is written to its folder then would be
                 on another disk.
         """
-        if self.find(str(volume.path)).device != volume.device:
+        if self.find(volume.path).device != volume.device:
             raise ImagingError(
-                Message("the USB stick at {path} was replaced by another one", path=volume.path)
+                Message("the USB stick at {path} was replaced by another one", path=volume.path),
+                fault=faults.STICK_GONE,
             )
 
 
@@ -156,7 +142,7 @@ def _volume(path: Path, name: str, read_only: bool) -> Iterator[Volume]:
     except OSError:
         return  # it was pulled out since lsblk has listed it
     yield Volume(
-        path=path,
+        path=str(path),
         name=name,
         free_bytes=room.f_bavail * room.f_frsize,
         writable=not read_only and os.access(str(path), os.W_OK),

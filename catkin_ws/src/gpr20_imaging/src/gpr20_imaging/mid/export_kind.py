@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from typing import Tuple
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_imaging.errors import ImagingError
 
@@ -63,5 +64,6 @@ class ExportKind(enum.Enum):
                 "{name} cannot be exported; allowed: {kinds}",
                 name=repr(name[:64]),
                 kinds=", ".join(one.value for one in cls),
-            )
+            ),
+            fault=NOT_ALLOWED,
         )

@@ -8,15 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.cancellation import Cancellation
-from gpr20_imaging.low.usb_volumes import UsbVolumes, Volume
+from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.survey_zip import write_zip
+from gpr20_survey.results.volume import Volume
 
 FOLDER = "GPR20"
 LIMIT_S = 1800.0
@@ -77,7 +79,10 @@ class Exporter:
         """
         volume = self._volumes.find(request.volume)
         if not volume.writable:
-            raise ImagingError(Message("the USB stick {name} is write-protected", name=volume.name))
+            raise ImagingError(
+                Message("the USB stick {name} is write-protected", name=volume.name),
+                fault=faults.STICK_PROTECTED,
+            )
         with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
             # Before the stick is touched: it may be refused, and takes longest.
             files = [(kind, self._made(kind, request, Path(made), cancellation))
@@ -97,7 +102,7 @@ class Exporter:
             return None
         self._report(Message("creating {what}", what=kind.message))
         path = folder / request.name(kind)
-        options = ["-o", str(path), "--leave-out-missing", "--language", request.language]
+        options = ["-o", str(path), "--json", "--leave-out-missing", "--language", request.language]
         if request.permittivity is not None:
             options.append(f"--permittivity={request.permittivity:g}")
         done = self._command.run(
@@ -108,7 +113,7 @@ class Exporter:
                 Message(
                     "{what} could not be created: {reason}",
                     what=kind.message,
-                    reason=verbatim(done.errors.strip()[-1000:]),
+                    reason=done.failure,
                 )
             )
         return path
@@ -129,9 +134,10 @@ class Exporter:
                     name=volume.name,
                     free_mb=volume.free_bytes / 1e6,
                     needed_mb=needed / 1e6,
-                )
+                ),
+                fault=faults.STICK_FULL,
             )
-        folder = volume.path / FOLDER
+        folder = Path(volume.path) / FOLDER
         stick_files.make_folder(folder)
         for kind, path in files:
             self._report(Message("copying {what} to the USB stick", what=kind.message))
@@ -155,7 +161,8 @@ class Exporter:
                     "or use another one.",
                     name=volume.name,
                     details=error,
-                )
+                ),
+                fault=faults.STICK_FULL,
             )
         if error.errno == errno.EFBIG:
             return ExportFailedError(
@@ -164,7 +171,8 @@ class Exporter:
                     "as exFAT",
                     name=volume.name,
                     details=error,
-                )
+                ),
+                fault=faults.STICK_FORMAT,
             )
         if error.errno in GONE:
             return ExportFailedError(

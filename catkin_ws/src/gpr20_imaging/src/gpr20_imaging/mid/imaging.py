@@ -6,22 +6,29 @@ import math
 import socket
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.catalogue_file import languages
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.analysis_command import AnalysisCommand
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import lower_this_thread
 from gpr20_imaging.low.focus_process import FocusProcess
-from gpr20_imaging.low.usb_volumes import UsbVolumes, Volume
+from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import Exporter, ExportRequest
 from gpr20_imaging.mid.job_queue import JobQueue
 from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.results.candidate_json import list_from
+from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.focused_image import FocusedImage, image_from
+from gpr20_survey.results.volume import Volume
 
-LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 100.0
 MOST_ID_CHARACTERS = 64
 FOCUS_LIMIT_S = 300.0
 SEARCH_LIMIT_S = 1800.0
@@ -29,29 +36,15 @@ SEARCH_LIMIT_S = 1800.0
 IDLE_S = 60.0
 # Exit statuses of `gpr20 candidates` with a list.
 LISTED = (0, 1)
-LONGEST_REASON = 1000
 Progress = Callable[[str, Message], None]
 """Called with the id of a request and what is done for it."""
 
 
 @dataclass(frozen=True)
-class FocusAnswer:
-    """A focused image; see gpr20_msgs/FocusSurvey."""
-
-    survey_id: str
-    traces: int
-    x_mm: List[float]
-    y_mm: List[float]
-    depth_mm: List[float]
-    levels_db: bytes
-    candidates_json: str
-
-
-@dataclass(frozen=True)
 class SearchAnswer:
-    """The candidates of a survey; see gpr20_msgs/FindCandidates."""
+    """The candidates of a survey, and what is missing, damaged or noted, in one language."""
 
-    candidates_json: str
+    found: CandidateList
     remarks: str
 
 
@@ -91,9 +84,9 @@ class Imaging:
             "candidates or report. Install it there with scripts/setup.sh, or copy the survey to "
             "a computer that has it.",
             computer=self.computer,
-        )
+        ).with_fault(faults.NOT_INSTALLED)
 
-    def focus(self, request_id: str, survey: str, permittivity: float) -> FocusAnswer:
+    def focus(self, request_id: str, survey: str, permittivity: float) -> FocusedImage:
         """Return the focused image of what is stored of a survey.
 
         Args:
@@ -108,15 +101,9 @@ class Imaging:
         self._require_analysis()
         folder, description = find_survey(self._data, survey)
         answer = self._run(request_id, lambda stop: self._focus.ask(folder, value, stop))
-        return FocusAnswer(
-            survey_id=description["survey_id"],
-            traces=answer["traces"],
-            x_mm=answer["x_mm"],
-            y_mm=answer["y_mm"],
-            depth_mm=answer["depth_mm"],
-            levels_db=answer["levels"],
-            candidates_json=answer["candidates"],
-        )
+        # The list of another survey is refused.
+        values = {**answer, "survey_id": description["survey_id"]}
+        return image_from(SimpleNamespace(**values))
 
     def find_candidates(
         self, request_id: str, survey: str, permittivity: float, language: str
@@ -135,7 +122,7 @@ class Imaging:
         value = _permittivity(permittivity)
         _check_language(language)
         self._require_analysis()
-        folder, _ = find_survey(self._data, survey)
+        folder, description = find_survey(self._data, survey)
         arguments = ["candidates", str(folder), "--json", "--leave-out-missing"]
         arguments += ["--language", language]
         if value is not None:
@@ -143,15 +130,10 @@ class Imaging:
         done = self._run(
             request_id, lambda stop: self._command.run(arguments, SEARCH_LIMIT_S, stop)
         )
-        remarks = done.errors.strip()
         if done.status not in LISTED:
-            # In the language of the request already.
-            raise ImagingError(
-                verbatim(remarks[-LONGEST_REASON:])
-                if remarks
-                else Message("the analysis ended with status {status}", status=done.status)
-            )
-        return SearchAnswer(done.output, remarks)
+            raise ImagingError(done.failure)
+        remarks = done.errors.strip()
+        return SearchAnswer(list_from(done.output, description["survey_id"]), remarks)
 
     def export(
         self,
@@ -179,7 +161,7 @@ class Imaging:
         _check_language(language)
         chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
         if not chosen:
-            raise ImagingError(Message("Choose what to export."))
+            raise ImagingError(Message("Choose what to export."), fault=faults.NOTHING_CHOSEN)
         if any(one.command for one in chosen):
             self._require_analysis()
         folder, description = find_survey(self._data, survey)
@@ -205,7 +187,9 @@ class Imaging:
             ImagingError: There is none of this name.
         """
         if not request_id or not self._jobs.cancel(request_id):
-            raise ImagingError(Message("There is no such request; it may have ended."))
+            raise ImagingError(
+                Message("There is no such request; it may have ended."), fault=faults.NO_REQUEST
+            )
 
     def close(self) -> None:
         """End every request and every child process."""
@@ -218,7 +202,8 @@ class Imaging:
                     "request_id has {count} characters; at most {most} are allowed",
                     count=len(request_id),
                     most=MOST_ID_CHARACTERS,
-                )
+                ),
+                fault=NOT_ALLOWED,
             )
         return self._jobs.run(request_id, work)
 
@@ -237,15 +222,16 @@ def _permittivity(value: float) -> Optional[float]:
     if value == 0.0:
         return None
     # Written so that NaN is refused too.
-    if not (LOWEST_PERMITTIVITY <= value <= HIGHEST_PERMITTIVITY and math.isfinite(value)):
+    if not (MIN_PERMITTIVITY <= value <= LARGEST_PERMITTIVITY and math.isfinite(value)):
         raise ImagingError(
             Message(
                 "the permittivity is {value:g}; it must lie between {lowest:g} and {highest:g}, "
                 "or be 0 to estimate it",
                 value=value,
-                lowest=LOWEST_PERMITTIVITY,
-                highest=HIGHEST_PERMITTIVITY,
-            )
+                lowest=MIN_PERMITTIVITY,
+                highest=LARGEST_PERMITTIVITY,
+            ),
+            fault=NOT_ALLOWED,
         )
     return value
 
@@ -258,5 +244,6 @@ def _check_language(language: str) -> None:
                 "the language is {language}; allowed: {languages}",
                 language=repr(language[:16]),
                 languages=", ".join(known),
-            )
+            ),
+            fault=NOT_ALLOWED,
         )

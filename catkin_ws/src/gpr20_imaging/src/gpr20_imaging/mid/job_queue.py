@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, Generic, Optional, TypeVar
 
 from gpr20_common.message import Message
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.cancellation import Cancellation
 
@@ -65,7 +66,9 @@ class JobQueue:
         job: _Job[Result] = _Job(request_id, work)
         with self._lock:
             if self._is_closed or len(self._jobs) >= MOST_WAITING:
-                raise ImagingError(Message("Too many requests are waiting. Try again later."))
+                raise ImagingError(
+                    Message("Too many requests are waiting. Try again later."), fault=faults.BUSY
+                )
             self._jobs[id(job)] = job
             self._queue.put(job)
         job.ended.wait()

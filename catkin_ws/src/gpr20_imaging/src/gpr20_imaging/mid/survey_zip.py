@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Dict, Tuple
 
 from gpr20_common.message import Message
+from gpr20_imaging import faults
 from gpr20_imaging.errors import ExportFailedError
 from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files
 from gpr20_survey.files.regular_file import open_regular
@@ -40,7 +41,8 @@ def write_zip(folder: Path, target: Any) -> None:
                     file.write(piece)
     if _versions(folder) != before:
         raise ExportFailedError(
-            Message("the survey was changed while it was exported; export it when it has ended")
+            Message("the survey was changed while it was exported; export it when it has ended"),
+            fault=faults.SURVEY_CHANGES,
         )
 
 

@@ -21,6 +21,7 @@ from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_doctor.mid.finding import Finding
+from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import ROBOT, SERVER, SURVEY, LaunchRequest
@@ -129,7 +130,7 @@ def _refuse_running(names: Sequence[str], namespace: str) -> None:
         shared = [_running("/rosout", master), _master(master)]
         nodes += [one for one in shared if one is not None and one.is_left_over]
     if nodes:
-        raise LaunchRefusedError(refusal(nodes, master))
+        raise LaunchRefusedError(refusal(nodes, master), fault=faults.ROBOT_RUNNING)
 
 
 def _running(name: str, master: str) -> Optional[RunningNode]:

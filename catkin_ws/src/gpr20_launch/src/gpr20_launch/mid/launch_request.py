@@ -13,6 +13,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
+from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
 from gpr20_launch.low.data_folder import try_to_write
 from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configuration
@@ -137,7 +138,8 @@ class LaunchRequest:
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
         if self.config and folder.is_file():
             raise ConfigurationError(
-                Message("{file} (config:=) is a file; give its folder", file=folder)
+                Message("{file} (config:=) is a file; give its folder", file=folder),
+                fault=faults.NO_FOLDER,
             )
         if self.config and not folder.is_dir():
             raise ConfigurationError(
@@ -145,7 +147,8 @@ class LaunchRequest:
                     "the folder {folder} (config:=) does not exist; create it with its files: "
                     "rosrun gpr20_launch robot_config create {folder}",
                     folder=folder,
-                )
+                ),
+                fault=faults.NO_FOLDER,
             )
         return folder
 
@@ -181,7 +184,8 @@ class LaunchRequest:
                     "or permission to write",
                     folder=folder,
                     reason=os_reason(error),
-                )
+                ),
+                fault=faults.NO_DATA_FOLDER,
             ) from error
         return folder
 
@@ -192,5 +196,6 @@ def _refusing(section: str) -> Iterator[None]:
         yield
     except Gpr20Error as error:
         raise LaunchRefusedError(
-            Message("{section}: {reason}", section=section, reason=error.message)
+            Message("{section}: {reason}", section=section, reason=error.message),
+            fault=faults.UNUSABLE_EXTENSION,
         ) from error

@@ -8,12 +8,13 @@ from typing import Any, Dict, Mapping, Tuple, Type
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
 from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
-from gpr20_main_control.mid.time_limits import TimeLimits
+from gpr20_main_control.mid.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.sensors import SENSORS, Sensors
@@ -93,7 +94,8 @@ def _refuse_unknown_files(folder: Path) -> None:
                     "allowed: {known}",
                     file=path,
                     known=", ".join(sorted(known)),
-                )
+                ),
+                fault=faults.UNKNOWN_FILE,
             )
 
 
@@ -153,10 +155,10 @@ def _read(path: Path) -> Dict[Any, Any]:
         values = read_yaml(path)
     except FileNotFoundError as error:
         if _is_broken_link(path) or _is_broken_link(path.parent):
-            raise _wrong(path, os_reason(error)) from error
+            raise _wrong(path, os_reason(error), fault=faults.UNREADABLE) from error
         return {}
     except OSError as error:
-        raise _wrong(path, os_reason(error)) from error
+        raise _wrong(path, os_reason(error), fault=faults.UNREADABLE) from error
     except YamlFileError as error:
         raise _wrong(path, error.message) from error
     if values is None:
@@ -171,9 +173,11 @@ def _is_broken_link(path: Path) -> bool:
     return path.is_symlink() and not path.exists()
 
 
-def _wrong(path: Path, reason: Message, place: str = "") -> ConfigurationError:
+def _wrong(
+    path: Path, reason: Message, place: str = "", fault: Fault = faults.WRONG_VALUE
+) -> ConfigurationError:
     if place:
         return ConfigurationError(
-            Message("{file}, {place}: {reason}", file=path, place=place, reason=reason)
+            Message("{file}, {place}: {reason}", file=path, place=place, reason=reason), fault
         )
-    return ConfigurationError(Message("{file}: {reason}", file=path, reason=reason))
+    return ConfigurationError(Message("{file}: {reason}", file=path, reason=reason), fault)

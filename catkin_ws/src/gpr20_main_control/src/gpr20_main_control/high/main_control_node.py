@@ -9,7 +9,6 @@ import rosgraph
 import rospy
 
 from gpr20_common.high import diagnostics
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
@@ -20,14 +19,14 @@ from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.mid.node_software import own_software
+from gpr20_common.sent_message import message_fields
 from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.mid.axis_service import axis_move
-from gpr20_main_control.mid.described_robot import DescribedRobot
+from gpr20_main_control.mid.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.node_liveness import (
     CONNECTIONS,
@@ -36,8 +35,8 @@ from gpr20_main_control.mid.node_liveness import (
     WatchedNode,
 )
 from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.service import axis_move
 from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_msgs.srv import (
     Command,
     CommandResponse,
@@ -66,6 +65,7 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.analyzer_test import analyzer_test_fields
 
 COORDINATE_RATE_HZ = 10.0
 PROGRESS_RATE_HZ = 2.0
@@ -149,16 +149,7 @@ class MainControlNode:
 
     def _test_analyzer(self, request: Any) -> TestAnalyzerResponse:
         test = self._control.test_analyzer(request.address)
-        return TestAnalyzerResponse(
-            success=test.failure is None,
-            address=test.address,
-            identity=test.identity,
-            calibration="" if test.calibration is None else test.calibration.name,
-            points=test.points,
-            sweep_duration_s=test.duration_s,
-            level_db=test.level_db,
-            **message_fields(test.failure or Message("The VNA works.")),
-        )
+        return TestAnalyzerResponse(**analyzer_test_fields(test))
 
     def _health(self) -> diagnostics.Health:
         status = self._status.status

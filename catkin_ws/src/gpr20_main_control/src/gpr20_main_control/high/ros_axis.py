@@ -10,16 +10,17 @@ import actionlib
 import rospy
 
 from gpr20_common.high.connection_header import connection_header
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
+from gpr20_common.sent_message import message_from
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.control_silent import CONTROL_SILENT
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
@@ -126,10 +127,13 @@ class RosAxis:
         try:
             response = service.call(time_limit_s)
         except ServiceUnavailableError as error:
-            raise NodeLostError(self._no_answer(error)) from error
+            # A homing may have begun, and continue.
+            fault = faults.AXIS_SILENT if service is self._homing else None
+            raise NodeLostError(self._no_answer(error), fault=fault) from error
         if not response.success:
             message = message_from(response)
-            raise (NodeLostError if message == CONTROL_SILENT else DeviceError)(message)
+            lost = message.fault_code == CONTROL_SILENT.code
+            raise (NodeLostError if lost else DeviceError)(message)
 
     def stop(self) -> None:
         """End any motion; returns at once."""
@@ -160,8 +164,9 @@ class RosAxis:
         try:
             self._stop.call(STOP_LIMIT_S)
         except ServiceUnavailableError as error:
-            # A lost node moves nothing; if it still runs, this must be visible. When the robot is
-            # shut down, its axes stop by themselves, and their nodes may have ended already.
+            # The motion of a driver that died, or is unreachable, ends by itself; if it is only
+            # slow, this must be visible. When the robot is shut down, its axes stop by
+            # themselves, and their nodes may have ended already.
             log = rospy.loginfo if rospy.core.is_shutdown_requested() else rospy.logerr
             log("%s could not be stopped: %s", self._group, error)
 
@@ -194,8 +199,11 @@ def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
     result: Optional[AxisResult] = goal.get_result()
     text = goal.get_goal_status_text()
     if result is None:
-        no_result = Message("the move ended without a result", details=text)
+        no_result = Message("the move ended without a result", details=text).with_fault(
+            faults.AXIS_SILENT
+        )
         return MoveOutcome(False, no_result)
     # The result of a goal that actionlib itself refused has no message.
     message = message_from(result) if result.message else verbatim(text)
-    return MoveOutcome(result.success, message, contact_lost=message == CONTROL_SILENT)
+    lost = message.fault_code == CONTROL_SILENT.code
+    return MoveOutcome(result.success, message, contact_lost=lost)

@@ -6,26 +6,26 @@ from typing import Any, Tuple
 
 import numpy as np
 
-from gpr20_common.high.graph_message import message_from
+from gpr20_common.faults import NODE_SILENT
 from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from
 from gpr20_main_control.errors import DeviceError, UnconfirmedError
 from gpr20_main_control.high.survey_topics import (
     SurveyTopics,
     coverage_message,
     progress_message,
 )
+from gpr20_main_control.mid.described_robot import TimeLimits
 from gpr20_main_control.mid.robot import (
     AnalyzerSetup,
     OpenedSurvey,
-    ReopenedSurvey,
     SurveyEnd,
     SurveyRecord,
     UnconfirmedSweep,
 )
-from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -43,6 +43,7 @@ from gpr20_msgs.srv import (
     StoreDataRequest,
 )
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
+from gpr20_survey.results.reopened_survey import ReopenedSurvey, reopened_from
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -109,8 +110,10 @@ class DeviceService:
         return self._response_within(self.time_limit_s, *request, **fields)
 
     def refusal(self, response: Any) -> Message:
-        """Return the message of a failure."""
-        return Message("{reason}", reason=message_from(response), details=self._client.name)
+        """Return the message of a failure; what the part itself reports decides, also a note."""
+        reason = message_from(response)
+        carried = Message("{reason}", reason=reason, details=self._client.name)
+        return carried.with_fault(reason.cause)
 
     def _successful(self, response: Any) -> Any:
         if not response.success:
@@ -126,7 +129,8 @@ class DeviceService:
                     "{device} did not answer; check that it runs",
                     device=self._device,
                     details=error,
-                )
+                ),
+                fault=NODE_SILENT,
             ) from error
 
 
@@ -258,15 +262,8 @@ class RosStorage:
         """Reopen a survey by its id or folder; another one that is open is interrupted."""
         response = self._reopen(survey=survey, interrupt_open=True)
         last = response.last
-        return ReopenedSurvey(
-            survey_id=response.survey_id,
-            folder=response.path,
-            metadata_json=response.metadata_json,
-            report_json=response.report_json,
-            stored_indices=tuple(response.stored_indices),
-            last=trace_message.decode(serialized(last)) if last.frequency_hz else None,
-            interrupted=response.interrupted,
-        )
+        trace = trace_message.decode(serialized(last)) if last.frequency_hz else None
+        return reopened_from(response, trace)
 
     def report(self, survey_id: str, report_json: str) -> int:
         """Store a report beside the survey's metadata; return how many traces are stored."""
@@ -288,6 +285,7 @@ class RosStorage:
             survey_id=survey_id,
             outcome=end.outcome,
             reason=str(end.reason),
+            reason_json=end.reason.to_json(),
             status=self._topics.status_message(end.status),
             progress=progress,
             coverage=coverage,

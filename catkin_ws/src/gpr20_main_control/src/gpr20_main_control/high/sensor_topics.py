@@ -8,11 +8,12 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.diagnostics import MESSAGE_JSON, PERIOD_S
+from gpr20_common.high.diagnostics import FAULT_CODE, MESSAGE_JSON, PERIOD_S
 from gpr20_common.high.message_field import MessageField
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.mid.aux_sensors import AuxSensors, Measured, SensorInput
 from gpr20_survey.plan.sensors import Sensor
 
@@ -35,7 +36,8 @@ def field_of(sensor: Sensor) -> MessageField:
                 sensor=sensor.name,
                 topic=sensor.topic,
                 reason=error.message,
-            )
+            ),
+            fault=faults.SENSORS_FILE,
         ) from error
 
 
@@ -66,12 +68,14 @@ class SensorTopics:
 
 
 def _status(measured: Measured) -> DiagnosticStatus:
-    sensor = measured.sensor
+    sensor, message = measured.sensor, measured.message
     level = DiagnosticStatus.OK
     if measured.problem is not None:
         level = DiagnosticStatus.ERROR if sensor.required else DiagnosticStatus.WARN
+        message = message if sensor.required else message.as_warning()
     values = {
-        MESSAGE_JSON: measured.message.to_json(),
+        MESSAGE_JSON: message.to_json(),
+        FAULT_CODE: message.fault_code,
         "value": "" if measured.value is None else repr(measured.value),
         "unit": sensor.unit,
         "age [s]": "" if measured.age_s is None else f"{measured.age_s:.1f}",
@@ -79,4 +83,4 @@ def _status(measured: Measured) -> DiagnosticStatus:
     }
     pairs: List[KeyValue] = [KeyValue(key, value) for key, value in values.items()]
     name = rospy.resolve_name(f"{STATUS_FOLDER}/{sensor.name}").strip("/")
-    return DiagnosticStatus(level, f"{name}: value", str(measured.message), "", pairs)
+    return DiagnosticStatus(level, f"{name}: value", str(message), "", pairs)

@@ -10,7 +10,8 @@ from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.trace.aux_value import AuxValue
@@ -91,7 +92,9 @@ class SensorInput:
         before = [one for one in received if one[0] <= moment_s]
         if not before:
             return self._without(
-                None, Message("nothing has been received on {topic}", topic=self.sensor.topic)
+                None,
+                Message("nothing has been received on {topic}", topic=self.sensor.topic),
+                faults.SENSOR_NOT_MEASURED,
             )
         received_s, content = before[-1]
         age_s = moment_s - received_s
@@ -103,17 +106,21 @@ class SensorInput:
                     age_s=f"{age_s:.1f}",
                     longest_s=self.sensor.longest_age_s,
                 ),
+                faults.SENSOR_NOT_MEASURED,
             )
         try:
             value = self._read(content)
         except InvalidValueError as error:
-            return self._without(age_s, error.message)
+            # Its node and sensors.yaml do not agree.
+            return self._without(age_s, error.message, faults.SENSORS_FILE)
         return self._judged(value, age_s)
 
     def _judged(self, value: float, age_s: float) -> Measured:
         if not math.isfinite(value):
             return self._without(
-                age_s, Message("its value is {value}, not a finite number", value=str(value))
+                age_s,
+                Message("its value is {value}, not a finite number", value=str(value)),
+                faults.SENSOR_IMPLAUSIBLE,
             )
         if self.sensor.is_plausible(value):
             return Measured(self.sensor, value, age_s, None)
@@ -124,13 +131,14 @@ class SensorInput:
             low="-" if self.sensor.low is None else f"{self.sensor.low:g}",
             high="-" if self.sensor.high is None else f"{self.sensor.high:g}",
         )
-        return Measured(self.sensor, value, age_s, self._named(problem))
+        return Measured(self.sensor, value, age_s, self._named(problem, faults.SENSOR_IMPLAUSIBLE))
 
-    def _without(self, age_s: Optional[float], problem: Message) -> Measured:
-        return Measured(self.sensor, None, age_s, self._named(problem))
+    def _without(self, age_s: Optional[float], problem: Message, fault: Fault) -> Measured:
+        return Measured(self.sensor, None, age_s, self._named(problem, fault))
 
-    def _named(self, problem: Message) -> Message:
-        return Message("sensor {sensor}: {reason}", sensor=self.sensor.name, reason=problem)
+    def _named(self, problem: Message, fault: Fault) -> Message:
+        named = Message("sensor {sensor}: {reason}", sensor=self.sensor.name, reason=problem)
+        return named.with_fault(fault)
 
 
 class AuxSensors:
@@ -196,7 +204,8 @@ def _refuse_problems(measured: Sequence[Measured]) -> None:
                     "{problem}; check this sensor and its cable, or set required: false in "
                     "sensors.yaml and launch again",
                     problem=one.problem,
-                )
+                ),
+                fault=faults.SENSOR_NOT_MEASURED,
             )
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 from gpr20_common.mid.node_software import software_difference
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.time_limits import TimeLimits
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
@@ -22,9 +23,40 @@ from gpr20_survey.plan.robot_description import (
     robot_config,
 )
 from gpr20_survey.plan.site import Site
+from gpr20_survey.trace.ms2026c import sweep_duration_s
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # Entries of survey.json that hold the configuration of a node.
 RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
+# The driver takes sweeps when it sets up the analyzer, to learn how long one takes.
+SWEEPS_OF_SETUP = 24
+# What is assumed of an analyzer whose IF bandwidth is left as it is: still enough for one sweep at
+# the narrowest of an MS2026C, 10 Hz.
+UNKNOWN_IF_BANDWIDTH_HZ = 100.0
+
+
+@dataclass(frozen=True)
+class TimeLimits:
+    """How long the main control waits for the answers of other nodes.
+
+    Attributes:
+        analyzer_limit_s: For an answer of the VNA driver [s].
+        height_limit_s: For an answer of the height sensor [s].
+        storage_limit_s: For an answer of the storage [s].
+    """
+
+    analyzer_limit_s: float = 90.0
+    height_limit_s: float = 10.0
+    storage_limit_s: float = 90.0
+
+    def __post_init__(self) -> None:
+        for name in ("analyzer_limit_s", "height_limit_s", "storage_limit_s"):
+            number_between(name, getattr(self, name), 0.1, 3600.0, "s")
+
+    def analyzer_setup_limit_s(self, settings: SweepSettings) -> float:
+        """Return how long to wait until the analyzer is set up for these settings [s]."""
+        sweep_s = sweep_duration_s(settings, unknown_if_bandwidth_hz=UNKNOWN_IF_BANDWIDTH_HZ)
+        return self.analyzer_limit_s + SWEEPS_OF_SETUP * sweep_s
 
 
 class DescribedRobot:
@@ -119,7 +151,8 @@ class DescribedRobot:
                     "a part of the robot was restarted with another configuration than the survey "
                     "began with; end the launch, start it with the former configuration and "
                     "resume the survey"
-                )
+                ),
+                fault=faults.CONFIGURATION_CHANGED,
             )
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:
@@ -134,7 +167,8 @@ class DescribedRobot:
                     "the VNA is a simulated one ({identity}), but the robot is real; check the "
                     "address of the VNA",
                     identity=identity,
-                )
+                ),
+                fault=faults.WRONG_VNA,
             )
         if config.simulated and not is_simulated_identity(identity):
             raise DeviceError(
@@ -142,7 +176,8 @@ class DescribedRobot:
                     "the VNA is a real one ({identity}), but the robot is simulated; use the "
                     "address 127.0.0.1, or launch with robot:=gpr20",
                     identity=identity,
-                )
+                ),
+                fault=faults.WRONG_VNA,
             )
 
     def recorded(self) -> Dict[str, Any]:

@@ -6,6 +6,7 @@ import threading
 from typing import Optional
 
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import (
     DeviceError,
     NodeLostError,
@@ -15,20 +16,14 @@ from gpr20_main_control.errors import (
     message_of,
 )
 from gpr20_main_control.mid import survey_steps as steps
-from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
-from gpr20_main_control.mid.clock_steps import ClockSteps
 from gpr20_main_control.mid.instruments import Instruments
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.recovery import Recovery
-from gpr20_main_control.mid.robot import Robot
-from gpr20_main_control.mid.sampling import Check, Sampling
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.sampling import Sampling
 from gpr20_main_control.mid.step_actions import StepActions
 from gpr20_main_control.mid.survey_archive import SurveyArchive
 from gpr20_main_control.mid.survey_ending import SurveyEnding
-from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_main_control.mid.wait_status import WaitStatus
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.plan.survey_state import SurveyState
 
 # Time to confirm the last sweep while a lost node is waited for [s]; then it is measured again.
@@ -39,66 +34,22 @@ POLL_S = 0.05
 class SurveyEngine:
     """Executes one survey. `run` is the body of its thread."""
 
-    def __init__(
-        self,
-        plan: SurveyPlan,
-        robot: Robot,
-        status: SurveyStatus,
-        positioner: Positioner,
-        interruption: Interruption,
-        accept_analyzer: str = "",
-    ) -> None:
-        """Prepare the execution of a plan; nothing happens before `run`.
+    def __init__(self, survey: RunningSurvey, accept_analyzer: str = "") -> None:
+        """Prepare the execution of a survey; nothing happens before `run`.
 
         Args:
-            plan: What is measured.
-            robot: The parts of the robot.
-            status: What is shown of the survey.
-            positioner: Its axes.
-            interruption: What ends its waits.
+            survey: What is measured, and with what.
             accept_analyzer: Identity of another analyzer with which the operator continues it.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
         """
-        self._status = status
-        self._robot = robot
-        self._positioner = positioner
-        self._interruption = interruption
-        self._analyzers = AnalyzerRecord(plan.analyzers)
+        self._survey = survey
+        self._status, self._interruption = survey.status, survey.interruption
+        self._analyzers, self._progress = survey.analyzers, survey.progress
         self._analyzers.accept = accept_analyzer
-        archive = SurveyArchive(plan, robot, status, interruption.clock, self._analyzers)
-        self._archive = archive
-        self._clock_steps = ClockSteps(interruption.clock, plan.last, self._note_warning)
-        limit_s = plan.settings.return_limit_s
-        self._recovery = Recovery(positioner, status, interruption, limit_s)
-        self._plan = plan
-        self._progress = steps.SurveyProgress(plan)
-        self._ending = SurveyEnding(
-            plan,
-            robot,
-            status,
-            positioner,
-            interruption,
-            archive,
-            self._recovery,
-            self._clock_steps,
-        )
-        waits = WaitStatus(status, interruption)
-        instruments = Instruments(plan, robot, positioner, interruption, waits, self._analyzers)
-        self._actions = StepActions(
-            plan,
-            self._progress,
-            status,
-            interruption,
-            positioner,
-            instruments,
-            Sampling(plan, robot, positioner, instruments, interruption, self._clock_steps, waits),
-            archive,
-            self._recovery,
-            self._ending,
-            waits,
-        )
+        archive, recovery = SurveyArchive(survey), Recovery(survey)
+        ending, instruments = SurveyEnding(survey, archive, recovery), Instruments(survey)
+        sampling = Sampling(survey, instruments)
+        self._archive, self._recovery, self._ending = archive, recovery, ending
+        self._actions = StepActions(survey, instruments, sampling, archive, recovery, ending)
         self._pause_requested = threading.Event()
         self._resume = threading.Event()
         self._lock = threading.Lock()
@@ -106,9 +57,9 @@ class SurveyEngine:
 
     def run(self) -> None:
         """Execute the survey; it always ends in a final state with a message."""
-        difference = self._robot.description.software_difference()
+        difference = self._survey.robot.description.software_difference()
         if difference is not None:
-            self._note_warning(difference)
+            self._survey.show_warning(difference)
         try:
             self._run()
         finally:
@@ -137,12 +88,12 @@ class SurveyEngine:
         Args:
             limit_s: How long to wait [s]; an analyzer that is not known by then is not refused.
         """
-        self._interruption.clock.wait_s(self._analyzers.checked, limit_s)
+        self._survey.clock.wait_s(self._analyzers.checked, limit_s)
         return self._refusal
 
     def _run(self) -> None:
         try:
-            self._status.show_coverage(self._archive.coverage)
+            self._status.show_coverage(self._survey.coverage)
             while not self._continue():
                 pass
         except ShutDownRequested:
@@ -150,7 +101,7 @@ class SurveyEngine:
             self._ending.leave(lambda: self._all_stored, self._actions.resolve_unconfirmed)
             return
         except StopRequested:
-            stopped = Message("Stopped on request")
+            stopped = Message("Stopped on request").with_fault(faults.STOPPED_ON_REQUEST)
             self._end_early(SurveyState.STOPPED, "stopped", stopped, stopped)
         except Exception as error:
             reason = message_of(error)
@@ -165,7 +116,11 @@ class SurveyEngine:
         try:
             if self._execute_steps():
                 return True
-            self._wait_paused(Message("Paused on request. Resume the survey, or stop it."))
+            self._wait_paused(
+                Message("Paused on request. Resume the survey, or stop it.").with_fault(
+                    faults.PAUSED_ON_REQUEST
+                )
+            )
         except DeviceError as error:
             # A stop makes parts fail too; that is no reason to pause.
             self._interruption.check_stop()
@@ -175,7 +130,7 @@ class SurveyEngine:
 
     def _execute_steps(self) -> bool:
         """Execute the steps to the end; return False if a pause was requested on the way."""
-        for step in steps.survey_steps(self._plan, self._progress):
+        for step in steps.survey_steps(self._survey.plan, self._progress):
             if not isinstance(step, steps.Checkpoint):
                 self._actions.execute(step)
             elif self._pause_requested.is_set():
@@ -188,22 +143,17 @@ class SurveyEngine:
         """Return what ends the wait for the confirmation of the last sweep after an error."""
         if not isinstance(error, NodeLostError):
             return self._interruption.check
-        deadline_s = self._interruption.clock.now_s() + CONFIRMING_LIMIT_S
+        limit = self._interruption.time_limit(CONFIRMING_LIMIT_S, error)
 
         def check() -> None:
             self._interruption.check_stop()
-            if self._interruption.clock.now_s() > deadline_s:
-                raise error
+            limit()
 
         return check
 
     @property
     def _all_stored(self) -> bool:
         return self._progress.all_confirmed and not self._archive.queue.waiting
-
-    def _note_warning(self, warning: Message) -> None:
-        self._archive.note_warning(warning)
-        self._status.set_warning(warning)
 
     def _end_early(
         self, state: SurveyState, outcome: str, message: Message, reason: Message
@@ -225,7 +175,7 @@ class SurveyEngine:
                 reason = not_back.message
         if not self._archive.folder:
             raise DeviceError(reason) from error
-        self._positioner.stop()
+        self._survey.positioner.stop()
         if self._pause_requested.is_set():
             paused = Message(
                 "Paused on request, and a part failed: {reason}. Fix the fault and resume, or "
@@ -248,6 +198,6 @@ class SurveyEngine:
             self._analyzers.checked.set()
         while not self._resume.is_set():
             self._interruption.check_stop()
-            self._clock_steps.check()
-            self._interruption.clock.wait_s(self._resume, POLL_S)
+            self._survey.clock_steps.check()
+            self._survey.clock.wait_s(self._resume, POLL_S)
         self._recovery.note_resumed()

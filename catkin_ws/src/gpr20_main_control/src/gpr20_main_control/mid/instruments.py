@@ -8,14 +8,11 @@ from typing import Callable, Optional, Tuple, TypeVar
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import AnalyzerSetup, Robot
-from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.wait_status import ExpectedWait, WaitStatus
-from gpr20_main_control.mid.workers import result_of
+from gpr20_main_control.mid.robot import AnalyzerSetup
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.waits import ExpectedWait, result_of
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_settings import HeightPolicy
@@ -48,24 +45,14 @@ class AnalyzerState:
 class Instruments:
     """Checks the instruments of one survey, and knows what to expect of them."""
 
-    def __init__(
-        self,
-        plan: SurveyPlan,
-        robot: Robot,
-        positioner: Positioner,
-        interruption: Interruption,
-        waits: WaitStatus,
-        record: AnalyzerRecord,
-    ) -> None:
-        self._plan = plan
-        self._robot = robot
-        self._positioner = positioner
-        self._interruption = interruption
-        self._waits = waits
-        self._record = record
-        self._wanted = plan.sweep_settings
+    def __init__(self, survey: RunningSurvey) -> None:
+        self._survey = survey
+        self._plan, self._robot = survey.plan, survey.robot
+        self._waits = survey.waits
+        self._wanted = survey.plan.sweep_settings
         self._setup: Optional[AnalyzerSetup] = None
-        self._frequencies_hz = np.empty(0) if plan.last is None else plan.last.frequency_hz
+        last = survey.plan.last
+        self._frequencies_hz = np.empty(0) if last is None else last.frequency_hz
 
     def check(self, next_index: int) -> AnalyzerState:
         """Check everything that the survey needs, and return the state of the analyzer.
@@ -78,7 +65,7 @@ class Instruments:
         Raises:
             DeviceError: A check failed.
         """
-        self._positioner.check_alive()
+        self._survey.positioner.check_alive()
         self._robot.description.check(self._plan.config)
         analyzer = self._check_analyzer(next_index)
         if self._plan.settings.on_height_failure == HeightPolicy.PAUSE.value:
@@ -104,7 +91,8 @@ class Instruments:
         if self._plan.settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
             return float("nan"), (storable_remark(f"no height: {failure}"),)
         raise DeviceError(
-            Message("the antenna height could not be measured: {reason}", reason=failure.message)
+            Message("the antenna height could not be measured: {reason}", reason=failure.message),
+            fault=faults.HEIGHT_NOT_MEASURED,
         ) from failure
 
     def height_wait(self, point: Optional[SurveyPoint]) -> ExpectedWait:
@@ -146,7 +134,8 @@ class Instruments:
                 "during a survey",
                 measured=described(SweepSettings(*ends_hz, len(frequency_hz), sweep.analyzer)),
                 wanted=described(self._wanted),
-            )
+            ),
+            fault=faults.VNA_SETTINGS_CHANGED,
         )
 
     def _check_analyzer(self, next_index: int) -> AnalyzerState:
@@ -154,7 +143,7 @@ class Instruments:
         address = self._plan.parameters.vna_address
         identity = self._call(lambda: analyzer.connect(address), Message("connection"))
         self._robot.description.check_identity(identity, self._plan.config)
-        self._record.check(identity, next_index, self._interruption.clock.time_of_day_us())
+        self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
         # Before anything is written: without calibration there is nothing to set up.
         self._call(analyzer.calibration, Message("calibration status"))
         wanted = self._wanted
@@ -172,7 +161,8 @@ class Instruments:
                     "the VNA accepted {accepted} instead of {wanted}",
                     accepted=described(accepted),
                     wanted=described(wanted),
-                )
+                ),
+                fault=faults.VNA_SETTINGS_REFUSED,
             )
         # What was left to the instrument stays as it is now: to the end of the survey.
         self._wanted, self._setup = accepted, setup
@@ -184,7 +174,8 @@ class Instruments:
                 Message(
                     "the VNA's frequencies are no longer those of this survey; stop the survey and "
                     "start a new one"
-                )
+                ),
+                fault=faults.FREQUENCIES_CHANGED,
             )
         self._frequencies_hz = frequencies_hz
         return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)

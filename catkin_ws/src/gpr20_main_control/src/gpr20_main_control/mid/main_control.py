@@ -11,22 +11,24 @@ from typing import Callable, Iterator, Optional
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
+from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, AnalyzerTest, run_analyzer_test
-from gpr20_main_control.mid.axis_service import AxisMove, AxisService
+from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
 from gpr20_main_control.mid.engine import SurveyEngine
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import ReopenedSurvey, Robot, SurveyEnd
-from gpr20_main_control.mid.service_slot import ServiceSlot
+from gpr20_main_control.mid.robot import Robot, SurveyEnd
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
 from gpr20_main_control.mid.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey_status import Status, SurveyStatus
+from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.refines import check_refines
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check_address
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 # A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0
@@ -69,7 +71,7 @@ class MainControl:
         self._service = ServiceSlot(robot.axes, clock, on_service)
         self._requests = threading.Lock()
         self._plan: Optional[SurveyPlan] = None
-        self._positioner: Optional[Positioner] = None
+        self._survey: Optional[RunningSurvey] = None
         self._engine: Optional[SurveyEngine] = None
         self._thread: Optional[threading.Thread] = None
 
@@ -119,7 +121,8 @@ class MainControl:
             self._service.refuse_while_busy()
             if self._plan is None:
                 raise RequestRefusedError(
-                    Message("no parameters have been set; set them, then start")
+                    Message("no parameters have been set; set them, then start"),
+                    fault=faults.NO_PLAN,
                 )
             # Planned again: a part may have been restarted with another configuration.
             plan = plan_survey(
@@ -148,7 +151,8 @@ class MainControl:
                     Message(
                         "no survey is measuring; there is nothing to pause",
                         details=status.state.name,
-                    )
+                    ),
+                    fault=faults.NONE_MEASURING,
                 )
             pausing = Message("Pausing after the present trace")
             self._status.enter(SurveyState.PAUSING, pausing)
@@ -167,10 +171,12 @@ class MainControl:
         if self._service.stop():
             return Message("Stopping the axes")
         if not self._status.status.state.running:
-            raise RequestRefusedError(Message("no survey is running; there is nothing to stop"))
+            raise RequestRefusedError(
+                Message("no survey is running; there is nothing to stop"), fault=faults.NONE_RUNNING
+            )
         self._interruption.stop.set()
-        if self._positioner is not None:
-            self._positioner.stop()
+        if self._survey is not None:
+            self._survey.positioner.stop()
         return Message("Stopping the axes, then storing the measured traces")
 
     def resume(self, survey: str, accept_analyzer: str = "") -> Message:
@@ -198,7 +204,8 @@ class MainControl:
                             "the paused survey is {paused}, not {requested}; stop it first",
                             paused=status.survey_id,
                             requested=repr(survey[:64]),
-                        )
+                        ),
+                        fault=faults.OTHER_PAUSED,
                     )
                 # Before the answer, after which the survey must no longer be shown as paused.
                 checking = Message("Checking the robot before the survey continues")
@@ -216,7 +223,8 @@ class MainControl:
                 raise RequestRefusedError(
                     Message(
                         "no survey is paused; name the survey to resume", details=status.state.name
-                    )
+                    ),
+                    fault=faults.NONE_PAUSED,
                 )
             return self._unless_refused(self._resume_from_disk(survey, accept_analyzer))
 
@@ -274,7 +282,8 @@ class MainControl:
                     "another request did not end within {limit_s:g} s, because reopening a large "
                     "survey takes long; try again later",
                     limit_s=REQUEST_LIMIT_S,
-                )
+                ),
+                fault=faults.BUSY,
             )
         try:
             yield
@@ -292,7 +301,8 @@ class MainControl:
                     Message(
                         "the previous survey did not end within {limit_s:g} s; try again",
                         limit_s=ENDING_LIMIT_S,
-                    )
+                    ),
+                    fault=faults.BUSY,
                 )
 
     def _unless_refused(self, resuming: Message) -> Message:
@@ -324,10 +334,9 @@ class MainControl:
 
     def _begin(self, plan: SurveyPlan, accept_analyzer: str = "") -> None:
         # First, so that nothing changes if the survey is refused here.
-        robot, interruption = self._robot, self._interruption
-        positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
-        engine = SurveyEngine(plan, robot, self._status, positioner, interruption, accept_analyzer)
-        self._plan, self._engine, self._positioner = plan, engine, positioner
+        survey = RunningSurvey(plan, self._robot, self._status, self._interruption)
+        engine = SurveyEngine(survey, accept_analyzer)
+        self._plan, self._survey, self._engine = plan, survey, engine
         self._status.show_parameters(plan.parameters)
         self._interruption.stop.clear()
         self._status.begin_survey(

@@ -9,6 +9,7 @@ from typing import Callable, List, Mapping, Optional, Sequence
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
+from gpr20_main_control import faults
 from gpr20_main_control.errors import NodeLostError
 
 # Nodes that are launched together are all running after this time [s].
@@ -192,11 +193,15 @@ class NodeLiveness:
             ]
         return _joined(
             [
-                Message("{node} stopped answering", node=self._plain_name(name), details=name)
+                Message(
+                    "{node} stopped answering", node=self._plain_name(name), details=name
+                ).with_fault(faults.NODE_LOST)
                 for name in missing
             ]
             + [
-                Message("{node} restarted", node=self._plain_name(name), details=name)
+                Message("{node} restarted", node=self._plain_name(name), details=name).with_fault(
+                    faults.NODE_LOST
+                )
                 for name in restarted
             ]
         )
@@ -218,7 +223,9 @@ class NodeLiveness:
         starting = self._clock.now_s() < self._starting_until_s
         missing = _joined(
             [
-                Message("{node} does not answer", node=self._plain_name(name), details=name)
+                Message(
+                    "{node} does not answer", node=self._plain_name(name), details=name
+                ).with_fault(faults.NODE_LOST)
                 for name in self.missing()
                 if self._known[name].seen or not starting
             ]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from typing import Callable, Dict, List, Mapping, Optional
+from typing import Callable, Dict, Iterable, List, Mapping, Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message, in_a_row
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.interruption import StopInterruption
 from gpr20_main_control.mid.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.robot import Axis, AxisReading, Position
-from gpr20_main_control.mid.workers import Workers, result_of
+from gpr20_main_control.mid.waits import StopInterruption, Workers, result_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
@@ -50,6 +50,8 @@ class Positioner:
         self._parameters = parameters
         self._interruption = interruption
         self._never = threading.Event()
+        # Of each axis that was moved here: whether that motion may not have ended yet.
+        self._may_move: Dict[AxisId, bool] = {}
         self._clock = interruption.clock
 
     def check_alive(self) -> None:
@@ -92,9 +94,13 @@ class Positioner:
                     axis=axis_id.value,
                     limit_s=READING_LIMIT_S,
                     details=f"{axis_id.value}_axis/current_coord",
-                )
+                ),
+                fault=self._lost_fault(axis_id),
             )
         return reading
+
+    def _lost_fault(self, axis_id: AxisId) -> Fault:
+        return faults.AXIS_SILENT if self._may_move.get(axis_id) else faults.NODE_LOST
 
     def position(self) -> Position:
         """Return the position of the axes.
@@ -111,7 +117,8 @@ class Positioner:
                         "the {axis} axis is not homed: its position is unknown; resume the survey "
                         "to home it",
                         axis=axis_id.value,
-                    )
+                    ),
+                    fault=faults.AXIS_NOT_HOMED,
                 )
         return Position(
             readings[AxisId.X].coordinate,
@@ -193,41 +200,52 @@ class Positioner:
         for axis in self._axes.values():
             axis.stop()
 
-    def wait_for_rest(self, limit_s: float) -> bool:
-        """Wait until no axis moves after `stop`; return whether all came to rest.
+    def wait_for_rest(self, limit_s: float) -> Optional[Message]:
+        """Wait until no axis moves after `stop`; return what may still move, None if nothing.
 
-        An axis that does not publish is not waited for: its last reading is too old.
+        An axis that does not publish is not waited for: its last reading is too old. If it was
+        moved here, it is said to move: a driver that died moves nothing, because its motion ends
+        without it, but one that is only unreachable looks the same, and people must be careful.
         """
         begun_s = self._clock.now_s()
         while True:
             elapsed_s = self._clock.now_s() - begun_s
-            readings = [axis.reading() for axis in self._axes.values()]
-            fresh = [one for one in readings if one is not None and _is_fresh(one)]
+            readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
+            fresh = [one for one in readings.values() if one is not None and _is_fresh(one)]
             # Only readings well after the request show its effect.
             recent = elapsed_s > STOP_EFFECT_S and all(
                 one.age_s < elapsed_s - STOP_EFFECT_S for one in fresh
             )
             if recent and not any(one.moving for one in fresh):
-                return True
+                moved = list(self._may_move)
+                silent = [axis_id for axis_id in moved if not _is_fresh(readings[axis_id])]
+                self._may_move.update({one: False for one in moved if one not in silent})
+                return _silent(silent) if silent else None
             if elapsed_s > limit_s:
-                return False
+                return Message("AN AXIS IS STILL MOVING: switch the motors off").with_fault(
+                    faults.AXIS_STILL_MOVING
+                )
             self._clock.wait_s(self._never, POLL_S)
 
     def _home(self, axis_id: AxisId) -> None:
         parameters = self._parameters[axis_id]
         slow_s = 2.0 * parameters.max_step * parameters.travel_steps
         limit_s = HOMING_TIME_FACTOR * slow_s + TIME_LIMIT_EXTRA_S
+        self._may_move[axis_id] = True
         try:
             self._axes[axis_id].home(limit_s)
-        except NodeLostError:
-            raise
+            self._may_move[axis_id] = False
         except DeviceError as error:
+            self._may_move[axis_id] = error.message.may_move
+            if isinstance(error, NodeLostError):
+                raise
             raise DeviceError(
                 Message(
                     "homing the {axis} axis failed: {reason}",
                     axis=axis_id.value,
                     reason=error.message,
-                )
+                ),
+                fault=faults.HOMING_FAILED,
             ) from error
 
     def _begin(self, axis_id: AxisId, target: float) -> bool:
@@ -238,8 +256,10 @@ class Positioner:
         axis = self._axes[axis_id]
         if not self._wait(axis.is_connected, CONNECTION_LIMIT_S):
             raise NodeLostError(
-                Message("the {axis} axis driver is not connected", axis=axis_id.value)
+                Message("the {axis} axis driver is not connected", axis=axis_id.value),
+                fault=self._lost_fault(axis_id),
             )
+        self._may_move[axis_id] = True
         axis.begin_move(target)
         return True
 
@@ -253,6 +273,7 @@ class Positioner:
             outcome = self._axes[axis_id].move_outcome(POLL_S)
             self._interruption.check()
             if outcome is not None:
+                self._may_move[axis_id] = outcome.message.may_move
                 break
             now_s = self._clock.now_s()
             if now_s > deadline_s:
@@ -264,7 +285,8 @@ class Positioner:
                         target=target,
                         unit=axis_id.unit,
                         limit_s=limit_s,
-                    )
+                    ),
+                    fault=faults.MOVE_TOO_LONG,
                 )
             reading = self.reading(axis_id)
             if reading.moving or not self._at_target(axis_id, reading, target):
@@ -272,17 +294,19 @@ class Positioner:
             elif arrived_s is None:
                 arrived_s = now_s
             elif now_s - arrived_s > LOST_RESULT_S:
+                self._may_move[axis_id] = False
                 return
         if not outcome.success:
-            error_class = NodeLostError if outcome.contact_lost else DeviceError
-            raise error_class(
+            lost = outcome.contact_lost
+            raise (NodeLostError if lost else DeviceError)(
                 Message(
                     "the {axis} axis did not reach {target:g} {unit}: {reason}",
                     axis=axis_id.value,
                     target=target,
                     unit=axis_id.unit,
                     reason=outcome.message,
-                )
+                ),
+                fault=faults.NODE_LOST if lost else faults.MOVE_FAILED,
             )
 
     def _wait_for_target(self, axis_id: AxisId, target: float) -> None:
@@ -300,7 +324,8 @@ class Positioner:
                     Message(
                         "the {axis} axis has lost its zero; resume the survey to home it",
                         axis=axis_id.value,
-                    )
+                    ),
+                    fault=faults.AXIS_NOT_HOMED,
                 )
             raise DeviceError(
                 Message(
@@ -310,7 +335,8 @@ class Positioner:
                     coordinate=self.reading(axis_id).coordinate,
                     unit=axis_id.unit,
                     target=target,
-                )
+                ),
+                fault=faults.AXIS_OFF_TARGET,
             )
 
     def _wait(
@@ -344,6 +370,16 @@ class Positioner:
     def _stale(self) -> List[AxisId]:
         readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
         return [axis_id for axis_id, reading in readings.items() if not _is_fresh(reading)]
+
+
+def _silent(axes: Iterable[AxisId]) -> Message:
+    return in_a_row(
+        Message(
+            "the {axis} axis does not answer and may still move: switch the motors off",
+            axis=axis_id.value,
+        ).with_fault(faults.AXIS_STILL_MOVING)
+        for axis_id in axes
+    )
 
 
 def _is_fresh(reading: Optional[AxisReading]) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import Optional
 
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.plan.survey_state import SurveyState
 
 # A survey that loses nodes more often than this without storing a trace in between is paused.
@@ -21,18 +21,12 @@ POLL_S = 0.05
 class Recovery:
     """Decides whether a lost node caused a failure, and waits until the node is back."""
 
-    def __init__(
-        self,
-        positioner: Positioner,
-        status: SurveyStatus,
-        interruption: Interruption,
-        return_limit_s: float,
-    ) -> None:
-        self._positioner = positioner
-        self._status = status
-        self._interruption = interruption
-        self._nodes, self._clock = interruption.nodes, interruption.clock
-        self._return_limit_s = return_limit_s
+    def __init__(self, survey: RunningSurvey) -> None:
+        self._positioner = survey.positioner
+        self._status = survey.status
+        self._interruption = survey.interruption
+        self._nodes, self._clock = survey.interruption.nodes, survey.clock
+        self._return_limit_s = survey.plan.settings.return_limit_s
         self._recoveries = 0
         self._stored_before = 0
 
@@ -41,7 +35,7 @@ class Recovery:
         """Whether nodes are missing or were restarted since the survey last continued."""
         return self._nodes.lost() is not None
 
-    def return_limit_check(self) -> Callable[[], None]:
+    def return_limit_check(self) -> Check:
         """Return a check that limits the wait for a storage that may be lost, at a survey's end.
 
         The check raises NodeLostError if a node is missing and the time limit for lost nodes
@@ -92,7 +86,7 @@ class Recovery:
             Message(
                 "Waiting: {reason}. The survey continues by itself when every part answers.",
                 reason=lost,
-            )
+            ).with_fault(faults.WAITING_FOR_PART)
         )
         self._positioner.wait_for_rest(REST_LIMIT_S)
         self._count_recovery(lost)
@@ -104,7 +98,8 @@ class Recovery:
                         "{reason}; no answer within {limit_s:g} s",
                         reason=lost,
                         limit_s=self._return_limit_s,
-                    )
+                    ),
+                    fault=faults.NODE_NOT_BACK,
                 )
             self._clock.wait_s(self._interruption.stop, POLL_S)
             self._interruption.check_stop()
@@ -119,7 +114,8 @@ class Recovery:
                     "{reason}; this happened {count} times without a stored trace in between",
                     reason=lost,
                     count=MOST_RECOVERIES + 1,
-                )
+                ),
+                fault=faults.NODE_LOST_OFTEN,
             )
         self._recoveries += 1
 

@@ -16,9 +16,10 @@ from gpr20_main_control.mid.aux_sensors import AuxSensors
 from gpr20_main_control.mid.described_robot import DescribedRobot
 from gpr20_main_control.mid.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey_status import Status
-from gpr20_main_control.mid.workers import SerialCalls, Workers
+from gpr20_main_control.mid.waits import SerialCalls, Workers
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -202,29 +203,6 @@ class OpenedSurvey:
     """
 
     folder: str
-    interrupted: str = ""
-
-
-@dataclass(frozen=True)
-class ReopenedSurvey:
-    """A survey that was cut off or ended early, open again.
-
-    Attributes:
-        survey_id: UUID.
-        folder: Path of its folder.
-        metadata_json: As it was recorded at its start.
-        report_json: Its last report; empty if none exists.
-        stored_indices: Indices in the plan of the traces on the disk.
-        last: The trace stored last; None if none is stored.
-        interrupted: Folder of another survey that was still open and was closed; empty if none.
-    """
-
-    survey_id: str
-    folder: str
-    metadata_json: str
-    report_json: str
-    stored_indices: Tuple[int, ...]
-    last: Optional[Trace]
     interrupted: str = ""
 
 

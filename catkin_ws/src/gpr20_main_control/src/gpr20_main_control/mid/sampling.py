@@ -1,31 +1,30 @@
-"""One sample after another: height, sweep and confirmation at the present position."""
+"""One sample after another: height, sweep and confirmation at the present position.
+
+A sweep is confirmed while the axes move; its trace is stored once it is confirmed.
+"""
 
 from __future__ import annotations
 
+import threading
 import uuid
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Callable, Optional, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.clock_steps import ClockSteps
-from gpr20_main_control.mid.confirmation import Confirmation
 from gpr20_main_control.mid.instruments import Instruments
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import Position, Robot
-from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.wait_status import WaitStatus
-from gpr20_main_control.mid.workers import result_of, wait_for
+from gpr20_main_control.mid.robot import Position
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.waits import Check, result_of, wait_for
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace
 
-Check = Callable[[], None]
 # A sweep is prepared while the axes settle for longer than this [s].
 PREPARATION_S = 0.1
 
@@ -39,28 +38,76 @@ class Settled:
     remarks: Tuple[str, ...]
 
 
-class Sampling:
-    """Takes the samples of one survey; at most one sweep is unconfirmed."""
+class Confirmation:
+    """The confirmation of one trace: it is stored once, when it is confirmed, or never.
+
+    `run` is called in the background. The survey may give the trace up at any moment, to measure
+    its point again.
+    """
 
     def __init__(
         self,
-        plan: SurveyPlan,
-        robot: Robot,
-        positioner: Positioner,
-        instruments: Instruments,
-        interruption: Interruption,
-        clock_steps: ClockSteps,
-        waits: WaitStatus,
+        trace: Trace,
+        confirm: Callable[[], Tuple[str, ...]],
+        store: Callable[[Trace], None],
     ) -> None:
-        self._plan = plan
-        self._robot = robot
-        self._positioner = positioner
+        """Begin nothing yet.
+
+        Args:
+            trace: What was measured.
+            confirm: Returns further remarks on its quality; raises if it is not confirmed.
+            store: Accepts the trace for storing; returns at once.
+        """
+        self._trace = trace
+        self._confirm = confirm
+        self._store = store
+        self._lock = threading.Lock()
+        self._given_up = False
+        self._stored: Optional[Trace] = None
+
+    def run(self) -> Trace:
+        """Confirm the trace, pass it to the storage and return it.
+
+        Raises:
+            UnconfirmedError: It was not confirmed.
+            DeviceError: Nobody knows whether it would have been, or the trace was given up.
+        """
+        trace = self._with_remarks(self._confirm())
+        with self._lock:
+            if self._given_up:
+                raise DeviceError(
+                    Message("the confirmation came too late"), fault=faults.CONFIRMATION_LATE
+                )
+            self._stored = trace
+            self._store(trace)
+        return trace
+
+    def give_up(self) -> Optional[Trace]:
+        """Make sure that the trace is never stored, or return it if it is accepted already."""
+        with self._lock:
+            self._given_up = True
+            return self._stored
+
+    def _with_remarks(self, remarks: Tuple[str, ...]) -> Trace:
+        if not remarks:
+            return self._trace
+        try:
+            return replace(self._trace, quality=(*self._trace.quality, *remarks))
+        except TraceRefusedError as error:
+            raise DeviceError(error.message) from error
+
+
+class Sampling:
+    """Takes the samples of one survey; at most one sweep is unconfirmed."""
+
+    def __init__(self, survey: RunningSurvey, instruments: Instruments) -> None:
+        self._plan, self._robot = survey.plan, survey.robot
+        self._positioner = survey.positioner
+        self._interruption, self._waits = survey.interruption, survey.waits
+        self._clock_steps = survey.clock_steps
         self._instruments = instruments
-        self._interruption = interruption
-        self._clock_steps = clock_steps
-        self._waits = waits
         # On a robot that runs N times faster, vibrations decay N times faster.
-        self._settle_s = plan.settings.settle_s / plan.config.time_scale
+        self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
         self._settled: Optional[Settled] = None
         self._confirmation: Optional[Confirmation] = None
         self._confirming: Optional[Future[Trace]] = None
@@ -147,7 +194,8 @@ class Sampling:
                     "the axes moved during the sweep at point {index}; nothing else may move them "
                     "during a survey",
                     index=point.index,
-                )
+                ),
+                fault=faults.MOVED_BY_OTHERS,
             )
         return self._trace(point, settled, measured.sweep, remark), measured.number
 
@@ -189,5 +237,6 @@ def _check_position(point: SurveyPoint, position: Position) -> None:
                 position=position.message,
                 planned=planned.message,
                 index=point.index,
-            )
+            ),
+            fault=faults.MOVED_BY_OTHERS,
         )

@@ -5,19 +5,17 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Optional, Union
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
 from gpr20_main_control.mid import survey_steps as steps
 from gpr20_main_control.mid.instruments import AnalyzerState, Instruments
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
 from gpr20_main_control.mid.recovery import Recovery
-from gpr20_main_control.mid.repeat_measurement import compare
-from gpr20_main_control.mid.sampling import Check, Sampling
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.sampling import Sampling
 from gpr20_main_control.mid.survey_archive import SurveyArchive, interruption_remark
 from gpr20_main_control.mid.survey_ending import SurveyEnding
-from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_main_control.mid.wait_status import WaitStatus
+from gpr20_main_control.mid.survey_report import compare
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
@@ -30,29 +28,22 @@ class StepActions:
 
     def __init__(
         self,
-        plan: SurveyPlan,
-        progress: steps.SurveyProgress,
-        status: SurveyStatus,
-        interruption: Interruption,
-        positioner: Positioner,
+        survey: RunningSurvey,
         instruments: Instruments,
         sampling: Sampling,
         archive: SurveyArchive,
         recovery: Recovery,
         ending: SurveyEnding,
-        waits: WaitStatus,
     ) -> None:
-        self._plan = plan
-        self._progress = progress
-        self._status = status
-        self._interruption = interruption
-        self._positioner = positioner
+        self._survey = survey
+        self._plan, self._progress = survey.plan, survey.progress
+        self._status, self._positioner = survey.status, survey.positioner
+        self._interruption, self._waits = survey.interruption, survey.waits
         self._instruments = instruments
         self._sampling = sampling
         self._archive = archive
         self._recovery = recovery
         self._ending = ending
-        self._waits = waits
         self._analyzer: Optional[AnalyzerState] = None
         self._remark: Optional[Message] = None
         self._rejections = 0
@@ -80,7 +71,7 @@ class StepActions:
             self._actions[type(step)](step)
         except DeviceError as error:
             if isinstance(step, (steps.Move, steps.Settle, steps.Sweep)):
-                self._archive.coverage.note_failed(step.point.index, error.message)
+                self._survey.coverage.note_failed(step.point.index, error.message)
             raise
 
     def resolve_unconfirmed(self, check: Check) -> None:
@@ -198,12 +189,13 @@ class StepActions:
                     index=point.index,
                     count=self._rejections,
                     reason=error.message,
-                )
+                ),
+                fault=faults.SWEEP_UNCONFIRMED,
             ) from error
         self._status.set_message(
             Message(
                 "Measuring point {index} again: {reason}", index=point.index, reason=error.message
-            )
+            ).as_warning()
         )
 
     def _reject(self, point: SurveyPoint, reason: Message) -> None:
@@ -213,9 +205,9 @@ class StepActions:
             self._progress.note_confirmed(trace)
             return
         self._progress.note_rejected()
-        self._archive.coverage.note_failed(point.index, reason)
+        self._survey.coverage.note_failed(point.index, reason)
         self._rejection = Message("measured again: {reason}", reason=reason)
-        self._archive.note_warning(
+        self._survey.note_warning(
             Message(
                 "the sweep at point {index} was not confirmed and is not stored: {reason}",
                 index=point.index,

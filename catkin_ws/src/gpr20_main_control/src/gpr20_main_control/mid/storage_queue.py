@@ -9,8 +9,10 @@ from typing import Callable, Deque, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, message_of
 from gpr20_main_control.mid.robot import Storage
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.trace.trace import Trace
 
 # Traces that may wait for the disk; if there are more, the survey waits.
@@ -60,7 +62,7 @@ class StorageQueue:
             self._traces.append(trace)
             self._changed.notify_all()
 
-    def wait_for_room(self, check: Callable[[], None]) -> None:
+    def wait_for_room(self, check: Check) -> None:
         """Return when few enough traces wait for the disk.
 
         Args:
@@ -72,7 +74,7 @@ class StorageQueue:
         with self._changed:
             self._wait_until_left(CAPACITY, check)
 
-    def drain(self, check: Callable[[], None]) -> None:
+    def drain(self, check: Check) -> None:
         """Return when every trace is stored durably.
 
         Args:
@@ -100,7 +102,8 @@ class StorageQueue:
                         "the storage",
                         count=len(self._traces),
                         limit_s=time_limit_s,
-                    )
+                    ),
+                    fault=faults.NOT_STORED,
                 )
 
         self.drain(check)
@@ -155,7 +158,7 @@ class StorageQueue:
                 break
         return failure
 
-    def _wait_until_left(self, traces: int, check: Callable[[], None]) -> None:
+    def _wait_until_left(self, traces: int, check: Check) -> None:
         while len(self._traces) > traces and self._failure is None:
             check()
             self._changed.wait(POLL_S)
@@ -165,5 +168,6 @@ class StorageQueue:
                     "trace {index} could not be stored: {reason}",
                     index=self._traces[0].index,
                     reason=message_of(self._failure),
-                )
+                ),
+                fault=faults.NOT_STORED,
             ) from self._failure

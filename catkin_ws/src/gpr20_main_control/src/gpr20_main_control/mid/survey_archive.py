@@ -6,31 +6,27 @@ import contextlib
 import json
 from dataclasses import asdict
 from pathlib import PurePosixPath
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
-from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.analyzer_record import AnalyzerRecord
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.instruments import AnalyzerState
-from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
-from gpr20_main_control.mid.robot import Robot, SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.robot import SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.running_survey import RunningSurvey
 from gpr20_main_control.mid.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
 from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey_report import SurveyReport
-from gpr20_main_control.mid.survey_status import SurveyStatus
-from gpr20_main_control.mid.wait_status import ExpectedWait
+from gpr20_main_control.mid.survey_report import RepeatMeasurement
+from gpr20_main_control.mid.waits import Check, ExpectedWait
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
-from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
-
-Check = Callable[[], None]
 
 
 class SurveyArchive:
@@ -40,39 +36,18 @@ class SurveyArchive:
     error that it raises ends the wait.
 
     Attributes:
-        coverage: The state of each planned sample.
         queue: The traces that are not stored durably yet.
         folder: The survey's folder; empty before it is made.
     """
 
-    def __init__(
-        self,
-        plan: SurveyPlan,
-        robot: Robot,
-        status: SurveyStatus,
-        clock: Clock,
-        analyzers: AnalyzerRecord,
-    ) -> None:
-        """Begin, or continue, the report of a survey.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
-        self._plan = plan
+    def __init__(self, survey: RunningSurvey) -> None:
+        """Begin with what is stored already."""
+        plan, robot = survey.plan, survey.robot
+        self._survey, self._plan = survey, plan
         self._storage, self._calls = robot.storage, robot.storage_calls
-        self._recorded = robot.description.recorded
         self._sensors = robot.sensors.recorded()
-        self._limit_s = robot.description.limits.storage_limit_s
-        self._status = status
-        self._clock = clock
-        reopened = plan.reopened
-        self.folder = "" if reopened is None else reopened.folder
-        self.coverage = Coverage(plan.total_points, plan.stored_indices)
-        report_json = "" if reopened is None else reopened.report_json
-        self._analyzers, self._reported_analyzers = analyzers, analyzers.used
-        self._report = SurveyReport(self.coverage, analyzers, report_json)
-        # Set last: what was measured before is not a change.
-        self.coverage.on_change = status.show_coverage
+        self.folder = "" if plan.reopened is None else plan.reopened.folder
+        self._reported_analyzers = survey.analyzers.used
         self._sensors_noted = False
         self._closing_report = ""
         self._closing_count = 0
@@ -80,7 +55,7 @@ class SurveyArchive:
         self._remaining = RemainingTime(plan.pending_durations_s)
         self._measuring_since_s: Optional[float] = None
         self._measured_s = 0.0
-        self.queue = StorageQueue(robot.storage, clock, self._note_stored)
+        self.queue = StorageQueue(robot.storage, survey.clock, self._note_stored)
 
     def open(self, analyzer: AnalyzerState, check: Check) -> str:
         """Make the survey's folder and begin its recordings, or reopen them.
@@ -103,15 +78,15 @@ class SurveyArchive:
         if self.folder:
             self.reopen(check)
             self._note_other_sensors()
-            if self._analyzers.used != self._reported_analyzers:
+            if self._survey.analyzers.used != self._reported_analyzers:
                 # Before the first trace of another analyzer.
-                self._send_report(self._report.to_json(), check)
-                self._reported_analyzers = self._analyzers.used
+                self._send_report(self._survey.report.to_json(), check)
+                self._reported_analyzers = self._survey.analyzers.used
             return ""
         record = self._record_with(analyzer)
         opened = self._calls.call(lambda: self._storage.open(record), check)
         self.folder = opened.folder
-        self._reported_analyzers = self._analyzers.used
+        self._reported_analyzers = self._survey.analyzers.used
         return opened.interrupted
 
     def reopen(self, check: Check) -> None:
@@ -121,12 +96,13 @@ class SurveyArchive:
 
     def storing_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the storage when it stores the trace of a point."""
+        limit_s = self._survey.robot.description.limits.storage_limit_s
         action = Message("traces up to point {index}", index=point.index)
-        return ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (self._limit_s + RETRY_S))
+        return ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
 
     def start_timing(self) -> None:
         """Begin to count time as measuring time."""
-        self._measuring_since_s = self._clock.now_s()
+        self._measuring_since_s = self._survey.clock.now_s()
 
     def stop_timing(self) -> None:
         """Stop counting time as measuring time."""
@@ -135,16 +111,12 @@ class SurveyArchive:
 
     def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
         """Store the result of a repeat measurement."""
-        self._report.note_repeat(repeat, time_of_day_us())
-        self._send_report(self._report.to_json(), check)
-
-    def note_warning(self, warning: Message) -> None:
-        """Note a warning, which is stored with the next report."""
-        self._report.note_warning(warning, time_of_day_us())
+        self._survey.report.note_repeat(repeat, time_of_day_us())
+        self._send_report(self._survey.report.to_json(), check)
 
     def send_last_report(self, check: Check) -> int:
         """Store the report of the survey's end; return how many traces its folder holds."""
-        report_json = self._report.to_json()
+        report_json = self._survey.report.to_json()
         # Once: a survey that was closed by a call whose answer was lost accepts no report.
         if report_json != self._closing_report:
             self._closing_count = self._send_report(report_json, check)
@@ -164,22 +136,10 @@ class SurveyArchive:
             check: Ends the wait.
         """
         survey_id = self._plan.survey_id
-        end = SurveyEnd(outcome, reason, self._status.status.ended(state, message), self.coverage)
+        end = SurveyEnd(
+            outcome, reason, self._survey.status.status.ended(state, message), self._survey.coverage
+        )
         self._calls.call(lambda: self._storage.close(survey_id, end), check)
-
-    def leaving_check(self, limit_s: float) -> Check:
-        """Return a check that ends a wait for the storage while the robot is shut down.
-
-        Args:
-            limit_s: How long to wait from now [s].
-        """
-        deadline_s = self._clock.now_s() + limit_s
-
-        def check() -> None:
-            if self._clock.now_s() > deadline_s:
-                raise NodeLostError(Message("the storage did not answer while it was shut down"))
-
-        return check
 
     def interrupt(self, message: Message, check: Check) -> None:
         """Close the survey as one that can be resumed, while the robot is shut down.
@@ -197,10 +157,8 @@ class SurveyArchive:
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
         if self._record is None or self._record[0] != analyzer:
-            self._record = (
-                analyzer,
-                survey_record(self._plan, analyzer, {**self._recorded(), SENSORS: self._sensors}),
-            )
+            recorded = {**self._survey.robot.description.recorded(), SENSORS: self._sensors}
+            self._record = (analyzer, survey_record(self._plan, analyzer, recorded))
         return self._record[1]
 
     def _note_other_sensors(self) -> None:
@@ -209,14 +167,14 @@ class SurveyArchive:
         if former in (None, self._sensors) or self._sensors_noted:
             return
         self._sensors_noted = True
-        self.note_warning(
+        self._survey.note_warning(
             Message(
                 "the survey continues with other sensors beside the radar: {present}; at its "
                 "start: {former}",
                 present=_names(self._sensors),
                 former=_names(former or []),
                 details=json.dumps(self._sensors),
-            )
+            ).with_fault(faults.OTHER_SENSORS)
         )
 
     def _send_report(self, report_json: str, check: Check) -> int:
@@ -224,15 +182,17 @@ class SurveyArchive:
         return self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
 
     def _note_stored(self, stored: int, index: int) -> None:
-        self.coverage.note_stored(index)
+        self._survey.coverage.note_stored(index)
         visited = len(self._plan.stored_indices) + stored
-        self._status.set_progress(visited, self._remaining.remaining_s(stored, self._elapsed_s()))
+        self._survey.status.set_progress(
+            visited, self._remaining.remaining_s(stored, self._elapsed_s())
+        )
 
     def _elapsed_s(self) -> float:
         since_s = self._measuring_since_s
         if since_s is None:
             return self._measured_s
-        return self._measured_s + self._clock.now_s() - since_s
+        return self._measured_s + self._survey.clock.now_s() - since_s
 
 
 def interruption_remark(interrupted: str) -> Optional[Message]:

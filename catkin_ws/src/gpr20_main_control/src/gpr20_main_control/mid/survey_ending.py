@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import Callable, List
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control.errors import DeviceError, message_of
-from gpr20_main_control.mid.clock_steps import ClockSteps
-from gpr20_main_control.mid.interruption import Interruption
-from gpr20_main_control.mid.positioner import Positioner
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError, NodeLostError, message_of
 from gpr20_main_control.mid.recovery import REST_LIMIT_S, Recovery
-from gpr20_main_control.mid.robot import Robot
-from gpr20_main_control.mid.survey_archive import Check, SurveyArchive
-from gpr20_main_control.mid.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.survey_archive import SurveyArchive
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.plan.survey_state import SurveyState
 
 # Time to store the traces that wait for the disk when a survey is stopped [s].
@@ -30,25 +27,11 @@ RELEASE_LIMIT_S = 5.0
 class SurveyEnding:
     """Ends one survey: all axes at rest, everything that was measured stored, a last status."""
 
-    def __init__(
-        self,
-        plan: SurveyPlan,
-        robot: Robot,
-        status: SurveyStatus,
-        positioner: Positioner,
-        interruption: Interruption,
-        archive: SurveyArchive,
-        recovery: Recovery,
-        clock_steps: ClockSteps,
-    ) -> None:
-        self._plan = plan
-        self._robot = robot
-        self._status = status
-        self._positioner = positioner
-        self._clock = interruption.clock
+    def __init__(self, survey: RunningSurvey, archive: SurveyArchive, recovery: Recovery) -> None:
+        self._survey = survey
+        self._status, self._positioner = survey.status, survey.positioner
         self._archive = archive
         self._recovery = recovery
-        self._clock_steps = clock_steps
 
     def close_finished(self, check: Check) -> None:
         """Close the survey, all traces of which are stored.
@@ -56,9 +39,9 @@ class SurveyEnding:
         Raises:
             DeviceError: The storage failed.
         """
-        self._clock_steps.check()
-        verdict = self._archive.coverage.verdict()
-        stored, total = self._archive.send_last_report(check), self._plan.total_points
+        self._survey.clock_steps.check()
+        verdict = self._survey.coverage.verdict()
+        stored, total = self._archive.send_last_report(check), self._survey.plan.total_points
         if verdict.complete and stored == total:
             state, outcome = SurveyState.FINISHED, "finished"
             message = Message(
@@ -74,7 +57,7 @@ class SurveyEnding:
                 stored=stored,
                 total=total,
                 verdict=verdict.message,
-            )
+            ).with_fault(faults.INCOMPLETE)
         self._archive.close(outcome, verdict.message, state, message, check)
         self._status.enter(state, message)
 
@@ -88,7 +71,7 @@ class SurveyEnding:
             self.close_finished(check)
         except DeviceError as error:
             self._status.set_message(
-                Message("The survey is not closed yet: {reason}", reason=error.message)
+                Message("The survey is not closed yet: {reason}", reason=error.message).as_warning()
             )
             return False
         return True
@@ -102,14 +85,16 @@ class SurveyEnding:
         """
         self._archive.stop_timing()
         self._positioner.stop()
-        resolve(self._limit(LEAVING_CONFIRMING_LIMIT_S))
-        if all_stored() and self.finish_now(self._archive.leaving_check(LEAVING_LIMIT_S)):
+        resolve(self._analyzer_limit(LEAVING_CONFIRMING_LIMIT_S))
+        if all_stored() and self.finish_now(self._leaving_limit()):
             return
-        message = Message("Interrupted: the robot is shut down. Resume the survey later.")
+        message = Message(
+            "Interrupted: the robot is shut down. Resume the survey later."
+        ).with_fault(faults.ROBOT_SHUT_DOWN)
         self._status.enter(SurveyState.STOPPING, message)
         self._positioner.wait_for_rest(LEAVING_LIMIT_S)
         if self._archive.folder:
-            self._archive.interrupt(message, self._archive.leaving_check(LEAVING_LIMIT_S))
+            self._archive.interrupt(message, self._leaving_limit())
         self._status.enter(SurveyState.STOPPED, message)
 
     def end_early(
@@ -135,9 +120,10 @@ class SurveyEnding:
             stopping = Message("Stopping: storing the measured traces")
             self._status.enter(SurveyState.STOPPING, stopping)
         messages = [message]
-        if not self._positioner.wait_for_rest(REST_LIMIT_S):
-            messages.append(Message("AN AXIS IS STILL MOVING: switch the motors off"))
-        resolve(self._limit(CONFIRMING_LIMIT_S))
+        moving = self._positioner.wait_for_rest(REST_LIMIT_S)
+        if moving is not None:
+            messages.append(moving)
+        resolve(self._analyzer_limit(CONFIRMING_LIMIT_S))
         ended = in_a_row(messages)
         if self._archive.folder:
             ended = self._close_early(state, outcome, messages, reason)
@@ -146,9 +132,8 @@ class SurveyEnding:
     def release_analyzer(self) -> None:
         """Leave the analyzer to its front panel; never fails."""
         try:
-            self._robot.analyzer_calls.call(
-                self._robot.analyzer.release, self._limit(RELEASE_LIMIT_S)
-            )
+            robot = self._survey.robot
+            robot.analyzer_calls.call(robot.analyzer.release, self._analyzer_limit(RELEASE_LIMIT_S))
         except DeviceError:
             # The survey is closed, and an analyzer that does not answer has no front panel either.
             return
@@ -157,7 +142,7 @@ class SurveyEnding:
         self, state: SurveyState, outcome: str, messages: List[Message], reason: Message
     ) -> Message:
         """Close the survey's folder; return what the last status says."""
-        self._clock_steps.check()
+        self._survey.clock_steps.check()
         check = self._recovery.return_limit_check()
         try:
             if self._recovery.nodes_changed:
@@ -168,7 +153,7 @@ class SurveyEnding:
             count = Message(
                 "{stored} of {total} traces in {folder}",
                 stored=self._archive.send_last_report(check),
-                total=self._plan.total_points,
+                total=self._survey.plan.total_points,
                 folder=self._archive.folder,
             )
             message = in_a_row([*messages, count])
@@ -177,20 +162,24 @@ class SurveyEnding:
             # Faults in the software too: the survey must not remain STOPPING for ever.
             unfinished = Message(
                 "the recordings could not be finished: {reason}", reason=message_of(error)
-            )
+            ).with_fault(faults.NOT_FINISHED)
             return in_a_row([*messages, unfinished])
         return message
 
-    def _limit(self, limit_s: float) -> Check:
-        deadline_s = self._clock.now_s() + limit_s
+    def _analyzer_limit(self, limit_s: float) -> Check:
+        return self._survey.interruption.time_limit(
+            limit_s,
+            DeviceError(
+                Message(
+                    "the VNA did not answer within {limit_s:g} s at the survey's end",
+                    limit_s=limit_s,
+                ),
+                fault=faults.VNA_SILENT,
+            ),
+        )
 
-        def check() -> None:
-            if self._clock.now_s() > deadline_s:
-                raise DeviceError(
-                    Message(
-                        "the VNA did not answer within {limit_s:g} s at the survey's end",
-                        limit_s=limit_s,
-                    )
-                )
-
-        return check
+    def _leaving_limit(self) -> Check:
+        return self._survey.interruption.time_limit(
+            LEAVING_LIMIT_S,
+            NodeLostError(Message("the storage did not answer while it was shut down")),
+        )

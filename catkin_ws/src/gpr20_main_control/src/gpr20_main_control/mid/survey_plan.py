@@ -9,9 +9,9 @@ from typing import Any, Dict, List, Optional, Sequence
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
+from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.analyzer_record import UsedAnalyzer, recorded_analyzers
-from gpr20_main_control.mid.robot import ReopenedSurvey
+from gpr20_main_control.mid.survey_report import UsedAnalyzer, recorded_analyzers
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
@@ -19,6 +19,7 @@ from gpr20_survey.plan.survey_cost import planned_durations_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
@@ -157,7 +158,8 @@ def plan_resumption(
                 folder=reopened.folder,
                 index=max(beyond),
                 total=plan.total_points,
-            )
+            ),
+            fault=faults.RECORD_DAMAGED,
         )
     return replace(plan, survey_id=reopened.survey_id, reopened=reopened)
 
@@ -173,7 +175,8 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
                 "the survey in {folder} cannot be resumed: its survey.json is incomplete",
                 folder=reopened.folder,
                 details=f"{type(error).__name__}: {error}",
-            )
+            ),
+            fault=faults.RECORD_DAMAGED,
         ) from error
     if simulated is not config.simulated:
         raise RequestRefusedError(_other_robot(reopened.folder, config.simulated))
@@ -199,11 +202,11 @@ def _other_robot(folder: str, simulated: bool) -> Message:
             "the survey in {folder} was measured by the real robot; a simulated robot cannot "
             "resume it",
             folder=folder,
-        )
+        ).with_fault(faults.OTHER_ROBOT)
     return Message(
         "the survey in {folder} was measured by a simulated robot; the real robot cannot resume it",
         folder=folder,
-    )
+    ).with_fault(faults.OTHER_ROBOT)
 
 
 def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder: str) -> None:
@@ -222,5 +225,6 @@ def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder
                         former=str(former),
                         axis=axis_id.value,
                         present=str(present[name]),
-                    )
+                    ),
+                    fault=faults.OTHER_AXES,
                 )

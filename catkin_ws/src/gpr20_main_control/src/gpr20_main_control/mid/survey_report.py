@@ -4,24 +4,194 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict
+import threading
+from dataclasses import asdict, dataclass
 from datetime import datetime, timezone
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Optional, Sequence
 
-from gpr20_common.message import Message, verbatim
-from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.analyzer_record import ANALYZERS, AnalyzerRecord
-from gpr20_main_control.mid.repeat_measurement import RepeatMeasurement
-from gpr20_survey.plan.coverage import Coverage, SampleState
+import numpy as np
 
-COVERAGE_LETTERS = {
-    SampleState.NOT_VISITED: "-",
-    SampleState.MEASURED: "m",
-    SampleState.REMEASURED: "r",
-    SampleState.FAILED: "f",
-}
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
+from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
+from gpr20_survey.plan.coverage import COMPLETE, COVERAGE_LETTERS, Coverage
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.utc_time import iso_text
+
+# Place of the serial number in an identity: maker, model, serial number, firmware.
+SERIAL_NUMBER = 2
+# The entry of the report that lists the analyzers.
+ANALYZERS = "analyzers"
 # The report is bounded, however often an instrument fails; each trace has its own remarks.
 MAX_WARNINGS = 1000
+
+
+@dataclass(frozen=True)
+class UsedAnalyzer:
+    """An analyzer of a survey.
+
+    Attributes:
+        identity: What the instrument says it is.
+        from_index: Index of the first point that was measured with it.
+        accepted: When the survey began with it, ISO 8601; None if not recorded.
+    """
+
+    identity: str
+    from_index: int
+    accepted: Optional[str]
+
+
+class AnalyzerRecord:
+    """The analyzers of one survey. Another one is used only if the operator accepts it.
+
+    Attributes:
+        accept: Identity of the analyzer that the operator accepts at the next check; empty if
+            none. Each check ends it.
+        checked: Set when an analyzer was checked and may be used.
+    """
+
+    def __init__(self, used: Sequence[UsedAnalyzer]) -> None:
+        """Begin, or continue, a record."""
+        self.accept = ""
+        self.checked = threading.Event()
+        self._used = list(used)
+
+    @property
+    def used(self) -> List[UsedAnalyzer]:
+        """The analyzers so far, in order."""
+        return list(self._used)
+
+    def check(self, identity: str, next_index: int, now_us: int) -> None:
+        """Return if the survey may be measured with an analyzer, and note it if it is new.
+
+        Args:
+            identity: What the connected instrument says it is.
+            next_index: Index of the point that is measured next.
+            now_us: The time [us since 1970, UTC].
+
+        Raises:
+            OtherAnalyzerError: It is another one, and the operator has not accepted it.
+        """
+        accept, self.accept = self.accept, ""
+        former = self._used[-1].identity if self._used else identity
+        other = _serial_number(identity) != _serial_number(former)
+        if accept and accept != identity:
+            raise OtherAnalyzerError(
+                Message(
+                    "the VNA is {present}, not {accepted}, which was accepted",
+                    present=identity,
+                    accepted=accept,
+                ),
+                identity if other else "",
+                faults.NOT_THE_ACCEPTED_VNA,
+            )
+        if other and not accept:
+            raise OtherAnalyzerError(
+                Message(
+                    "the VNA is {present}, but the survey was measured with {former}; connect "
+                    "that VNA again, or accept the other one when you resume the survey",
+                    present=identity,
+                    former=former,
+                ),
+                identity,
+            )
+        if other or not self._used:
+            self._used.append(UsedAnalyzer(identity, next_index, iso_text(now_us)))
+        self.checked.set()
+
+
+def _serial_number(identity: str) -> str:
+    fields = [one.strip() for one in identity.split(",")]
+    return fields[SERIAL_NUMBER] if len(fields) > SERIAL_NUMBER else identity
+
+
+def recorded_analyzers(metadata_json: str, report_json: str) -> List[UsedAnalyzer]:
+    """Return the analyzers of a survey that is on the disk.
+
+    Args:
+        metadata_json: As it was recorded at the survey's start.
+        report_json: Its last report; empty if none exists.
+
+    Raises:
+        SurveyError: The report cannot be read.
+    """
+    try:
+        used = json.loads(report_json).get(ANALYZERS, []) if report_json else []
+        analyzers = [_from_fields(one) for one in used]
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise _unreadable(repr(error)) from error
+    if analyzers:
+        return analyzers
+    # Surveys of earlier versions have only the analyzer of their start.
+    instrument = json.loads(metadata_json).get("instrument")
+    identity = instrument.get("identity") if isinstance(instrument, dict) else None
+    return [UsedAnalyzer(identity, 0, None)] if isinstance(identity, str) else []
+
+
+def _from_fields(fields: Dict[str, Any]) -> UsedAnalyzer:
+    identity, index, accepted = fields["identity"], fields["from_index"], fields["accepted"]
+    if not isinstance(identity, str) or not isinstance(index, int):
+        raise TypeError("an analyzer has no identity or no index")
+    return UsedAnalyzer(identity, index, accepted if accepted is None else str(accepted))
+
+
+@dataclass(frozen=True)
+class RepeatMeasurement:
+    """The difference between a repeated measurement of a point and its stored trace.
+
+    Attributes:
+        index: The point's index in the plan.
+        difference_db: Root mean square of the difference of S21, relative to the stored
+            trace [dB]; minus infinity if they are equal.
+        height_difference_m: New height minus the stored one [m]; NaN if either is missing.
+    """
+
+    index: int
+    difference_db: float
+    height_difference_m: float
+
+    @property
+    def message(self) -> Message:
+        """The comparison in one sentence."""
+        # As text: an infinite difference has no number in JSON.
+        difference_db = f"{self.difference_db:.1f}"
+        if not math.isfinite(self.height_difference_m):
+            return Message(
+                "point {index} was measured again and differs by {difference_db} dB from the "
+                "stored trace",
+                index=self.index,
+                difference_db=difference_db,
+            )
+        return Message(
+            "point {index} was measured again and differs by {difference_db} dB from the stored "
+            "trace, the height by {height_mm:+.1f} mm",
+            index=self.index,
+            difference_db=difference_db,
+            height_mm=1000.0 * self.height_difference_m,
+        )
+
+
+def compare(stored: Trace, sweep: Sweep, height_m: float) -> RepeatMeasurement:
+    """Compare a new sweep of a point with the stored one.
+
+    Args:
+        stored: The trace on the disk.
+        sweep: The new sweep, at the same frequencies.
+        height_m: The new height [m].
+    """
+    difference = _power(sweep.s21_real - stored.s21_real, sweep.s21_imag - stored.s21_imag)
+    reference = _power(stored.s21_real, stored.s21_imag)
+    if difference == 0.0:
+        difference_db = -math.inf
+    else:
+        difference_db = 10.0 * math.log10(difference / reference) if reference else math.inf
+    return RepeatMeasurement(stored.index, difference_db, height_m - stored.antennae_height_m)
+
+
+def _power(real: np.ndarray, imag: np.ndarray) -> float:
+    return float(np.sum(real**2) + np.sum(imag**2))
 
 
 class SurveyReport:
@@ -67,7 +237,8 @@ class SurveyReport:
             {
                 "time": _iso_time(time_us),
                 "warning": str(warning),
-                "warning_message": _record_of(warning),
+                "warning_message": message_record(warning),
+                FAULT_CODE: warning.fault_code,
             }
         )
 
@@ -78,15 +249,21 @@ class SurveyReport:
         r measured again, f failed, - not visited. Sentences are stored twice: as English text,
         and as template and values for clients that translate them.
         """
-        verdict = self.coverage.verdict().message
+        verdict = self.coverage.verdict()
         reasons = sorted(self.coverage.reasons.items())
         return json.dumps(
             {
-                "verdict": str(verdict),
-                "verdict_message": _record_of(verdict),
+                COMPLETE: verdict.complete,
+                "verdict": str(verdict.message),
+                "verdict_message": message_record(verdict.message),
                 "coverage": "".join(COVERAGE_LETTERS[state] for state in self.coverage.states),
                 "failed": [
-                    {"index": index, "reason": str(reason), "reason_message": _record_of(reason)}
+                    {
+                        "index": index,
+                        "reason": str(reason),
+                        REASON_MESSAGE: message_record(reason),
+                        FAULT_CODE: reason.fault_code,
+                    }
                     for index, reason in reasons
                 ],
                 "controls": self._controls,
@@ -106,33 +283,26 @@ def _controls_of(former_json: str, planned: int) -> List[Dict[str, Any]]:
             raise ValueError("a repeat measurement is not of a planned sample")
         return controls
     except (ValueError, TypeError, KeyError) as error:
-        raise SurveyError(
-            Message("the report in survey.json cannot be read", details=repr(error))
-        ) from error
+        raise _unreadable(repr(error)) from error
 
 
 def _warnings_of(former_json: str) -> List[Dict[str, Any]]:
     # Reports of earlier versions have none.
     former = json.loads(former_json).get("warnings", []) if former_json else []
     if not isinstance(former, list):
-        raise SurveyError(
-            Message("the report in survey.json cannot be read", details="warnings: no list")
-        )
+        raise _unreadable("warnings: no list")
     return former
+
+
+def _unreadable(details: str) -> SurveyError:
+    return SurveyError(
+        Message("the report in survey.json cannot be read", details=details),
+        fault=faults.RECORD_DAMAGED,
+    )
 
 
 def _iso_time(time_us: int) -> str:
     return datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat()
-
-
-def _record_of(message: Message) -> Any:
-    record = json.loads(message.to_json())
-    try:
-        json.dumps(record, allow_nan=False)
-    except ValueError:
-        # The storage refuses a report with NaN or infinity, which strict JSON does not have.
-        return json.loads(verbatim(str(message)).to_json())
-    return record
 
 
 def _finite_or_none(value: float) -> Any:

@@ -51,7 +51,8 @@ class Status:
         if not warnings:
             return present
         warning = in_a_row(warnings) if len(warnings) > 1 else warnings[0]
-        return Message("Warning: {warning}. {status}", warning=warning, status=present)
+        # The robot continues in spite of it, whatever it is.
+        return Message("Warning: {warning}. {status}", warning=warning.as_warning(), status=present)
 
     def ended(self, state: SurveyState, message: Message) -> Status:
         """Return the status of this survey after its end."""

@@ -9,6 +9,7 @@ import rospy
 
 from gpr20_common.high.node import run_device
 from gpr20_common.message import Message
+from gpr20_simulator import faults
 from gpr20_simulator.high.simulated_robot import open_simulated_part
 from gpr20_simulator.low.shared_state import SharedState
 from gpr20_vna_acquisition.errors import VnaConnectionError
@@ -36,7 +37,8 @@ def simulated_port(state: SharedState) -> int:
                 "the simulated VNA does not listen after {limit_s:g} s; check that the simulator "
                 "is running",
                 limit_s=PORT_LIMIT_S,
-            )
+            ),
+            fault=faults.VNA_NOT_STARTED,
         )
     return state.vna_port
 

@@ -19,6 +19,7 @@ from typing import Mapping, Optional
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
+from gpr20_simulator import faults
 from gpr20_survey.axes.axis_id import AxisId
 
 LAYOUT = 0x47505232_00000003
@@ -28,6 +29,8 @@ AXES_WITH_ENDSTOP = (AxisId.X, AxisId.Y)
 
 class SharedStateError(Gpr20Error, OSError):
     """The shared state cannot be used."""
+
+    fault = faults.NO_STATE
 
 
 class EndstopFault(enum.IntEnum):
@@ -96,7 +99,8 @@ class SharedState:
         """Break or repair the endstop of the x or y axis."""
         if axis not in AXES_WITH_ENDSTOP:
             raise SharedStateError(
-                Message("the {axis} axis has no endstop that could fail", axis=axis.value)
+                Message("the {axis} axis has no endstop that could fail", axis=axis.value),
+                fault=faults.UNKNOWN_FAULT,
             )
         self._words.endstop_fault[INDEX[axis]] = fault
 

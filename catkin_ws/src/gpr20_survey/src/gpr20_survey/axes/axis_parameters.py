@@ -9,6 +9,7 @@ from pathlib import PurePosixPath
 from typing import Any, Dict, Optional, Type
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_common.mid.extension import is_extension
@@ -113,11 +114,14 @@ class AxisParameters:
                         name=name,
                         pin=pin,
                         pins=", ".join(map(str, sorted(BOARD_PINS))),
-                    )
+                    ),
+                    fault=CONFIGURATION,
                 )
         if len(set(pins.values())) != len(pins):
             listed = ", ".join(f"{name} {pin}" for name, pin in pins.items())
-            raise InvalidValueError(Message("{pins}: all pins must be different", pins=listed))
+            raise InvalidValueError(
+                Message("{pins}: all pins must be different", pins=listed), fault=CONFIGURATION
+            )
 
     def _check_sizes(self) -> None:
         if self.type not in {one.value for one in AxisType}:
@@ -137,14 +141,16 @@ class AxisParameters:
                     step=self.step_size,
                     lower=self.min_coord,
                     unit=self.unit,
-                )
+                ),
+                fault=CONFIGURATION,
             )
         if not self.finds_zero and self.type == AxisType.LINEAR.value:
             raise InvalidValueError(
                 Message(
                     "sensor_pin is missing; a linear axis needs an endstop to find its zero: set "
                     "the pin, or set type to ROT for an axis whose zero is set by hand"
-                )
+                ),
+                fault=CONFIGURATION,
             )
         if self.sensor_pin is not None:
             # Homing goes back and forth by it, and must stay within the axis.
@@ -167,11 +173,13 @@ class AxisParameters:
                     key="controller",
                     name=repr(self.controller[:200]),
                     example="package.module:Class",
-                )
+                ),
+                fault=CONFIGURATION,
             )
         if self.controller_options and not self.controller:
             raise InvalidValueError(
-                Message("controller_options are given, but no controller; name its class")
+                Message("controller_options are given, but no controller; name its class"),
+                fault=CONFIGURATION,
             )
         if self.memory_file and self.sensor_pin is not None:
             raise InvalidValueError(
@@ -180,13 +188,15 @@ class AxisParameters:
                     "sensor_pin {pin}; set only one of the two",
                     file=self.memory_file,
                     pin=self.sensor_pin,
-                )
+                ),
+                fault=CONFIGURATION,
             )
         if self.memory_file and not PurePosixPath(self.memory_file).is_absolute():
             raise InvalidValueError(
                 Message(
                     "memory_file is '{file}'; it must be an absolute path", file=self.memory_file
-                )
+                ),
+                fault=CONFIGURATION,
             )
 
     @property

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Iterator
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, printable
 
 
@@ -35,7 +36,8 @@ def locked(folder: Path) -> Iterator[None]:
                     "first, or the process if it hangs",
                     folder=printable(folder),
                     process=_holder(descriptor),
-                )
+                ),
+                fault=faults.LOCKED,
             ) from None
         yield
     finally:

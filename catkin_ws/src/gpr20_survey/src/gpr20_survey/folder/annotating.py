@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
@@ -78,5 +79,6 @@ def _check_as_written(folder: Path, description: Dict[str, Any]) -> None:
                 folder=printable(folder),
                 present=changed[0].second,
                 former=changed[0].first,
-            )
+            ),
+            fault=faults.DESCRIPTION_DAMAGED,
         )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
@@ -20,9 +21,17 @@ from gpr20_survey.folder.description_copies import (
 from gpr20_survey.folder.description_differences import Difference, constant_entries, differences
 
 SHOWN = 10  # entries that are named in a repair
-# How survey.json begins: the entries that change later, as they are at the start.
+# How survey.json begins.
 FIRST_KEYS = ("format", "survey_id", "started")
-START: Dict[str, Any] = {"ended": None, "outcome": None, "reason": "", "stored_traces": 0}
+# The entries that change at the end, as they are before; then those that change earlier too.
+NOT_ENDED: Dict[str, Any] = {
+    "ended": None,
+    "outcome": None,
+    "reason": "",
+    survey_metadata.REASON_MESSAGE: None,
+    survey_metadata.FAULT_CODE: "",
+}
+START: Dict[str, Any] = {**NOT_ENDED, "stored_traces": 0}
 
 
 class Basis(enum.Enum):
@@ -69,7 +78,7 @@ def repairs_of(recovered: RecoveredDescription, chosen: Dict[str, Any]) -> List[
             Message(
                 "wrote survey.json again as it was at the start, from a copy in the recordings; "
                 "its list of failed samples is lost"
-            )
+            ).with_fault(faults.REPAIRED)
         ]
     found: List[Message] = []
     changed = differences(recovered.own, chosen)
@@ -78,21 +87,21 @@ def repairs_of(recovered: RecoveredDescription, chosen: Dict[str, Any]) -> List[
             Message(
                 "corrected survey.json from the copy in the recordings: {entries}",
                 entries=in_a_row([_correction(one) for one in changed[:SHOWN]]),
-            )
+            ).with_fault(faults.REPAIRED)
         )
     if recovered.later_damaged and not changed:
         found.append(
             Message(
                 "survey.json differs from the manifest: how the survey ended and its report may "
                 "be damaged"
-            )
+            ).with_fault(faults.REPAIRED)
         )
     if recovered.basis is Basis.NOTHING:
         found.append(
             Message(
                 "no copy confirms survey.json: check its parameters; the stored traces do not "
                 "contradict them"
-            )
+            ).with_fault(faults.UNCONFIRMED)
         )
     return found
 
@@ -119,7 +128,8 @@ def recover_description(folder: Path) -> RecoveredDescription:
         return RecoveredDescription((sealed,), Basis.CHECKSUM, own, later_damaged)
     if not candidates:
         assert failure is not None
-        raise failure
+        # Resuming, which repairs it as long as there is a copy, does not help.
+        raise SurveyRefusedError(failure.message, fault=faults.DESCRIPTION_LOST) from failure
     return RecoveredDescription(candidates, basis, own, later_damaged)
 
 

@@ -10,6 +10,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.files.regular_file import open_regular
@@ -77,7 +78,7 @@ def decode(content: bytes) -> Manifest:
     except UnicodeDecodeError as error:
         raise ManifestDamagedError(Message("it is not ASCII text", details=error)) from error
     except SurveyRefusedError as error:
-        raise ManifestDamagedError(error.message) from error
+        raise ManifestDamagedError(error.message, fault=faults.MANIFEST_DAMAGED) from error
     if values.get("format") == FORMAT:
         return _decoded(content, values)
     if values.get("format") == FORMER_FORMAT:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import (
     ManifestDamagedError,
     SurveyRefusedError,
@@ -95,7 +96,8 @@ def reseal_description(folder: Path, new_values: Dict[str, Any]) -> None:
                     "{path} differs from the manifest, so it is damaged; resume the survey, which "
                     "repairs it, or restore the file",
                     path=printable(path),
-                )
+                ),
+                fault=faults.DESCRIPTION_DAMAGED,
             )
         changed = differences(survey_metadata.read_description(path), new_values)
         if changed:
@@ -141,7 +143,8 @@ def _seal_of(folder: Path) -> Manifest:
             Message(
                 "the survey in {folder} is not closed: it has no manifest; stop or resume it",
                 folder=printable(folder),
-            )
+            ),
+            fault=faults.NOT_CLOSED,
         ) from None
     except ManifestDamagedError as error:
         raise SurveyRefusedError(
@@ -149,13 +152,15 @@ def _seal_of(folder: Path) -> Manifest:
                 "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
                 path=printable(folder / MANIFEST_FILE),
                 reason=error.message,
-            )
+            ),
+            fault=faults.MANIFEST_DAMAGED,
         ) from error
     if sealed.reopened is not None:
         raise SurveyRefusedError(
             Message(
                 "the survey in {folder} is not closed: it was reopened; resume and stop it",
                 folder=printable(folder),
-            )
+            ),
+            fault=faults.NOT_CLOSED,
         )
     return sealed

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import List
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
@@ -57,7 +58,8 @@ def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
             Message(
                 "the survey would start on {time}; set the computer's clock",
                 time=utc_time.iso_text(started_us),
-            )
+            ),
+            fault=faults.CLOCK_WRONG,
         )
     return data / f"{utc_time.compact_text(started_us)}_{survey_id[:8]}"
 
@@ -79,7 +81,8 @@ def candidate_folders(data: Path, survey: str) -> List[Path]:
                 "of its folder, such as {example}",
                 survey=repr(survey[:64]),
                 example=EXAMPLE_FOLDER,
-            )
+            ),
+            fault=faults.WRONG_NAME,
         )
     return [
         one
@@ -100,7 +103,8 @@ def check_no_links(folder: Path) -> None:
                 Message(
                     "{path} is a symbolic link, which is not followed; put the files there",
                     path=printable(folder / name),
-                )
+                ),
+                fault=faults.NOT_A_FILE,
             )
 
 

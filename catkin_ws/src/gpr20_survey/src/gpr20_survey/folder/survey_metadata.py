@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, Dict, NoReturn
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.plan.annotation import ANNOTATION, annotation_of
@@ -18,11 +19,15 @@ from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.trace import utc_time
 
 FORMAT = "gpr20-survey/1"
+REASON_MESSAGE = "reason_message"  # template, values and fault of the reason
+FAULT_CODE = "fault_code"  # of why it ended; empty: nothing went wrong
 INTERRUPTED = "interrupted"  # outcome of a survey that was closed to be resumed later
 MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
+# How deep a message may be that is part of survey.json.
+MAX_MESSAGE_DEPTH = 24
 
 # What the storage itself writes into survey.json, in addition to the metadata.
 OWN_KEYS = frozenset(
@@ -33,6 +38,8 @@ OWN_KEYS = frozenset(
         "ended",
         "outcome",
         "reason",
+        REASON_MESSAGE,
+        FAULT_CODE,
         "stored_traces",
         "software_revision",
         "resumed",
@@ -46,6 +53,8 @@ LATER_KEYS = (
     "ended",
     "outcome",
     "reason",
+    REASON_MESSAGE,
+    FAULT_CODE,
     "stored_traces",
     "resumed",
     "report",
@@ -176,7 +185,7 @@ def read_description(path: Path) -> Dict[str, Any]:
     except UnicodeDecodeError as error:
         raise _unreadable(path, Message("it is not ASCII text", details=error)) from error
     except SurveyRefusedError as error:
-        raise _unreadable(path, error.message) from error
+        raise _unreadable(path, error.message.with_fault(None)) from error
     check_format(values, path)
     return values
 
@@ -188,7 +197,8 @@ def _unreadable(path: Path, reason: Message) -> SurveyRefusedError:
             "start",
             path=printable(path),
             reason=reason,
-        )
+        ),
+        fault=faults.DESCRIPTION_UNREADABLE,
     )
 
 
@@ -204,7 +214,8 @@ def check_format(values: Dict[str, Any], path: Path) -> None:
                 "{path} does not describe a survey of format {format}",
                 path=printable(path),
                 format=FORMAT,
-            )
+            ),
+            fault=faults.OTHER_FORMAT,
         )
 
 
@@ -218,13 +229,29 @@ def started_us(description: Dict[str, Any]) -> int:
         return utc_time.parse_iso(description["started"])
     except (KeyError, TypeError, ValueError) as error:
         raise SurveyRefusedError(
-            Message("'started' in survey.json is missing or is not a time", details=error)
+            Message("'started' in survey.json is missing or is not a time", details=error),
+            fault=faults.DESCRIPTION_LOST,
         ) from error
 
 
 def encode(values: Dict[str, Any]) -> bytes:
     """Return the content of survey.json: strict JSON, ASCII, for people to read."""
     return (json.dumps(values, allow_nan=False, indent=2) + "\n").encode("ascii")
+
+
+def message_record(message: Message) -> Dict[str, Any]:
+    """Return a message as survey.json holds it: template, values, details and fault.
+
+    Where strict JSON cannot hold the values, or they are nested too deeply, it is the text alone.
+    """
+    text = message.to_json()
+    try:
+        values = parse_object(text, "message")
+        _check_depth(text, "message", MAX_MESSAGE_DEPTH)
+    except SurveyRefusedError:
+        plain = verbatim(str(message)).with_fault(message.cause)
+        values = json.loads(plain.to_json())
+    return values
 
 
 def as_texts(values: Dict[str, Any]) -> Dict[str, str]:
@@ -239,18 +266,16 @@ def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not allowed in JSON")
 
 
-def _check_depth(text: str, name: str) -> None:
+def _check_depth(text: str, name: str, most: int = MAX_DEPTH) -> None:
     # Before parsing: the parser recurses, and Python 3.8 may end the whole process when
     # the recursion limit is reached within it.
     depth = 0
     for token in _TOKEN.finditer(text):
         if token.group() in "[{":
             depth += 1
-            if depth > MAX_DEPTH:
+            if depth > most:
                 raise SurveyRefusedError(
-                    Message(
-                        "{name} is nested more than {most} levels deep", name=name, most=MAX_DEPTH
-                    )
+                    Message("{name} is nested more than {most} levels deep", name=name, most=most)
                 )
         elif token.group() in "]}":
             depth -= 1

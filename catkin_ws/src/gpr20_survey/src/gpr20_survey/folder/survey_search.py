@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Tuple, TypeVar
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, printable
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.description_recovery import RecoveredDescription, recover_description
@@ -64,7 +65,7 @@ def _find(
             found=survey_id,
             survey=survey[:64],
         )
-    raise SurveyRefusedError(reason)
+    raise SurveyRefusedError(reason, fault=faults.UNKNOWN_SURVEY)
 
 
 def _read_description(folder: Path) -> Dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tu
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey import faults
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.files.file_sums import FileSum, sum_of
 from gpr20_survey.files.regular_file import open_regular
@@ -90,7 +91,8 @@ def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:
             Message(
                 "the file should be named {name} by its content",
                 name=survey_folder.trace_file_name(trace),
-            )
+            ),
+            fault=faults.TRACE_DAMAGED,
         )
     return trace
 
@@ -147,18 +149,23 @@ def _content(path: Path) -> bytes:
     with open(open_regular(path), "rb") as stream:
         content = stream.read(MAX_FILE_BYTES + 1)
     if len(content) > MAX_FILE_BYTES:
-        raise TraceRefusedError(Message("the file has more than {most} bytes", most=MAX_FILE_BYTES))
+        raise TraceRefusedError(
+            Message("the file has more than {most} bytes", most=MAX_FILE_BYTES),
+            fault=faults.TRACE_DAMAGED,
+        )
     return content
 
 
 def _check_unique(trace: Trace, file: Optional[TraceFile], index: Optional[int]) -> None:
     if file is not None:
         raise TraceRefusedError(
-            Message("index {index} is already in {file}", index=trace.index, file=file.name)
+            Message("index {index} is already in {file}", index=trace.index, file=file.name),
+            fault=faults.TRACE_DAMAGED,
         )
     if index is not None:
         raise TraceRefusedError(
             Message(
                 "sample {sample} already has index {index}", sample=trace.sample_id, index=index
-            )
+            ),
+            fault=faults.TRACE_NOT_ALLOWED,
         )

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, Mapping
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.checks import number_between
+from gpr20_survey import faults
 
 SECTION, KEY = "analyzer", "antenna_delay_ns"
 ANTENNA_DELAYS_NS = (-100.0, 100.0)
@@ -22,4 +24,7 @@ def recorded_delay_ns(description: Mapping[str, Any]) -> float:
     value = section.get(KEY, 0.0) if isinstance(section, Mapping) else 0.0
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         value = math.nan
-    return float(number_between(KEY, value, *ANTENNA_DELAYS_NS, "ns"))
+    try:
+        return float(number_between(KEY, value, *ANTENNA_DELAYS_NS, "ns"))
+    except InvalidValueError as error:
+        raise InvalidValueError(error.message, fault=faults.PLAN_UNREADABLE) from error

@@ -5,10 +5,12 @@ from __future__ import annotations
 import enum
 import re
 from dataclasses import dataclass
-from typing import Callable, Dict, Iterable, List, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 
+COMPLETE = "complete"
+"""Key of the report in survey.json: whether every planned sample is stored."""
 RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
 
@@ -21,12 +23,54 @@ class SampleState(enum.IntEnum):
     FAILED = 3
 
 
+COVERAGE_LETTERS = {
+    SampleState.NOT_VISITED: "-",
+    SampleState.MEASURED: "m",
+    SampleState.REMEASURED: "r",
+    SampleState.FAILED: "f",
+}
+"""Of the entry `coverage` of the report."""
+
+
 @dataclass(frozen=True)
 class Verdict:
     """The coverage in one sentence, and whether nothing is missing."""
 
     complete: bool
     message: Message
+
+
+def reported_verdict(report: Any) -> Optional[Verdict]:
+    """Return the verdict of the report in survey.json; None if it has no coverage.
+
+    Args:
+        report: As it was read, of any version.
+    """
+    letters = report.get("coverage") if isinstance(report, Mapping) else None
+    if not isinstance(letters, str) or not letters or set(letters) - set(COVERAGE_LETTERS.values()):
+        return None
+    failed = letters.count(COVERAGE_LETTERS[SampleState.FAILED])
+    missing = letters.count(COVERAGE_LETTERS[SampleState.NOT_VISITED])
+    return _verdict(len(letters), failed, missing)
+
+
+def _verdict(planned: int, failed: int, missing: int) -> Verdict:
+    stored = planned - failed - missing
+    if stored == planned:
+        return Verdict(
+            True, Message("complete: all {planned} planned traces are stored", planned=planned)
+        )
+    return Verdict(
+        False,
+        Message(
+            "INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, "
+            "{missing} not visited",
+            stored=stored,
+            planned=planned,
+            failed=failed,
+            missing=missing,
+        ),
+    )
 
 
 class Coverage:
@@ -87,22 +131,6 @@ class Coverage:
 
     def verdict(self) -> Verdict:
         """Return the coverage in one sentence; only a full one is called complete."""
-        planned = len(self._states)
         failed = self._states.count(SampleState.FAILED)
         missing = self._states.count(SampleState.NOT_VISITED)
-        stored = planned - failed - missing
-        if stored == planned:
-            return Verdict(
-                True, Message("complete: all {planned} planned traces are stored", planned=planned)
-            )
-        return Verdict(
-            False,
-            Message(
-                "INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, "
-                "{missing} not visited",
-                stored=stored,
-                planned=planned,
-                failed=failed,
-                missing=missing,
-            ),
-        )
+        return _verdict(len(self._states), failed, missing)

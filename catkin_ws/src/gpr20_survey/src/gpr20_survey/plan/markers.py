@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
 from gpr20_survey.trace.trace import MAX_COORDINATE, SURVEY_ID
@@ -145,11 +146,13 @@ def with_marker(
             if one.same_request(marker):
                 return None  # the answer to the first call may have been lost
             raise SurveyRefusedError(
-                Message("another marker has the id {marker}", marker=marker.marker_id)
+                Message("another marker has the id {marker}", marker=marker.marker_id),
+                fault=faults.MARKER_REFUSED,
             )
     if len(present) >= MAX_MARKERS:
         raise SurveyRefusedError(
-            Message("the survey has {count} markers; it can have no more", count=len(present))
+            Message("the survey has {count} markers; it can have no more", count=len(present)),
+            fault=faults.TOO_MANY_MARKERS,
         )
     return {**description, MARKERS: values_of((*present, replace(marker, time=now)))}
 
@@ -172,7 +175,8 @@ def without_marker(
     former = next((one for one in present if one.marker_id == marker_id), None)
     if former is None:
         raise SurveyRefusedError(
-            Message("the survey has no marker {marker}", marker=repr(marker_id[:64]))
+            Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
+            fault=faults.MARKER_REFUSED,
         )
     if not former.is_present:
         return None
@@ -189,9 +193,12 @@ def _stored(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
             Message(
                 "the markers in survey.json are damaged: {reason}; nothing was changed",
                 reason=error.message,
-            )
+            ),
+            fault=faults.MARKERS_DAMAGED,
         ) from error
 
 
 def _damaged() -> InvalidValueError:
-    return InvalidValueError(Message("'markers' in survey.json is not a list of markers"))
+    return InvalidValueError(
+        Message("'markers' in survey.json is not a list of markers"), fault=faults.MARKERS_DAMAGED
+    )

@@ -7,6 +7,7 @@ from typing import Any, Mapping, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
+from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import (
     RobotTravel,
     SurveyParameters,
@@ -31,8 +32,11 @@ def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, Rob
         check(parameters, travel)
     except (KeyError, TypeError, ArithmeticError) as error:
         raise InvalidValueError(
-            Message("survey.json is incomplete", details=repr(error))
+            Message("survey.json is incomplete", details=repr(error)), fault=faults.PLAN_UNREADABLE
         ) from error
+    except InvalidValueError as error:
+        # Nobody can correct the plan of a survey that was measured.
+        raise InvalidValueError(error.message, fault=faults.PLAN_UNREADABLE) from error
     return parameters, travel
 
 
@@ -40,6 +44,7 @@ def _travel(axis: Any, name: str) -> Travel:
     numbers = [axis[key] for key in ("min_coord", "max_coord", "step_size")]
     if not all(isinstance(one, float) for one in numbers) or not numbers[2] > 0.0:
         raise InvalidValueError(
-            Message("axes/{axis} of survey.json does not hold the numbers of an axis", axis=name)
+            Message("axes/{axis} of survey.json does not hold the numbers of an axis", axis=name),
+            fault=faults.PLAN_UNREADABLE,
         )
     return Travel(*numbers)

@@ -11,6 +11,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
 from gpr20_common.mid.records import record_from
+from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.robot_config import RobotConfig
@@ -115,7 +116,10 @@ def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> Ax
     """
     name = f"{axis_id.value}_axis/axis_driver"
     _refuse_missing([name], nodes)
-    return record_from(AxisParameters, nodes[name].configuration, name)
+    try:
+        return record_from(AxisParameters, nodes[name].configuration, name)
+    except InvalidValueError as error:
+        raise InvalidValueError(error.message, fault=faults.OTHER_PARAMETERS) from error
 
 
 def is_simulated_identity(identity: str) -> bool:
@@ -145,7 +149,8 @@ def _refuse_missing(needed: Iterable[str], nodes: Mapping[str, NodeDescription])
                 "{parts}: no description of its hardware has arrived; check that it runs",
                 parts=_joined(missing),
                 details=", ".join(missing),
-            )
+            ),
+            fault=faults.NOT_DESCRIBED,
         )
 
 
@@ -159,7 +164,8 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
                 "every launch and start one",
                 simulated=_joined(simulated),
                 real=_joined(real),
-            )
+            ),
+            fault=faults.MIXED_PARTS,
         )
     scales = sorted({nodes[name].hardware.time_scale for name in PLAIN_NAMES})
     if len(scales) > 1:
@@ -168,7 +174,8 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
                 "the parts of the simulated robot run at different speeds, {scales} times the real "
                 "one; end every launch and start one",
                 scales=", ".join(f"{scale:g}" for scale in scales),
-            )
+            ),
+            fault=faults.MIXED_PARTS,
         )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_survey.trace.aux_value import AUX_NAME, MAX_AUX_VALUES, MAX_UNIT_CHARACTERS, is_aux_unit
@@ -66,7 +67,8 @@ class Sensor:
                     sensor=self.name,
                     value=repr(self.unit[:64]),
                     most=MAX_UNIT_CHARACTERS,
-                )
+                ),
+                fault=CONFIGURATION,
             )
         number_between("longest_age_s", self.longest_age_s, SHORTEST_AGE_S, LONGEST_AGE_S, "s")
         bounds = [one for one in (self.low, self.high) if one is not None]
@@ -78,7 +80,8 @@ class Sensor:
                     sensor=self.name,
                     low=str(self.low),
                     high=str(self.high),
-                )
+                ),
+                fault=CONFIGURATION,
             )
 
     def is_plausible(self, value: float) -> bool:
@@ -93,7 +96,8 @@ class Sensor:
                 sensor=repr(self.name[:64]),
                 value=repr(value[:64]),
                 example=example,
-            )
+            ),
+            fault=CONFIGURATION,
         )
 
 
@@ -114,13 +118,15 @@ class Sensors:
                     "there are {count} sensors; at most {most} are allowed",
                     count=len(self.sensors),
                     most=MAX_AUX_VALUES,
-                )
+                ),
+                fault=CONFIGURATION,
             )
         names = [one.name for one in self.sensors]
         for name in names:
             if names.count(name) > 1:
                 raise InvalidValueError(
-                    Message("two sensors have the name {name}; give each its own", name=name)
+                    Message("two sensors have the name {name}; give each its own", name=name),
+                    fault=CONFIGURATION,
                 )
 
     @property

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import (
     MAX_NAME_CHARACTERS,
@@ -49,7 +50,8 @@ class Site:
                     "latitude_deg is {latitude} and longitude_deg is {longitude}; set both or none",
                     latitude=str(latitude_deg),
                     longitude=str(longitude_deg),
-                )
+                ),
+                fault=NOT_ALLOWED,
             )
         position = Wgs84Position(latitude_deg, longitude_deg)
         return Annotation(self.operator, self.site, position=position)

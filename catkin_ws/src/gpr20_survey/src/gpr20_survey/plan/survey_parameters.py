@@ -11,6 +11,7 @@ from typing import Callable, Iterable, List, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
+from gpr20_survey import faults
 from gpr20_survey.trace.ms2026c import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
@@ -94,6 +95,8 @@ class SurveyParameters:
 
 class SurveyParametersError(InvalidValueError):
     """One or more parameters of a survey are not allowed; the message names each."""
+
+    fault = faults.PLAN_NOT_ALLOWED
 
 
 def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
@@ -187,7 +190,7 @@ def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Pro
         try:
             one()
         except InvalidValueError as error:
-            yield Problem(rule, error.message)
+            yield Problem(rule, error.message.with_fault(faults.PLAN_NOT_ALLOWED))
 
 
 def check_address(address: str) -> None:

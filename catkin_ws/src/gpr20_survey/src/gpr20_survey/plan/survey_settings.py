@@ -6,6 +6,7 @@ import enum
 from dataclasses import dataclass
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 
@@ -49,5 +50,6 @@ class SurveySettings:
                     place="on_height_failure",
                     value=repr(self.on_height_failure),
                     allowed=", ".join(policies),
-                )
+                ),
+                fault=CONFIGURATION,
             )

@@ -7,6 +7,7 @@ from typing import Dict, FrozenSet
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
+from gpr20_survey import faults
 
 
 class SurveyState(enum.IntEnum):
@@ -58,7 +59,6 @@ RUNNING = frozenset(
         SurveyState.STOPPING,
     ]
 )
-AT_REST = frozenset(SurveyState) - RUNNING
 ENDED = frozenset([SurveyState.FINISHED, SurveyState.STOPPED, SurveyState.FAILED])
 
 _S = SurveyState
@@ -84,6 +84,8 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
 
 class TransitionError(Gpr20Error, RuntimeError):
     """A state cannot follow another."""
+
+    fault = faults.WRONG_STATE
 
 
 def check_transition(before: SurveyState, after: SurveyState) -> None:

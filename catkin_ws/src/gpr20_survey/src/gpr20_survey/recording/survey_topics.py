@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Mapping, Optional
 
+from gpr20_survey import faults
+from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
@@ -81,4 +83,10 @@ def recorded_trace(message: RecordedMessage) -> Optional[Trace]:
     """
     if message.datatype != trace_message.DATATYPE:
         return None
-    return trace_message.decode(message.data, message.md5sum)
+    try:
+        return trace_message.decode(message.data, message.md5sum)
+    except TraceRefusedError as error:
+        if error.message.fault is faults.TRACE_OTHER_VERSION:
+            raise
+        # It was right when it was recorded.
+        raise TraceRefusedError(error.message, fault=faults.TRACE_DAMAGED) from error

@@ -7,7 +7,9 @@ import re
 from dataclasses import dataclass
 from typing import Sequence
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.trace.sweep import check_time, refuse, shortened
 
 MAX_AUX_VALUES = 32
@@ -44,14 +46,18 @@ def check_aux(values: Sequence[AuxValue]) -> None:
                 "aux has {count} values; at most {most} are allowed",
                 count=len(values),
                 most=MAX_AUX_VALUES,
-            )
+            ),
+            fault=CONFIGURATION,
         )
     for one in values:
         _check(one)
     names = [one.name for one in values]
     for name in names:
         if names.count(name) > 1:
-            refuse(Message("aux has the name {name} twice", name=shortened(name)))
+            refuse(
+                Message("aux has the name {name} twice", name=shortened(name)),
+                fault=CONFIGURATION,
+            )
 
 
 def is_aux_unit(unit: str) -> bool:
@@ -66,13 +72,15 @@ def _check(one: AuxValue) -> None:
                 "aux has a value named {name}; a name must have 1 to 64 of a-z, 0-9 and _, and "
                 "begin with a letter",
                 name=shortened(one.name),
-            )
+            ),
+            fault=CONFIGURATION,
         )
     if not math.isfinite(one.value):
         refuse(
             Message(
                 "{name} in aux is {value}; it must be finite", name=one.name, value=str(one.value)
-            )
+            ),
+            fault=faults.SENSOR_NOT_FINITE,
         )
     if not is_aux_unit(one.unit):
         refuse(
@@ -82,6 +90,7 @@ def _check(one: AuxValue) -> None:
                 name=one.name,
                 unit=shortened(one.unit),
                 most=MAX_UNIT_CHARACTERS,
-            )
+            ),
+            fault=CONFIGURATION,
         )
     check_time(f"{one.name} in aux", one.stamp_us)

@@ -8,7 +8,8 @@ from typing import NoReturn, Tuple
 
 import numpy as np
 
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
+from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -68,13 +69,15 @@ class Sweep:
                     points=points,
                     lower=MIN_POINTS,
                     upper=MAX_POINTS,
-                )
+                ),
+                fault=faults.WRONG_SWEEP,
             )
         for name in ("frequency_hz", "s21_real", "s21_imag"):
             self._check_array(name, points)
         if self.frequency_hz[0] <= 0.0 or not (np.diff(self.frequency_hz) > 0.0).all():
             refuse(
-                Message("frequency_hz must be above zero and ascend from each point to the next")
+                Message("frequency_hz must be above zero and ascend from each point to the next"),
+                fault=faults.WRONG_SWEEP,
             )
 
     def _check_array(self, name: str, points: int) -> None:
@@ -86,7 +89,8 @@ class Sweep:
                     name=name,
                     count=values.size,
                     points=points,
-                )
+                ),
+                fault=faults.WRONG_SWEEP,
             )
         if not np.isfinite(values).all():
             refuse(
@@ -94,7 +98,8 @@ class Sweep:
                     "{name} contains {count} NaN or infinite values",
                     name=name,
                     count=np.count_nonzero(~np.isfinite(values)),
-                )
+                ),
+                fault=faults.WRONG_SWEEP,
             )
 
     def _check_sweep_times(self) -> None:
@@ -106,7 +111,8 @@ class Sweep:
                     "sweep_ended {ended} lies before sweep_started {started}",
                     ended=utc_time.iso_text(self.sweep_ended_us),
                     started=utc_time.iso_text(self.sweep_started_us),
-                )
+                ),
+                fault=faults.CLOCK_WRONG,
             )
 
     def _check_quality(self) -> None:
@@ -144,7 +150,8 @@ class Sweep:
                     "characters",
                     power=shortened(power),
                     most=MAX_POWER_CHARACTERS,
-                )
+                ),
+                fault=faults.WRONG_SWEEP,
             )
 
 
@@ -166,17 +173,22 @@ def check_time(name: str, time_us: int) -> None:
                 "{name} is {time}; set the computer's clock",
                 name=name,
                 time=utc_time.iso_text(time_us),
-            )
+            ),
+            fault=faults.CLOCK_WRONG,
         )
 
 
-def refuse(reason: Message) -> NoReturn:
+def refuse(reason: Message, fault: Fault = faults.TRACE_NOT_ALLOWED) -> NoReturn:
     """Raise the error of a trace that is not allowed.
+
+    Args:
+        reason: What is not allowed.
+        fault: What it reports.
 
     Raises:
         TraceRefusedError: Always.
     """
-    raise TraceRefusedError(Message("the trace is refused: {reason}", reason=reason))
+    raise TraceRefusedError(Message("the trace is refused: {reason}", reason=reason), fault=fault)
 
 
 def shortened(text: str) -> str:
@@ -192,5 +204,6 @@ def _refuse_outside(name: str, value: float, upper: float) -> NoReturn:
             value=f"{value:.12g}",
             lower=0,
             upper=f"{upper:.12g}",
-        )
+        ),
+        fault=faults.WRONG_SWEEP,
     )

@@ -9,6 +9,7 @@ from dataclasses import astuple, dataclass
 from typing import Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.trace.aux_value import AuxValue, check_aux
 from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
 
@@ -135,5 +136,6 @@ class Trace(Sweep):
             refuse(
                 Message(
                     "antennae_height_m is infinite; it must be a number, or NaN if not measured"
-                )
+                ),
+                fault=faults.SENSOR_NOT_FINITE,
             )

@@ -10,6 +10,7 @@ import numpy as np
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.aux_value import AuxValue
@@ -79,9 +80,13 @@ def decode(content: bytes) -> Trace:
     try:
         values = json.loads(content.decode("ascii"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        raise TraceRefusedError(Message("the file is not strict JSON", details=error)) from error
+        raise TraceRefusedError(
+            Message("the file is not strict JSON", details=error), fault=faults.TRACE_DAMAGED
+        ) from error
     if content[-1:] != b"\n":
-        raise TraceRefusedError(Message("the file is incomplete: its last line is cut off"))
+        raise TraceRefusedError(
+            Message("the file is incomplete: its last line is cut off"), fault=faults.TRACE_DAMAGED
+        )
     return from_values(values)
 
 
@@ -93,23 +98,32 @@ def from_values(values: Any) -> Trace:
     """
     keys = values.keys() - {AUX} if isinstance(values, dict) else None
     if keys not in (KEYS, KEYS | ANALYZER_KEYS):
-        raise TraceRefusedError(Message("the file does not hold exactly the entries of a trace"))
+        raise TraceRefusedError(
+            Message("the file does not hold exactly the entries of a trace"),
+            fault=faults.TRACE_DAMAGED,
+        )
     try:
         return _trace(values)
-    except TraceRefusedError:
-        raise
+    except TraceRefusedError as error:
+        # It was right when it was stored.
+        raise TraceRefusedError(error.message, fault=faults.TRACE_DAMAGED) from error
     except Gpr20Error as error:
         raise TraceRefusedError(
-            Message("an entry of the trace is wrong: {reason}", reason=error.message)
+            Message("an entry of the trace is wrong: {reason}", reason=error.message),
+            fault=faults.TRACE_DAMAGED,
         ) from error
     except (ValueError, TypeError, OverflowError) as error:
-        raise TraceRefusedError(Message("an entry of the trace is wrong", details=error)) from error
+        raise TraceRefusedError(
+            Message("an entry of the trace is wrong", details=error), fault=faults.TRACE_DAMAGED
+        ) from error
 
 
 def _trace(values: Dict[str, Any]) -> Trace:
     height = values[HEIGHT]
     if not all(isinstance(one, str) for one in _list(values, "quality")):
-        raise InvalidValueError(Message("quality holds values that are not texts"))
+        raise InvalidValueError(
+            Message("quality holds values that are not texts"), fault=faults.TRACE_NOT_ALLOWED
+        )
     fields: Dict[str, Any] = {
         **{name: _of_type(values, name, str) for name in TEXTS},
         **{f"{name}_us": utc_time.parse_iso(_of_type(values, name, str)) for name in TIMES},
@@ -130,7 +144,10 @@ def _aux(values: Dict[str, Any]) -> Tuple[AuxValue, ...]:
     found = _list(values, AUX)
     if not found or any(not isinstance(one, dict) or one.keys() != AUX_KEYS for one in found):
         # One trace has one form.
-        raise InvalidValueError(Message("aux does not hold exactly the entries of its values"))
+        raise InvalidValueError(
+            Message("aux does not hold exactly the entries of its values"),
+            fault=faults.TRACE_NOT_ALLOWED,
+        )
     return tuple(
         AuxValue(
             _of_type(one, "name", str),
@@ -152,7 +169,9 @@ def _analyzer(values: Dict[str, Any]) -> AnalyzerSettings:
     )
     if not settings.is_known:
         # One trace has one form.
-        raise InvalidValueError(Message("the settings of the analyzer have no value"))
+        raise InvalidValueError(
+            Message("the settings of the analyzer have no value"), fault=faults.TRACE_NOT_ALLOWED
+        )
     return settings
 
 
@@ -179,7 +198,8 @@ def _array(values: Dict[str, Any], name: str) -> np.ndarray:
     numbers = _list(values, name)
     if set(map(type, numbers)) - {float}:
         raise InvalidValueError(
-            Message("{name} holds values that are not numbers with a decimal point", name=name)
+            Message("{name} holds values that are not numbers with a decimal point", name=name),
+            fault=faults.TRACE_NOT_ALLOWED,
         )
     return np.array(numbers, np.float64)
 

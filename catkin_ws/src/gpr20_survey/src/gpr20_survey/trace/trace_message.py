@@ -12,6 +12,7 @@ from typing import Any, Callable, List, Tuple, TypeVar
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.trace import utc_time
@@ -75,12 +76,15 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
                 "a trace was recorded with another version of {datatype}",
                 datatype=DATATYPE,
                 details=f"{md5sum[:64]}, not {MD5SUM}",
-            )
+            ),
+            fault=faults.TRACE_OTHER_VERSION,
         )
     try:
         return _Reader(data).trace(md5sum)
     except (struct.error, UnicodeDecodeError) as error:
-        raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
+        raise TraceRefusedError(
+            Message("a recorded trace is incomplete", details=error), fault=faults.TRACE_DAMAGED
+        ) from error
 
 
 def completed(data: bytes, md5sum: str) -> bytes:
@@ -94,7 +98,9 @@ def completed(data: bytes, md5sum: str) -> bytes:
     try:
         header = _Reader(data).header()
     except (struct.error, UnicodeDecodeError) as error:
-        raise TraceRefusedError(Message("a recorded trace is incomplete", details=error)) from error
+        raise TraceRefusedError(
+            Message("a recorded trace is incomplete", details=error), fault=faults.TRACE_DAMAGED
+        ) from error
     settings = b""
     if md5sum == WITHOUT_SETTINGS_MD5SUM:
         settings = bytes(_BANDWIDTH_AND_AVERAGES.size + _LENGTH.size)
@@ -189,7 +195,9 @@ class _Reader:
                 )
             )
         if self._place != len(self._data):
-            raise TraceRefusedError(Message("a recorded trace is longer than its fields"))
+            raise TraceRefusedError(
+                Message("a recorded trace is longer than its fields"), fault=faults.TRACE_DAMAGED
+            )
         return trace
 
     def _read_header(self) -> Tuple[int, str]:

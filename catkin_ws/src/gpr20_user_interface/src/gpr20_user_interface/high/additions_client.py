@@ -6,14 +6,15 @@ import json
 from typing import Any, Callable, List
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.srv import ListSurveys, MarkSurvey, ReadSurvey
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.refines import refines_of
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.high.ros_events import in_background
 from gpr20_user_interface.mid.map_geometry import Area
@@ -131,7 +132,9 @@ def _answer(call: Callable[[], Any]) -> Any:
         response = call()
     except ServiceUnavailableError as error:
         raise _RequestError(
-            Message("the storage does not answer; check that it is running", details=error)
+            Message(
+                "the storage does not answer; check that it is running", details=error
+            ).with_fault(faults.PART_SILENT)
         ) from error
     if not response.success:
         raise _RequestError(message_from(response))

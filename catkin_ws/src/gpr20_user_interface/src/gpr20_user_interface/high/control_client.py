@@ -11,10 +11,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
 from gpr20_common.high.connection_header import connection_header
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import node_healths
 from gpr20_msgs.msg import (
     ControlStatus,
@@ -27,6 +27,7 @@ from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface import faults
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.replay_watch import ReplayWatch
@@ -185,6 +186,7 @@ class ControlClient(RosEvents):
             self._emit(self._limits)
         except (rosgraph.MasterException, OSError) as error:
             reason = Message("the ROS master does not answer", details=error)
+            reason = reason.with_fault(faults.MASTER_LOST)
             self._emit(AxisLimits(None, reason, master_alive=False))
         finally:
             self._checking_master.release()
@@ -228,6 +230,8 @@ class ControlClient(RosEvents):
             reason=reason,
             answers=answers,
         )
+        if not all_answered:
+            message = message.with_fault(faults.STOP_UNCONFIRMED)
         self._emit(Answer(Request.STOP, False, message, contact=all_answered))
 
     def _repeat_stop(self) -> None:
@@ -310,4 +314,6 @@ def _answer_from(request: Request, response: Any) -> Answer:
 
 
 def _no_answer(error: Exception) -> Message:
-    return Message("the main control does not answer; check that it is running", details=error)
+    return Message(
+        "the main control does not answer; check that it is running", details=error
+    ).with_fault(faults.PART_SILENT)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import Any, Dict, Optional, Sequence
 
 from sensor_msgs.msg import Range
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.raw_message import serialized
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from, received_message
+from gpr20_doctor.high.node_reports import height_m
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import (
     ControlStatus,
@@ -20,7 +20,6 @@ from gpr20_msgs.msg import (
     ServiceStatus,
     SurveyCoverage,
     SurveyData,
-    SurveySummary,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.errors import SurveyRefusedError
@@ -28,6 +27,7 @@ from gpr20_survey.folder import survey_metadata
 from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import summary_from
 from gpr20_user_interface.mid.events import (
     ControlParameters,
     ControlState,
@@ -37,10 +37,8 @@ from gpr20_user_interface.mid.events import (
     TargetPosition,
 )
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.past_surveys import PastSurvey, coverage_map
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
 from gpr20_user_interface.mid.service_events import (
-    AnalyzerTested,
     HeightTested,
     ServiceActivity,
 )
@@ -114,9 +112,8 @@ def target_position(message: Coordinates) -> TargetPosition:
 
 
 def measured_height(message: Range) -> MeasuredHeight:
-    """Convert `measured_height`; a value outside the sensor's range is none (REP 117)."""
-    within = message.min_range <= message.range <= message.max_range
-    return MeasuredHeight(message.range if within else math.nan)
+    """Convert `measured_height`."""
+    return MeasuredHeight(height_m(message))
 
 
 def service_activity(message: ServiceStatus) -> ServiceActivity:
@@ -128,19 +125,6 @@ def height_tested(response: Any) -> HeightTested:
     """Convert the answer of `get_height`."""
     failure = None if response.success else message_from(response)
     return HeightTested(response.height_m, response.spread_m, response.voltage_v, failure)
-
-
-def analyzer_tested(response: Any) -> AnalyzerTested:
-    """Convert the answer of `test_analyzer`."""
-    return AnalyzerTested(
-        address=response.address,
-        identity=response.identity,
-        calibration=response.calibration,
-        points=response.points,
-        sweep_duration_s=response.sweep_duration_s,
-        level_db=response.level_db,
-        failure=None if response.success else message_from(response),
-    )
 
 
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
@@ -185,27 +169,8 @@ def traces_read(first_index: int, response: Any) -> TracesRead:
 
 def surveys_listed(before: str, response: Any) -> SurveysListed:
     """Convert the answer of `list_surveys`."""
-    surveys = tuple(_past_survey(one) for one in response.surveys)
+    surveys = tuple(summary_from(one) for one in response.surveys)
     return SurveysListed(before, surveys, response.more)
-
-
-def _past_survey(message: SurveySummary) -> PastSurvey:
-    return PastSurvey(
-        folder=message.folder,
-        survey_id=message.survey_id,
-        started=message.started,
-        outcome=message.outcome,
-        stored_traces=message.stored_traces,
-        planned_traces=message.planned_traces,
-        verdict=_message_or_none(message.verdict, message.verdict_json),
-        complete=message.complete,
-        simulated=message.simulated,
-        problem=_message_or_none(message.problem, message.problem_json),
-        name=message.name,
-        width_mm=message.width_mm,
-        height_mm=message.height_mm,
-        coverage=coverage_map(message.map_columns, message.map_rows, message.map_percent),
-    )
 
 
 def _message_or_none(text: str, message_json: str) -> Optional[Message]:

@@ -5,20 +5,23 @@ from __future__ import annotations
 from typing import Any, Callable, Sequence
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ImagingProgress
 from gpr20_msgs.srv import CancelImaging, ExportSurvey, FindCandidates, FocusSurvey, ListVolumes
+from gpr20_survey.results.candidate_json import list_from
+from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.volume import volume_from
+from gpr20_user_interface import faults
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
-from gpr20_user_interface.mid.focused_answer import image_from
-from gpr20_user_interface.mid.focused_image import ImageFailed, ImageFocused
 from gpr20_user_interface.mid.imaging_events import (
     CandidatesFound,
     ExportDone,
+    ImageFailed,
+    ImageFocused,
     RequestFailed,
     RequestProgress,
-    StickVolume,
     VolumesFailed,
     VolumesListed,
 )
@@ -67,7 +70,7 @@ class ImagingClient(RosEvents):
                 language=language,
             ),
             lambda response: CandidatesFound(
-                request_id, response.candidates_json, response.remarks
+                request_id, list_from(response.candidates_json), response.remarks
             ),
             lambda reason: RequestFailed(request_id, reason),
         )
@@ -102,10 +105,7 @@ class ImagingClient(RosEvents):
             lambda: self._volumes.call(SHORT_TIMEOUT_S),
             lambda response: VolumesListed(
                 response.computer,
-                tuple(
-                    StickVolume(one.path, one.name, one.free_bytes, one.writable)
-                    for one in response.volumes
-                ),
+                tuple(volume_from(one) for one in response.volumes),
             ),
             VolumesFailed,
         )
@@ -149,7 +149,7 @@ class ImagingClient(RosEvents):
                     "the imaging node does not answer; check that it is running on the computer "
                     "of the storage",
                     details=error,
-                )
+                ).with_fault(faults.PART_SILENT)
             )
         except InvalidValueError as error:
             return failed(error.message)

@@ -17,6 +17,7 @@ from rospy.impl.registration import (
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.message import Message
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import MasterUnavailableError
 
 POLL_S = 0.2
@@ -58,7 +59,8 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
             given_up.set()
             if is_cancelled():
                 raise MasterUnavailableError(
-                    Message("stopped before contact with the robot; nothing was started")
+                    Message("stopped before contact with the robot; nothing was started"),
+                    fault=faults.NOT_STARTED,
                 )
             waited_s = clock.now_s() - begin_s
             raise MasterUnavailableError(

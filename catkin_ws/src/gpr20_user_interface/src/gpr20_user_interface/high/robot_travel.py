@@ -7,18 +7,19 @@ import json
 from typing import Any, Mapping
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
+from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import RobotConfiguration
 from gpr20_survey.plan.robot_description import ANALYZER, NodeDescription, robot_config
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid.events import AxisLimits, RobotDefaults, RobotFigures
 
 CONTROL, STORAGE = "main_control", "vna_processing"
-UNKNOWN = Message("the limits of the axes are not known")
+UNKNOWN = Message("the limits of the axes are not known").with_fault(faults.LIMITS_UNKNOWN)
 
 
 def axis_limits(message: RobotConfiguration) -> AxisLimits:
@@ -31,7 +32,8 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
         settings = _record(SurveySettings, nodes[CONTROL].configuration)
         defaults = _defaults(nodes, message.site_json)
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
-        return AxisLimits(None, Message("the limits of the axes are not known", details=error))
+        reason = Message("the limits of the axes are not known", details=error)
+        return AxisLimits(None, reason.with_fault(faults.LIMITS_UNKNOWN))
     figures = RobotFigures(config, settings)
     return AxisLimits(config.travel, figures=figures, defaults=defaults, nodes=nodes)
 

@@ -37,7 +37,12 @@ from gpr20_user_interface.mid.survey_arguments import (
 )
 from gpr20_user_interface.mid.survey_follower import Limits, Mode, SurveyFollower
 from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
-from gpr20_user_interface.mid.survey_session import Follower, SurveySession, outcome_lines
+from gpr20_user_interface.mid.survey_session import (
+    Follower,
+    SurveySession,
+    first_step,
+    outcome_lines,
+)
 
 
 def main() -> int:
@@ -61,13 +66,18 @@ def _run(options: Options, router: EventRouter, signals: StopSignals, catalogue:
         _check(options)
         join_graph("run_survey", options.wait_s, lambda: signals.received, Clock())
     except Gpr20Error as error:
-        print(f"run_survey: {terminal_line(error.message, catalogue)}", file=sys.stderr)
+        _print_refusal(error.message, catalogue)
         status = ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED
         if isinstance(error, MasterUnavailableError):
             # At once: the exit handlers of rospy would wait for the master.
             leave_now(status)
         return status
     return _follow(options, router, signals, catalogue)
+
+
+def _print_refusal(reason: Message, catalogue: Catalogue) -> None:
+    lines = [terminal_line(one, catalogue) for one in (reason, first_step(reason))]
+    print(f"run_survey: {lines[0]}", *lines[1:], sep="\n", file=sys.stderr)
 
 
 def _check(options: Options) -> None:
@@ -90,7 +100,7 @@ def _follow(
     if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
         if options.mode is not Mode.ATTACH:
             client.close()
-            print(f"run_survey: {terminal_line(REFUSAL, catalogue)}", file=sys.stderr)
+            _print_refusal(REFUSAL, catalogue)
             return ExitStatus.REFUSED
         follower, events = ReplayFollower(), router.replay
     keeper, link = ConnectionKeeper(), LinkWatch(router.take)

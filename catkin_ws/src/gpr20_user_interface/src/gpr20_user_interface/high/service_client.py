@@ -12,21 +12,23 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import Bool
 
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import node_healths
+from gpr20_common.sent_message import message_from
+from gpr20_doctor.high.node_reports import axis_position, node_healths
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
-from gpr20_msgs.msg import ServiceStatus
+from gpr20_msgs.msg import CurrentCoordinate, ServiceStatus
 from gpr20_msgs.srv import GetHeight, ServiceMove, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
+from gpr20_user_interface import faults
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.service_events import (
-    AnalyzerTested,
     AxisAction,
+    AxisMeasured,
     AxisMoved,
     ClockOffset,
     EndstopState,
@@ -65,7 +67,7 @@ class ServiceToolsClient(RosEvents):
         super().close()
 
     def set_watched(self, watched: bool) -> None:
-        """Follow endstops and clocks, or no longer: each message costs time."""
+        """Follow axes, endstops and clocks, or no longer: each message costs time."""
         self._wanted = watched
         # A subscription waits for the master, which may be away.
         in_background(self._follow)
@@ -85,10 +87,20 @@ class ServiceToolsClient(RosEvents):
             )
             for axis in ENDSTOP_AXES
         ]
+        axes = [
+            rospy.Subscriber(
+                f"{axis.value}_axis/current_coord",
+                CurrentCoordinate,
+                self._on_axis,
+                axis,
+                queue_size=1,
+            )
+            for axis in AxisId
+        ]
         diagnostics = rospy.Subscriber(
             "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20
         )
-        return [*endstops, diagnostics]
+        return [*endstops, *axes, diagnostics]
 
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero; the answer is an event."""
@@ -113,7 +125,7 @@ class ServiceToolsClient(RosEvents):
             except ServiceUnavailableError as error:
                 no_answer = Message(
                     "the height sensor does not answer; check that it is running", details=error
-                )
+                ).with_fault(faults.PART_SILENT)
                 return HeightTested(math.nan, math.nan, math.nan, no_answer)
             return conversions.height_tested(response)
 
@@ -122,12 +134,12 @@ class ServiceToolsClient(RosEvents):
     def test_analyzer(self) -> None:
         """Ask for a test of the VNA; the answer is an event."""
 
-        def ask() -> AnalyzerTested:
+        def ask() -> AnalyzerTest:
             try:
                 response = self._analyzer.call(ANALYZER_TIMEOUT_S)
             except ServiceUnavailableError as error:
-                return AnalyzerTested("", "", "", 0, 0.0, 0.0, _no_answer(error))
-            return conversions.analyzer_tested(response)
+                return AnalyzerTest("", failure=_no_answer(error))
+            return analyzer_test_of(response)
 
         in_background(lambda: self._emit(ask()))
 
@@ -146,6 +158,9 @@ class ServiceToolsClient(RosEvents):
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
         self._emit_received(message, EndstopState(axis, message.data))
 
+    def _on_axis(self, message: CurrentCoordinate, axis: AxisId) -> None:
+        self._emit_received(message, AxisMeasured(axis, axis_position(message)))
+
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
         for health in node_healths(message, rospy.get_namespace()):
@@ -153,4 +168,6 @@ class ServiceToolsClient(RosEvents):
 
 
 def _no_answer(error: Exception) -> Message:
-    return Message("the main control does not answer; check that it is running", details=error)
+    return Message(
+        "the main control does not answer; check that it is running", details=error
+    ).with_fault(faults.PART_SILENT)

@@ -8,14 +8,15 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common.high.connection_header import connection_header
-from gpr20_common.high.graph_message import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import SurveyCoverage
 from gpr20_msgs.srv import AnnotateSurvey, ListSurveys, ReadSurvey, ReadTraces
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace import trace_message
+from gpr20_user_interface import faults
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.additions_client import AdditionsClient
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
@@ -127,6 +128,8 @@ class StorageClient(RosEvents):
             response = call()
         except ServiceUnavailableError as error:
             return failed(
-                Message("the storage does not answer; check that it is running", details=error)
+                Message(
+                    "the storage does not answer; check that it is running", details=error
+                ).with_fault(faults.PART_SILENT)
             )
         return convert(response) if response.success else failed(message_from(response))

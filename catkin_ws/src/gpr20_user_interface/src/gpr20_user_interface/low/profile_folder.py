@@ -12,6 +12,7 @@ import yaml
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import ProfileError
 
 SUFFIX = ".yaml"
@@ -41,7 +42,8 @@ class ProfileFolder:
                     "the profiles in {folder} cannot be listed: {reason}",
                     folder=self._folder,
                     reason=os_reason(error),
-                )
+                ),
+                fault=faults.PROFILE_NOT_STORED,
             ) from error
 
     def read(self, name: str) -> Any:
@@ -83,7 +85,8 @@ class ProfileFolder:
                     "set another folder with the parameter `profiles`",
                     path=self._path(name),
                     reason=os_reason(error),
-                )
+                ),
+                fault=faults.PROFILE_NOT_STORED,
             ) from error
 
     def remove(self, name: str) -> None:
@@ -100,7 +103,8 @@ class ProfileFolder:
                     "the profile {path} cannot be deleted: {reason}",
                     path=self._path(name),
                     reason=os_reason(error),
-                )
+                ),
+                fault=faults.PROFILE_NOT_STORED,
             ) from error
 
     def _path(self, name: str) -> Path:

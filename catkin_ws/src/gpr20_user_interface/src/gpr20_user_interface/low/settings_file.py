@@ -11,6 +11,7 @@ from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.durable_files import ensure_folder, replace_file
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SettingsError
 
 # Settings have some hundred bytes; a far larger file is something else.
@@ -70,7 +71,8 @@ class SettingsFile:
                     "the settings {path} cannot be written: {reason}",
                     path=self._path,
                     reason=os_reason(error),
-                )
+                ),
+                fault=faults.SETTINGS_NOT_STORED,
             ) from error
 
     def _unreadable(self, reason: Message) -> SettingsError:

@@ -8,8 +8,10 @@ from typing import Callable, Dict, Optional, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.mid.finer_plan import FinerPlan
-from gpr20_user_interface.mid.focused_image import CandidateMark, FocusedImage, ImageFocused
+from gpr20_user_interface.mid.imaging_events import ImageFocused
 from gpr20_user_interface.mid.laid_over import laid_over
 from gpr20_user_interface.mid.survey_additions import (
     AdditionsFailed,
@@ -32,7 +34,7 @@ class NoAdditions:
 
     related: Tuple[RelatedSurvey, ...] = ()
     plan: Optional[FinerPlan] = None
-    candidates: Tuple[CandidateMark, ...] = ()
+    candidates: Tuple[Candidate, ...] = ()
     markers: Tuple[Marker, ...] = ()
     image: Optional[FocusedImage] = None
 
@@ -81,9 +83,9 @@ class AdditionsPresenter:
         return self._images.get(self.survey_id)
 
     @property
-    def candidates(self) -> Tuple[CandidateMark, ...]:
+    def candidates(self) -> Tuple[Candidate, ...]:
         """The candidates of the survey that is shown."""
-        return () if self.image is None else self.image.candidates
+        return () if self.image is None else self.image.found.shown()
 
     @property
     def finer_images(self) -> Tuple[FocusedImage, ...]:
@@ -137,7 +139,7 @@ class AdditionsPresenter:
             known = one.survey_id in self._images or one.survey_id in self._asked_images
             if one.is_finer and not known:
                 self._asked_images.add(one.survey_id)
-                self._focus(one.survey_id, image.permittivity)
+                self._focus(one.survey_id, image.found.permittivity)
                 return  # the next one later
 
     def refresh(self) -> None:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import enum
 from typing import Callable, Optional
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_user_interface.mid.candidate_list import ShownCandidates, candidates_from
+from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
 from gpr20_user_interface.mid.imaging_requests import SearchRequests, new_request_id
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import entered_permittivity
 
 SURVEY_RUNS = Message("A survey is running. Search for candidates when it has ended.")
 CANCELLED = Message("The search was cancelled.")
+OTHER_SURVEY = Message("The list of candidates is that of another survey.")
 
 
 class SearchState(enum.Enum):
@@ -47,9 +47,9 @@ class CandidateSearch:
         self._request_id = ""
         self._started_s = 0.0
         self._survey_runs = False
-        self.survey: Optional[PastSurvey] = None
+        self.survey: Optional[SurveySummary] = None
         self.state = SearchState.READY
-        self.found: Optional[ShownCandidates] = None
+        self.found: Optional[CandidateList] = None
         self.problem: Optional[Message] = None
         self.remarks = ""
 
@@ -67,7 +67,7 @@ class CandidateSearch:
             and self.state is not SearchState.RUNNING
         )
 
-    def choose(self, survey: PastSurvey) -> None:
+    def choose(self, survey: SurveySummary) -> None:
         """Choose a survey and forget what was found in another."""
         if self.survey is not None and survey.folder == self.survey.folder:
             return
@@ -82,7 +82,7 @@ class CandidateSearch:
                 self._requests.cancel(self._request_id)
             if self.state is not SearchState.DONE:
                 self._rest(SearchState.READY, SURVEY_RUNS)
-        elif not runs and self._survey_runs and self.problem is SURVEY_RUNS:
+        elif not runs and self._survey_runs and self.state is SearchState.READY:
             self._rest(SearchState.READY, None)
         self._survey_runs = runs
 
@@ -123,13 +123,11 @@ class CandidateSearch:
         if isinstance(event, RequestFailed):
             self._rest(SearchState.FAILED, event.reason)
             return
-        try:
-            found = candidates_from(event.candidates_json, self.survey.survey_id)
-        except InvalidValueError as error:
-            self._rest(SearchState.FAILED, error.message)
+        if event.found.survey_id != self.survey.survey_id:
+            self._rest(SearchState.FAILED, OTHER_SURVEY)
             return
         self._rest(SearchState.DONE, None)
-        self.found, self.remarks = found, " ".join(event.remarks.split())
+        self.found, self.remarks = event.found, " ".join(event.remarks.split())
 
     def _rest(self, state: SearchState, problem: Optional[Message]) -> None:
         self.state, self.problem = state, problem

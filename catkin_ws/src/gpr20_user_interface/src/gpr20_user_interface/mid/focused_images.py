@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Callable, NamedTuple, Optional
 
 from gpr20_common.message import Message
-from gpr20_user_interface.mid.focused_image import FocusedImage, ImageFailed, ImageFocused
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_user_interface.mid.imaging_events import ImageFailed, ImageFocused
 from gpr20_user_interface.mid.imaging_requests import FocusRequests
 
 # An image takes a second of a core at the lowest priority.

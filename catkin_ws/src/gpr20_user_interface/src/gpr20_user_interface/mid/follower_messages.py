@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Optional
 
 from gpr20_common.message import Message
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid.events import ControlState
 
 
@@ -18,7 +19,7 @@ def not_there(wait_s: float) -> Message:
         "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
         "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
         limit_s=wait_s,
-    )
+    ).with_fault(faults.NO_CONTROL)
 
 
 def lost(silence_s: float) -> Message:
@@ -32,7 +33,7 @@ def lost(silence_s: float) -> Message:
         "the main control is running, then follow the survey again with `rosrun "
         "gpr20_user_interface run_survey --attach`.",
         limit_s=silence_s,
-    )
+    ).with_fault(faults.CONTROL_LOST)
 
 
 def stop_not_confirmed(stop_s: float, refusal: Optional[Message]) -> Message:
@@ -47,14 +48,14 @@ def stop_not_confirmed(stop_s: float, refusal: Optional[Message]) -> Message:
             "The main control did not confirm within {limit_s:g} s that the survey has stopped. "
             "The robot may still move: switch it off if people are near it.",
             limit_s=stop_s,
-        )
+        ).with_fault(faults.STOP_UNCONFIRMED)
     return Message(
         "The main control did not confirm within {limit_s:g} s that the survey has stopped; its "
         "last answer to the stop request: {answer}. The robot may still move: switch it off if "
         "people are near it.",
         limit_s=stop_s,
         answer=refusal,
-    )
+    ).with_fault(faults.STOP_UNCONFIRMED)
 
 
 def replaced(survey_id: str, state: ControlState) -> Message:
@@ -71,4 +72,4 @@ def replaced(survey_id: str, state: ControlState) -> Message:
         survey=survey_id,
         state=state.code.label,
         message=state.message,
-    )
+    ).with_fault(faults.CONTROL_RESTARTED)

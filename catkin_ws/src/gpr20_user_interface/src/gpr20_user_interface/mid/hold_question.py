@@ -9,8 +9,8 @@ from typing import Optional, Tuple
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import Progress
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.survey_preview import SurveyPreview
 from gpr20_user_interface.mid.time_words import duration
 
@@ -78,7 +78,7 @@ def resume_question(progress: Optional[Progress]) -> HoldQuestion:
     return HoldQuestion(Message("Resume the survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 
 
-def resume_past_question(folder: str, survey: Optional[PastSurvey]) -> HoldQuestion:
+def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQuestion:
     """Return what is asked before a survey that ended early is resumed.
 
     Args:

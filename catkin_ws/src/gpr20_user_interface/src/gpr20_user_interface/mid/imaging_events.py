@@ -1,4 +1,4 @@
-"""What the imaging node answers, beside images."""
+"""What the imaging node answers."""
 
 from __future__ import annotations
 
@@ -6,16 +6,29 @@ from dataclasses import dataclass
 from typing import Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.volume import Volume
 
 
 @dataclass(frozen=True)
-class StickVolume:
-    """A mounted USB stick; see gpr20_msgs/Volume."""
+class ImageFocused:
+    """An image is ready."""
 
-    path: str
-    name: str
-    free_bytes: int
-    writable: bool
+    image: FocusedImage
+
+
+@dataclass(frozen=True)
+class ImageFailed:
+    """An image could not be made.
+
+    Attributes:
+        survey_id: Of the survey.
+        reason: Why, and what to do.
+    """
+
+    survey_id: str
+    reason: Message
 
 
 @dataclass(frozen=True)
@@ -23,7 +36,7 @@ class VolumesListed:
     """The sticks that are mounted on the computer of the storage."""
 
     computer: str
-    volumes: Tuple[StickVolume, ...]
+    volumes: Tuple[Volume, ...]
 
 
 @dataclass(frozen=True)
@@ -39,12 +52,12 @@ class CandidatesFound:
 
     Attributes:
         request_id: As it was sent.
-        candidates_json: As `gpr20 candidates --json` prints it.
+        found: The list.
         remarks: What is missing, damaged or noted, in the language of the request.
     """
 
     request_id: str
-    candidates_json: str
+    found: CandidateList
     remarks: str
 
 

@@ -7,7 +7,7 @@ from typing import Sequence
 
 import numpy as np
 
-from gpr20_user_interface.mid.focused_image import FocusedImage
+from gpr20_survey.results.focused_image import FocusedImage
 
 # 48 MB; an image beyond that keeps its own spacing.
 MOST_VOXELS = 12_000_000

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gpr20_user_interface.mid.noise_floor import noise_threshold_db
-from gpr20_user_interface.mid.radar_processing import SMALLEST_LEVEL, decibels
+from gpr20_survey.radar.frequency_to_delay import SMALLEST_LEVEL, decibels
+from gpr20_survey.radar.noise import noise_threshold_db
 
 # The darkest shade is so much below the highest level of noise, so that what comes close to it is
 # not lost, and the brightest one at least so much above it [dB].
@@ -48,7 +48,7 @@ class LevelScale:
 
     def levels_db(self, amplitudes: np.ndarray) -> np.ndarray:
         """Return levels of amplitudes [dB above noise]; NaN stays NaN."""
-        return decibels(amplitudes) - float(decibels(np.array(self.noise)))
+        return decibels(amplitudes) - float(decibels(self.noise))
 
     def shades(self, levels_db: np.ndarray, gain_db: np.ndarray) -> np.ndarray:
         """Return shades from 0, noise, to 1 (float32); NaN stays NaN.
@@ -95,14 +95,14 @@ class SteadyScale:
             strongest: Amplitude of the strong echoes of the survey.
         """
         noise = max(noise, SMALLEST_LEVEL)
-        if self._noise == 0.0 or abs(20.0 * math.log10(noise / self._noise)) > HYSTERESIS_DB:
+        if self._noise == 0.0 or abs(decibels(noise / self._noise)) > HYSTERESIS_DB:
             self._noise = noise
         self._strongest = max(self._strongest, strongest)
 
     def scale(self, in_db: bool) -> LevelScale:
         """Return the scale now."""
         noise = max(self._noise, SMALLEST_LEVEL)
-        strongest_db = 20.0 * math.log10(max(self._strongest, SMALLEST_LEVEL) / noise)
+        strongest_db = float(decibels(max(self._strongest, SMALLEST_LEVEL) / noise))
         return LevelScale(
             noise, self._threshold_db, top_db(strongest_db, self._threshold_db), in_db
         )

@@ -11,6 +11,7 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_grid import SurveyGrid
 
@@ -56,7 +57,8 @@ class CoverageRuns:
                     "the coverage has {planned} traces; a survey has at most {limit}",
                     planned=self.planned,
                     limit=MAX_TRACES,
-                )
+                ),
+                fault=faults.COVERAGE_WRONG,
             )
         bounds = np.array([*self.starts, self.planned], np.int64)
         known = {int(state) for state in SampleState}
@@ -71,7 +73,8 @@ class CoverageRuns:
                     "the coverage of survey {survey} is not a sequence of runs from 0 to {planned}",
                     survey=self.survey_id[:40],
                     planned=self.planned,
-                )
+                ),
+                fault=faults.COVERAGE_WRONG,
             )
         return np.repeat(np.array(self.states, np.uint8), np.diff(bounds))
 

@@ -14,6 +14,7 @@ from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.recorded_plan import recorded_plan
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_plan import grid, on_step
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SurveyNotReadableError
 
 
@@ -135,11 +136,14 @@ def grid_from_description(text: str) -> SurveyGrid:
     try:
         values = parse_object(text, "survey.json", MAX_FILE_BYTES)
         if not isinstance(values.get("survey_id"), str):
-            raise InvalidValueError(Message("survey.json has no survey id"))
+            raise InvalidValueError(
+                Message("survey.json has no survey id"), fault=faults.PLAN_UNREADABLE
+            )
         parameters, travel = recorded_plan(values)
     except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(
-            Message("the survey's plan cannot be read: {reason}", reason=error.message)
+            Message("the survey's plan cannot be read: {reason}", reason=error.message),
+            fault=faults.PLAN_UNREADABLE,
         ) from error
     # Data of unknown origin are never shown as those of real ground.
     simulated = values.get("simulated") is not False

@@ -7,6 +7,7 @@ from typing import Dict, Mapping, Optional, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState, stop_states
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
@@ -118,6 +119,7 @@ class MapModel:
                     "the coverage has {found} traces; the plan of the survey has {planned}",
                     found=planned,
                     planned=self.grid.planned,
-                )
+                ),
+                fault=faults.COVERAGE_WRONG,
             )
         self._stops = stop_states(self.grid, self._traces)

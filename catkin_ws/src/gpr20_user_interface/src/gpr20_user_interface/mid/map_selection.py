@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple, Union
 
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.mid.focused_image import CandidateMark
+from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.mid.map_grid import Cell, SurveyGrid
 
-Mark = Union[CandidateMark, Marker]
+Mark = Union[Candidate, Marker]
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Selection:
         return None if self.mark is None else self.mark.depth_mm
 
     @property
-    def candidate(self) -> Optional[CandidateMark]:
+    def candidate(self) -> Optional[Candidate]:
         """The candidate that was touched."""
-        return self.mark if isinstance(self.mark, CandidateMark) else None
+        return self.mark if isinstance(self.mark, Candidate) else None
 
     @property
     def marker(self) -> Optional[Marker]:
@@ -85,8 +85,8 @@ def select_place(
 
 
 def next_candidate(
-    candidates: Tuple[CandidateMark, ...], before: Optional[Selection]
-) -> Optional[CandidateMark]:
+    candidates: Tuple[Candidate, ...], before: Optional[Selection]
+) -> Optional[Candidate]:
     """Return the candidate after the one that is selected; None if there is none at all."""
     if not candidates:
         return None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Dict, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
+from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
-from gpr20_user_interface.mid.focused_image import CandidateMark
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_grid import Cell
 from gpr20_user_interface.mid.map_model import MapModel
@@ -81,13 +81,14 @@ def why_no_trace(cell: Cell, model: MapModel, radar: RadarModel) -> Lines:
     return (Message("no trace to show") if given_up is None else given_up,)
 
 
-def _candidate_lines(candidate: CandidateMark, selected: Selection) -> Lines:
+def _candidate_lines(candidate: Candidate, selected: Selection) -> Lines:
     number = candidate.number
+    level = [Message("{level_db:.0f} dB above the noise", level_db=candidate.above_noise_db)]
     return (
         Message("Candidate {number}, doubtful", number=number)
-        if candidate.doubtful
+        if candidate.is_doubtful
         else Message("Candidate {number}", number=number),
         place_text(selected.x_mm, selected.y_mm, selected.depth_mm),
-        Message("{level_db:.0f} dB above the noise", level_db=candidate.level_db),
-        *candidate.remarks,
+        *(level if candidate.is_rated else []),
+        *candidate.labels,
     )

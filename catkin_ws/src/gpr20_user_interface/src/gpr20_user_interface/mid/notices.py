@@ -6,9 +6,9 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
+from gpr20_common import remedies
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_doctor.mid.remedies import CHECK_STATUS, find_remedy
 from gpr20_doctor.mid.titles import level_title, node_title
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState
@@ -89,32 +89,37 @@ _FAULTS = {
     SurveyState.STOPPED: Message("The survey was stopped, with a fault."),
 }
 _RESUME_NEXT = Message("Then press RESUME. STOP ends the survey; what is stored is kept.")
+_STOP_NEXT = Message("Then press STOP: it ends the survey; what is stored is kept.")
 _START_NEXT = Message("Then start the survey again, or resume it on SURVEYS.")
 
 
 def refusal_notice(refused: Refused, reason: Message) -> Notice:
     """Return what a dialog says about something that did not succeed."""
     title, then = _REFUSALS[refused]
-    return Notice(title, reason, remedy(reason), then, reason.all_details)
+    final = refused is Refused.RESUME and not reason.can_continue
+    return Notice(title, reason, remedy(reason), None if final else then, _details(reason))
 
 
 def fault_notice(state: ControlState) -> Notice:
     """Return the card of a fault that paused or ended a survey."""
     reason = reason_of(state.message)
-    paused = state.code is SurveyState.PAUSED
+    paused, can_continue = state.code is SurveyState.PAUSED, state.message.can_continue
+    then: Optional[Message] = _RESUME_NEXT if paused else _START_NEXT
+    if not can_continue:
+        then = _STOP_NEXT if paused else None
     return Notice(
         _FAULTS[state.code],
         reason,
         remedy(reason),
-        _RESUME_NEXT if paused else _START_NEXT,
-        reason.all_details,
-        resumable=paused,
+        then,
+        _details(reason),
+        resumable=paused and can_continue,
     )
 
 
 def remedy(reason: Message) -> Message:
     """Return what to do first about a fault, whatever it is."""
-    return find_remedy(reason) or CHECK_STATUS
+    return reason.remedy or remedies.CHECK_STATUS
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:
@@ -131,24 +136,34 @@ def analyzer_notice(reason: Message, identity: str) -> Notice:
             "Connect the survey's VNA and press RESUME again, or continue with this VNA. The "
             "survey then names both."
         ),
-        details=(identity, *reason.all_details),
+        details=(identity, *_details(reason)),
     )
 
 
 def state_notice(state: ControlState) -> Notice:
     """Return the whole status message of the main control."""
-    return Notice(state.title, state.message, details=state.message.all_details)
+    message = state.message
+    return Notice(state.title, message, message.remedy, details=_details(message))
 
 
 def node_notice(node: NodeHealth) -> Notice:
     """Return everything that a node reports about itself."""
     title = Message("{name}: {level}", name=node_title(node.name), level=level_title(node.level))
-    first = remedy(node.message) if node.level is HealthLevel.ERROR else None
+    first = None
+    if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
+        failed = node.level is HealthLevel.ERROR
+        first = remedy(node.message) if failed else node.message.remedy
     values = (f"{name}: {value}" for name, value in node.values.items())
-    details = (*node.message.all_details, f"node: {node.name}", *values)
+    details = (*_details(node.message), f"node: {node.name}", *values)
     return Notice(title, node_text(node), first, details=details)
 
 
 def node_text(node: NodeHealth) -> Message:
     """Return what is known about the health of a node in one sentence."""
     return NO_REPORT if node.level is HealthLevel.STALE else node.message
+
+
+def _details(message: Message) -> Tuple[str, ...]:
+    """Return the code of the fault, which a person on the telephone can say, and the details."""
+    code = message.fault_code
+    return (code, *message.all_details) if code else message.all_details

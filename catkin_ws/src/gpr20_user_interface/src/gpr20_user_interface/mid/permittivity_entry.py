@@ -5,25 +5,25 @@ from __future__ import annotations
 from typing import Optional
 
 from gpr20_common.message import Message
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 
-LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 100.0
 ESTIMATE = 0.0
 """What is sent for an empty entry."""
 PERMITTIVITY_RANGE = Message(
     "{lowest:g} to {highest:g}; empty: estimate it from the survey",
-    lowest=LOWEST_PERMITTIVITY,
-    highest=HIGHEST_PERMITTIVITY,
+    lowest=MIN_PERMITTIVITY,
+    highest=LARGEST_PERMITTIVITY,
 )
 
 
 def check_permittivity(text: str) -> Optional[Message]:
     """Return what is allowed if a permittivity that was entered is wrong."""
     try:
-        value = float(text.strip().replace(",", ".") or LOWEST_PERMITTIVITY)
+        value = float(text.strip().replace(",", ".") or MIN_PERMITTIVITY)
     except ValueError:
         return PERMITTIVITY_RANGE
     # Written so that NaN is refused too.
-    right = LOWEST_PERMITTIVITY <= value <= HIGHEST_PERMITTIVITY
+    right = MIN_PERMITTIVITY <= value <= LARGEST_PERMITTIVITY
     return None if right else PERMITTIVITY_RANGE
 
 

@@ -8,6 +8,7 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Set, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_user_interface.mid.field_messages import corrections, field_title
 from gpr20_user_interface.mid.grid_spacing import (
     length_from_texts,
@@ -26,7 +27,6 @@ from gpr20_user_interface.mid.parameter_form import (
     stepped,
     texts_of,
 )
-from gpr20_user_interface.mid.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
 X_SPACING, Y_SPACING = "x_spacing_mm", "y_spacing_mm"
 SPACINGS = (X_SPACING, Y_SPACING)

@@ -8,6 +8,7 @@ from typing import List, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_parameters import RobotTravel, coordinate_limits_mm
+from gpr20_survey.radar.soils import Soils
 from gpr20_survey.trace.ms2026c import (
     IF_BANDWIDTHS_HZ,
     MAX_FREQUENCY_HZ,
@@ -24,7 +25,6 @@ from gpr20_user_interface.mid.parameter_form import (
 )
 from gpr20_user_interface.mid.plan_form import PERMITTIVITY, X_SPACING, Y_SPACING
 from gpr20_user_interface.mid.plan_tiles import Tile
-from gpr20_user_interface.mid.soils import Soils
 
 SMALL_AREA_MM = 300.0
 SPACINGS_MM = (5, 10, 15, 20, 25)

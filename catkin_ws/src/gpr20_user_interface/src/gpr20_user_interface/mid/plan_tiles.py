@@ -8,6 +8,7 @@ from typing import Dict, List, Mapping, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.radar.soils import soil_of
 from gpr20_user_interface.mid.number_text import decimal_from_text, number_from_text, plain_text
 from gpr20_user_interface.mid.parameter_form import (
     ADDRESS,
@@ -23,7 +24,6 @@ from gpr20_user_interface.mid.plan_form import (
     PlanCheck,
     plan_field_title,
 )
-from gpr20_user_interface.mid.soils import soil_of
 
 ENDS = ("start", "stop")
 AS_SET = Message("as set")

@@ -10,6 +10,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface import faults
 from gpr20_user_interface.errors import ProfileError
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 
@@ -36,7 +37,8 @@ def check_name(name: str) -> str:
                 "and _; begin with a letter or digit and do not end with a space",
                 name=repr(name[:64]),
                 most=MAX_NAME_LENGTH,
-            )
+            ),
+            fault=faults.PROFILE_NAME,
         )
     return name
 

@@ -7,13 +7,14 @@ from typing import Dict, Optional, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
+from gpr20_survey.radar.noise import LateDelays, noise_of_survey, noise_of_trace
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.errors import SurveyNotReadableError
 from gpr20_user_interface.mid.level_scale import LevelScale, SteadyScale
 from gpr20_user_interface.mid.map_coverage import is_stored
 from gpr20_user_interface.mid.map_grid import Cell, SurveyGrid
-from gpr20_user_interface.mid.noise_floor import noise_of_survey, noise_of_trace
-from gpr20_user_interface.mid.radar_processing import FrequencyToDelay, delay_of_depth
 
 MAX_VOLUME_BYTES = 256 << 20
 BYTES_PER_SAMPLE = 8  # complex64
@@ -42,7 +43,6 @@ class RadarModel:
         latest: Where the trace that came last belongs.
         latest_of: The same for each polarization that has a trace.
         given_up: Traces that cannot be shown, and why, by their place in the plan.
-        transform: How sweeps became echoes; None before the first trace.
     """
 
     def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
@@ -53,7 +53,7 @@ class RadarModel:
     def begin(self, grid: Optional[SurveyGrid]) -> None:
         """Forget everything and wait for the traces of another survey."""
         self.grid = grid
-        self.transform: Optional[FrequencyToDelay] = None
+        self._transforms: Optional[Tuple[FrequencyToDelay, LateDelays]] = None
         shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
         self._present = np.zeros(shape, bool)
         self._heights_m = np.full(shape, np.nan, np.float32)
@@ -68,6 +68,11 @@ class RadarModel:
         self.latest_of: Dict[int, Cell] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
+
+    @property
+    def transform(self) -> Optional[FrequencyToDelay]:
+        """How sweeps become echoes; None before the first trace."""
+        return None if self._transforms is None else self._transforms[0]
 
     @property
     def count(self) -> int:
@@ -93,7 +98,7 @@ class RadarModel:
         except SurveyNotReadableError as error:
             self.give_up(trace.index, error.message)
             raise
-        transform = self.transform or self._begin_volume(trace)
+        transform, late = self._transforms or self._begin_volume(trace)
         s21 = trace.s21_real + 1j * trace.s21_imag
         echoes = transform.transform(s21)
         place = (cell.polarization, cell.stop.row, cell.stop.column)
@@ -104,7 +109,7 @@ class RadarModel:
         self._echoes[place] = echoes
         self._sums[cell.polarization] += echoes
         self._heights_m[place] = trace.antennae_height_m
-        self._noises[place] = noise_of_trace(transform.late(s21))
+        self._noises[place] = noise_of_trace(late.samples(s21))
         self._present[place] = True
         self.given_up.pop(trace.index, None)
         self.latest = cell
@@ -236,11 +241,12 @@ class RadarModel:
             )
         return cell
 
-    def _begin_volume(self, trace: Trace) -> FrequencyToDelay:
+    def _begin_volume(self, trace: Trace) -> Tuple[FrequencyToDelay, LateDelays]:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
-        self.transform = FrequencyToDelay(trace.frequency_hz, min(MAX_SAMPLES, room))
-        samples = self.transform.samples
+        transform = FrequencyToDelay.resolved(trace.frequency_hz, min(MAX_SAMPLES, room))
+        self._transforms = (transform, LateDelays(trace.frequency_hz))
+        samples = transform.samples
         # Zeros are given by the system page by page when they are written.
         self._echoes = np.zeros((*self._present.shape, samples), np.complex64)
         self._sums = np.zeros((len(self._present), samples), np.complex128)
-        return self.transform
+        return self._transforms

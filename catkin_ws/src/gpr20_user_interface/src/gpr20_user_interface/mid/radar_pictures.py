@@ -8,16 +8,11 @@ from typing import Iterable, Optional, Tuple, Union
 
 import numpy as np
 
+from gpr20_survey.radar.depth import delay_of_depth, depth_of_delay_m, one_way_path_m
+from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, echoes_at
 from gpr20_user_interface.mid.level_scale import LevelScale
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.radar_model import ABOVE_SURFACE_M, RadarModel
-from gpr20_user_interface.mid.radar_processing import (
-    SPEED_OF_LIGHT_M_S,
-    FrequencyToDelay,
-    deepest_m,
-    delay_of_depth,
-    echoes_at,
-)
 from gpr20_user_interface.mid.radar_records import (
     Axis,
     Curve,
@@ -42,7 +37,7 @@ def depths_m(
     if transform is None or not np.isfinite(height_m):
         return None
     last_s = (transform.samples - 1) * transform.step_s
-    deepest = min(MAX_DEPTH_M, deepest_m(last_s, height_m, permittivity))
+    deepest = min(MAX_DEPTH_M, depth_of_delay_m(last_s, height_m, permittivity))
     count = int((deepest + ABOVE_SURFACE_M) / step_m + 1e-6) + 1
     return np.arange(count) * step_m - ABOVE_SURFACE_M
 
@@ -205,5 +200,6 @@ class _Look:
     def _depth_step_m(self) -> float:
         if not self.settings.colours.signed:
             return DEPTH_STEP_M
-        velocity_m_s = SPEED_OF_LIGHT_M_S / math.sqrt(self.settings.permittivity)
-        return min(DEPTH_STEP_M, velocity_m_s / self.transform.centre_hz / 2.0 / POINTS_PER_PERIOD)
+        period_s = 1.0 / self.transform.centre_hz
+        period_m = one_way_path_m(period_s, self.settings.permittivity)
+        return min(DEPTH_STEP_M, period_m / POINTS_PER_PERIOD)

@@ -9,15 +9,17 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from gpr20_user_interface.mid.focused_image import CandidateMark, FocusedImage
-from gpr20_user_interface.mid.hyperbola import Hyperbola
+from gpr20_survey.radar.depth import (
+    delay_of_depth,
+    depth_of_delay_m,
+    one_way_path_m,
+    two_way_delay_s,
+)
+from gpr20_survey.radar.hyperbola import Hyperbola
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import DEPTH_STEP_M
-from gpr20_user_interface.mid.radar_processing import (
-    SPEED_OF_LIGHT_M_S,
-    deepest_m,
-    delay_of_depth,
-)
 from gpr20_user_interface.mid.radar_records import (
     Axis,
     Curve,
@@ -109,10 +111,10 @@ class RadarPresenter:
         return self.settings.source is Source.FOCUSED and self.image is not None
 
     @property
-    def candidates(self) -> Tuple[CandidateMark, ...]:
+    def candidates(self) -> Tuple[Candidate, ...]:
         """The candidates of the focused image of this survey."""
         image = self.image
-        return () if image is None else image.candidates
+        return () if image is None else image.found.shown()
 
     @property
     def follows(self) -> bool:
@@ -247,7 +249,7 @@ class RadarPresenter:
         height_m = self.model.typical_height_m()
         if not np.isfinite(height_m):
             return None
-        return deepest_m(second * 1e-9, height_m, self.settings.permittivity)
+        return depth_of_delay_m(second * 1e-9, height_m, self.settings.permittivity)
 
     def second_of(self, depth_m: float, axis: Axis) -> Optional[float]:
         """Return where a depth [m] is on a second axis; None if it is not known."""
@@ -298,8 +300,8 @@ class RadarPresenter:
         delays_s = hyperbola.delays_s(across_mm)
         if line.axis is Axis.DELAY_NS:
             return across_mm, delays_s * 1e9
-        in_ground_m = (delays_s * SPEED_OF_LIGHT_M_S / 2.0 - hyperbola.height_m) * 1000.0
-        return across_mm, in_ground_m / np.sqrt(self.settings.permittivity)
+        in_ground_s = delays_s - two_way_delay_s(hyperbola.height_m)
+        return across_mm, 1000.0 * one_way_path_m(in_ground_s, self.settings.permittivity)
 
     def take_permittivity(self) -> None:
         """Use the permittivity of the hyperbola, and move the crosshair to its apex."""

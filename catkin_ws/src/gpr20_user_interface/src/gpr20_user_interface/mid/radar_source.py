@@ -6,7 +6,7 @@ from typing import Optional, Protocol, Tuple
 
 import numpy as np
 
-from gpr20_user_interface.mid.focused_image import FocusedImage
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.mid.level_scale import LevelScale, SteadyScale
 from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.radar_model import RadarModel

@@ -6,6 +6,7 @@ from typing import List, Optional
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_state import ENDED
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid.events import ControlState, Progress, Request, StopRequested
 from gpr20_user_interface.mid.message_source import SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
@@ -14,7 +15,7 @@ from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 REFUSAL = Message(
     "A replay of a recorded survey is running here, and no robot. Only --attach can follow it. To "
     "use a robot, end the replay and start the robot."
-)
+).with_fault(faults.REPLAY_RUNS)
 
 
 class ReplayFollower:

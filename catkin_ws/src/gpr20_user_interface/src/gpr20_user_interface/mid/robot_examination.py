@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import Deque, Dict, Mapping, Optional, Protocol, Tuple
 
@@ -10,12 +11,13 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_facts import MachineFacts
-from gpr20_doctor.mid.robot_facts import AnalyzerFacts, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_user_interface.mid.events import AxisLimits
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_user_interface.mid.events import AxisLimits, MeasuredHeight
 from gpr20_user_interface.mid.service_events import (
-    AnalyzerTested,
+    AxisMeasured,
     ClockOffset,
     EndstopState,
     HeightTested,
@@ -53,10 +55,12 @@ class RobotExamination:
         self._begun_s = clock.now_s()
         self._offsets_s: Dict[str, Deque[float]] = {}
         self._endstops: Dict[AxisId, EndstopSeen] = {}
+        self._axes: Dict[AxisId, AxisPosition] = {}
+        self._height_m = math.nan
         self._problem: Optional[Message] = None
         self._nodes: Mapping[str, NodeDescription] = {}
         self._machine: Optional[MachineFacts] = None
-        self._analyzer: Optional[AnalyzerFacts] = None
+        self._analyzer: Optional[AnalyzerTest] = None
         self._analyzer_s = 0.0
         self._awaited = 0
 
@@ -71,13 +75,17 @@ class RobotExamination:
             seen = self._endstops.get(content.axis, EndstopSeen(content.pressed))
             changes = seen.changes + int(seen.pressed != content.pressed)
             self._endstops[content.axis] = EndstopSeen(content.pressed, changes)
+        elif isinstance(content, AxisMeasured):
+            self._axes[content.axis] = content.position
+        elif isinstance(content, MeasuredHeight):
+            self._height_m = content.height_m
         elif isinstance(content, ClockOffset):
             offsets_s = self._offsets_s.setdefault(content.node, deque(maxlen=OFFSETS))
             offsets_s.append(content.offset_s)
         elif isinstance(content, AxisLimits):
             if content.master_alive:
                 self._problem, self._nodes = content.reason, content.nodes
-        elif isinstance(content, (MachineExamined, AnalyzerTested, HeightTested)):
+        elif isinstance(content, (MachineExamined, AnalyzerTest, HeightTested)):
             self._note_answer(content)
 
     def begin(self, surveying: bool) -> None:
@@ -89,6 +97,7 @@ class RobotExamination:
         """End watching."""
         self._offsets_s.clear()
         self._endstops.clear()
+        self._axes.clear()
         self._awaited = 0
 
     def check_everything(self, surveying: bool, can_test: bool) -> None:
@@ -121,6 +130,8 @@ class RobotExamination:
             listening_s=self._clock.now_s() - self._begun_s,
             software={name: one.software for name, one in self._nodes.items()},
             endstops=dict(self._endstops),
+            axes=dict(self._axes),
+            height_m=self._height_m,
             analyzer=self._analyzer if tested else None,
         )
         return findings(robot, self._machine)
@@ -129,6 +140,6 @@ class RobotExamination:
         self._awaited = max(0, self._awaited - 1)
         if isinstance(answer, MachineExamined):
             self._machine = answer.machine
-        elif isinstance(answer, AnalyzerTested):
+        elif isinstance(answer, AnalyzerTest):
             self._analyzer_s = self._clock.now_s()
-            self._analyzer = AnalyzerFacts(answer.identity, answer.calibration, answer.failure)
+            self._analyzer = answer

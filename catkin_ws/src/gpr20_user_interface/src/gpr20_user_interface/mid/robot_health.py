@@ -15,6 +15,7 @@ from gpr20_doctor.mid.node_health import (
     HealthLevel,
     NodeHealth,
 )
+from gpr20_user_interface import faults
 
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
 STALE_S = 4.0
@@ -22,9 +23,6 @@ STALE_S = 4.0
 SIMULATOR = "simulator"
 ANALYZER = "vna_acquisition"
 STORAGE = "vna_processing"
-# Names of values in the nodes' reports.
-FREE_DISK = "free disk [MB]"
-CALIBRATION = "calibration"
 
 
 @dataclass(frozen=True)
@@ -52,21 +50,18 @@ class HealthReport:
     @property
     def free_disk_mb(self) -> Optional[float]:
         """Space for recordings [MB]; None if it is not known now."""
-        try:
-            return float(self._value(STORAGE, FREE_DISK))
-        except ValueError:
-            return None
+        storage = self._reporting(STORAGE)
+        return None if storage is None else storage.reported.free_disk_mb
 
     @property
     def calibration(self) -> str:
         """Calibration of the VNA when it was last read; empty if that is not known now."""
-        return self._value(ANALYZER, CALIBRATION)
+        analyzer = self._reporting(ANALYZER)
+        return "" if analyzer is None else analyzer.reported.calibration
 
-    def _value(self, name: str, key: str) -> str:
+    def _reporting(self, name: str) -> Optional[NodeHealth]:
         node = self.node(name)
-        if node is None or node.level is HealthLevel.STALE:
-            return ""
-        return node.values.get(key, "")
+        return None if node is None or node.level is HealthLevel.STALE else node
 
 
 class HealthTracker:
@@ -135,7 +130,7 @@ class Alarm:
                 "No contact with the main control for {seconds} s: the robot may still move. "
                 "Waiting for it.",
                 seconds=int(self.silent_s),
-            )
+            ).with_fault(faults.CONTROL_LOST)
         if self.kind is AlarmKind.ANALYZER_FAULT and self.reason is not None:
             return Message("VNA fault: {reason}", reason=self.reason)
         return _ALARMS[self.kind]
@@ -144,12 +139,12 @@ class Alarm:
 _ALARMS: Dict[AlarmKind, Message] = {
     AlarmKind.MASTER_GONE: Message(
         "The ROS master does not answer: the robot may still move. Waiting for it."
-    ),
+    ).with_fault(faults.MASTER_LOST),
     AlarmKind.NO_CONTROL: Message(
         "No contact with the main control. Start it with: roslaunch gpr20 survey.launch"
-    ),
+    ).with_fault(faults.NO_CONTROL),
     AlarmKind.SURVEY_INTERRUPTED: Message(
         "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEYS."
-    ),
+    ).with_fault(faults.CONTROL_RESTARTED),
     AlarmKind.ANALYZER_FAULT: Message("VNA fault"),
 }

@@ -8,6 +8,7 @@ from typing import Optional
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.machine_facts import MachineFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 
 
@@ -32,6 +33,14 @@ class EndstopState:
 
     axis: AxisId
     pressed: bool
+
+
+@dataclass(frozen=True)
+class AxisMeasured:
+    """One message of an axis's `current_coord`."""
+
+    axis: AxisId
+    position: AxisPosition
 
 
 @dataclass(frozen=True)
@@ -71,27 +80,4 @@ class HeightTested:
     height_m: float
     spread_m: float
     voltage_v: float
-    failure: Optional[Message] = None
-
-
-@dataclass(frozen=True)
-class AnalyzerTested:
-    """What a test of the VNA has found, up to its first failure.
-
-    Attributes:
-        address: Where the VNA was looked for.
-        identity: What it says it is; empty: no connection.
-        calibration: Name of its calibration status; empty: not read, or not accepted.
-        points: Frequencies of the sweep; 0: there was none.
-        sweep_duration_s: From the trigger to the end of the sweep [s].
-        level_db: Median of S21 [dB].
-        failure: What failed; None: nothing.
-    """
-
-    address: str
-    identity: str
-    calibration: str
-    points: int
-    sweep_duration_s: float
-    level_db: float
     failure: Optional[Message] = None

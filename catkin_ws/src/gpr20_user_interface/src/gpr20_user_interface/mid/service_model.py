@@ -8,14 +8,14 @@ from typing import Dict, Optional, Protocol, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_user_interface.mid.events import Position, Request
 from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.robot_examination import ExaminationRequests, RobotExamination
 from gpr20_user_interface.mid.service_events import (
-    AnalyzerTested,
     AxisAction,
+    AxisMeasured,
     AxisMoved,
     EndstopState,
     HeightTested,
@@ -24,8 +24,8 @@ from gpr20_user_interface.mid.survey_model import Snapshot
 
 # Service ends by itself when nothing was touched for this long [s].
 IDLE_LIMIT_S = 120.0
-# An endstop's state is published 10 times a second; an older one [s] is not shown.
-ENDSTOP_LIMIT_S = 1.0
+# The states of axis and endstop are published 10 times a second; older ones [s] are not shown.
+AXIS_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
 STEPS = (1, 10, 100)
@@ -81,7 +81,7 @@ class ServiceState:
     failed: bool
     axes: Tuple[AxisState, ...]
     height: Optional[HeightTested]
-    analyzer: Optional[AnalyzerTested]
+    analyzer: Optional[AnalyzerTest]
     examining: bool = False
 
 
@@ -97,8 +97,10 @@ class ServiceModel:
         self._pending = False
         self._answer: Optional[AxisMoved] = None
         self._height: Optional[HeightTested] = None
-        self._analyzer: Optional[AnalyzerTested] = None
+        self._analyzer: Optional[AnalyzerTest] = None
         self._endstops: Dict[AxisId, _Lamp] = {}
+        # Whether each axis is homed, and when that was reported [s].
+        self._homed: Dict[AxisId, Tuple[bool, float]] = {}
         self._examination = RobotExamination(requests, clock)
 
     def on_event(self, event: object) -> None:
@@ -108,7 +110,9 @@ class ServiceModel:
         if isinstance(content, EndstopState):
             lamp = self._endstops.setdefault(content.axis, _Lamp(self._clock))
             lamp.note(content.pressed)
-        elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTested)):
+        elif isinstance(content, AxisMeasured):
+            self._homed[content.axis] = content.position.homed, self._clock.now_s()
+        elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTest)):
             self._note_answer(content)
 
     def refresh(self, snapshot: Snapshot) -> None:
@@ -228,7 +232,7 @@ class ServiceModel:
             self._answer = answer
         elif isinstance(answer, HeightTested):
             self._height = answer
-        elif isinstance(answer, AnalyzerTested):
+        elif isinstance(answer, AnalyzerTest):
             self._analyzer = answer
 
     def _axis(self, axis: AxisId) -> AxisState:
@@ -236,10 +240,8 @@ class ServiceModel:
         pressed = None if lamp is None else lamp.pressed
         if self._snapshot is None:
             return AxisState(axis, None, None, pressed)
-        node = self._snapshot.health.node(f"{axis.value}_axis/axis_driver")
-        homed: Optional[bool] = None
-        if node is not None and node.level is not HealthLevel.STALE and "homed" in node.values:
-            homed = node.values["homed"] == "True"
+        known, noted_s = self._homed.get(axis, (None, 0.0))
+        homed = known if self._clock.now_s() - noted_s <= AXIS_LIMIT_S else None
         return AxisState(axis, _coordinate(self._snapshot.current, axis), homed, pressed)
 
 
@@ -260,7 +262,7 @@ class _Lamp:
     @property
     def pressed(self) -> Optional[bool]:
         now_s = self._clock.now_s()
-        if now_s - self._noted_s > ENDSTOP_LIMIT_S:
+        if now_s - self._noted_s > AXIS_LIMIT_S:
             return None
         shining = self._pressed_s is not None and now_s - self._pressed_s < LAMP_S
         return self._pressed or shining

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.message import Message, verbatim
-from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.replay import ReplayMark
 
 
@@ -25,7 +25,7 @@ class ShownBand:
     replay: bool = False
 
 
-def past_band(folder: str, survey: Optional[PastSurvey], another_runs: bool) -> ShownBand:
+def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) -> ShownBand:
     """Return the band of a past survey.
 
     Args:

@@ -6,16 +6,16 @@ import enum
 from typing import Callable, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.mid.imaging_events import (
     ExportDone,
     RequestFailed,
     RequestProgress,
-    StickVolume,
     VolumesFailed,
     VolumesListed,
 )
 from gpr20_user_interface.mid.imaging_requests import ExportRequests, new_request_id
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import entered_permittivity
 
 # A stick that is plugged in shows within this time [s].
@@ -69,11 +69,11 @@ class SurveyExport:
         self._request_id = ""
         self._listed_s = -LIST_PERIOD_S
         self._survey_runs = False
-        self.survey: Optional[PastSurvey] = None
+        self.survey: Optional[SurveySummary] = None
         self.state = ExportState.READY
         self.parts: FrozenSet[ExportPart] = frozenset({ExportPart.REPORT_PDF})
         self.computer = ""
-        self.volumes: Tuple[StickVolume, ...] = ()
+        self.volumes: Tuple[Volume, ...] = ()
         self.volume = ""
         self.stage: Optional[Message] = None
         self.problem: Optional[Message] = None
@@ -91,7 +91,7 @@ class SurveyExport:
             and bool(self.volume)
         )
 
-    def choose(self, survey: PastSurvey) -> None:
+    def choose(self, survey: SurveySummary) -> None:
         """Choose a survey; an export that runs continues with its own."""
         if self.state is not ExportState.RUNNING:
             self.survey = survey

@@ -9,6 +9,7 @@ from typing import List, Optional
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid import follower_messages
 from gpr20_user_interface.mid.events import (
     Answer,
@@ -164,7 +165,7 @@ class SurveyFollower:
                     "{limit_s:g} s. Check that it is running.",
                     limit_s=self._limits.begin_s,
                     details="topic control_status",
-                ),
+                ).with_fault(faults.CONTROL_LOST),
             )
 
     def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
@@ -199,7 +200,7 @@ class SurveyFollower:
                     "No survey is running. The main control is {state}: {message}",
                     state=state.code.label,
                     message=state.message,
-                ),
+                ).with_fault(faults.NO_SURVEY),
             )
             return []
         self._begin(state.survey_id, state)

@@ -140,7 +140,9 @@ class Snapshot:
 
     @property
     def can_resume(self) -> bool:
-        """Whether a survey is paused and no request is pending."""
+        """Whether a survey is paused that can continue, and no request is pending."""
+        if self.state is None or not self.state.message.can_continue:
+            return False
         return self.paused and self.control_alive and not self.pending and self.replay is None
 
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.radar.depth import one_way_path_m, quarter_wavelength_m
 from gpr20_user_interface.mid.events import RobotFigures
 from gpr20_user_interface.mid.grid_spacing import ROUNDING
-from gpr20_user_interface.mid.quarter_wavelength import quarter_wavelength_mm
-from gpr20_user_interface.mid.radar_processing import SPEED_OF_LIGHT_M_S
 
 
 @dataclass(frozen=True)
@@ -48,6 +46,17 @@ class SurveyPreview:
         return widest_mm > self.quarter_wavelength_mm * (1.0 + ROUNDING)
 
 
+def quarter_wavelength_mm(parameters: SurveyParameters, permittivity: float) -> float:
+    """Return the coarsest spacing that samples the echoes of the ground completely [mm].
+
+    Args:
+        parameters: Their centre frequency counts.
+        permittivity: Relative permittivity of the ground.
+    """
+    centre_hz = (parameters.start_frequency_hz + parameters.stop_frequency_hz) / 2.0
+    return 1000.0 * quarter_wavelength_m(centre_hz, permittivity)
+
+
 def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
     """Return what follows from the parameters alone; they must have passed the checks.
 
@@ -59,7 +68,6 @@ def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
         permittivity: Relative permittivity of the soil.
     """
     p = parameters
-    speed_m_s = SPEED_OF_LIGHT_M_S / math.sqrt(permittivity)
     bandwidth_hz = p.stop_frequency_hz - p.start_frequency_hz
     step_hz = bandwidth_hz / (p.frequency_points - 1)
     return SurveyPreview(
@@ -68,8 +76,8 @@ def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
         x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
         y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
         frequency_step_hz=step_hz,
-        depth_m=speed_m_s / (2.0 * step_hz),
-        resolution_m=speed_m_s / (2.0 * bandwidth_hz),
+        depth_m=one_way_path_m(1.0 / step_hz, permittivity),
+        resolution_m=one_way_path_m(1.0 / bandwidth_hz, permittivity),
         quarter_wavelength_mm=quarter_wavelength_mm(parameters, permittivity),
     )
 

@@ -6,6 +6,7 @@ import queue
 import shlex
 from typing import Callable, List, Optional, Protocol, Sequence
 
+from gpr20_common import remedies
 from gpr20_common.message import Message
 from gpr20_user_interface.mid.displays import Display
 from gpr20_user_interface.mid.events import (
@@ -18,6 +19,7 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
+from gpr20_user_interface.mid.fault_messages import is_fault, reason_of
 from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
 from gpr20_user_interface.mid.time_words import duration
 
@@ -35,10 +37,12 @@ _HEADLINES = {
     ExitStatus.PAUSED: Message("Survey PAUSED; it stays paused."),
     ExitStatus.STOPPED: Message("Survey stopped."),
 }
+_UNSUCCESSFUL = (ExitStatus.REFUSED, ExitStatus.FAILED, ExitStatus.PAUSED)
 _LINK_DOWN = Message(
     "No contact with the main control. The robot may still move. Waiting for the link."
 )
 _LINK_BACK = Message("In contact with the main control again.")
+_END_HINT = Message("End it with `rosservice call stop_survey` in the robot's namespace.")
 _RESUME_HINT = Message(
     "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with `rosservice "
     "call stop_survey` in the robot's namespace."
@@ -140,6 +144,8 @@ class SurveySession:
             return
         self._state = state
         self._display.note(Message("{state}: {message}", state=state.title, message=state.message))
+        if is_fault(state):
+            self._display.note(first_step(state.message))
         if self._progress is not None:
             self._display.show(self._progress, state)
 
@@ -171,6 +177,16 @@ def _accepted(plan: Accepted) -> Message:
     )
 
 
+def first_step(message: Message) -> Message:
+    """Return what to do first about a fault, with its code."""
+    reason = reason_of(message)
+    return Message(
+        "Do this first: {remedy}",
+        remedy=reason.remedy or remedies.CHECK_STATUS,
+        details=reason.fault_code,
+    )
+
+
 def outcome_lines(
     outcome: Outcome, survey_id: str, simulated: bool, stored: bool = False
 ) -> List[Message]:
@@ -183,6 +199,9 @@ def outcome_lines(
         stored: Whether a trace of the survey is stored.
     """
     lines = [_HEADLINES[outcome.status], outcome.message]
+    unknown = outcome.status in _UNSUCCESSFUL and not outcome.message.faults
+    if unknown or outcome.message.failure is not None:
+        lines.append(first_step(outcome.message))
     if survey_id:
         lines.append(Message("Survey id: {survey}", survey=survey_id))
     if outcome.other_analyzer:
@@ -192,9 +211,10 @@ def outcome_lines(
                 identity=shlex.quote(outcome.other_analyzer),
             )
         )
+    can_continue = outcome.message.can_continue
     if outcome.status is ExitStatus.PAUSED:
-        lines.append(_RESUME_HINT)
-    elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored:
+        lines.append(_RESUME_HINT if can_continue else _END_HINT)
+    elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored and can_continue:
         lines.append(
             Message(
                 "Measure the missing traces, while no other survey runs, with `rosrun "

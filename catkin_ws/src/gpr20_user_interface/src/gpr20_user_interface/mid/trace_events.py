@@ -8,10 +8,10 @@ from typing import Iterable, Mapping, Tuple, Union
 from gpr20_common.message import Message
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class SurveysListed:
     """A page of the list of past surveys, the newest first."""
 
     before: str
-    surveys: Tuple[PastSurvey, ...]
+    surveys: Tuple[SurveySummary, ...]
     more: bool
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Callable, List
 
 from PyQt5.QtCore import Qt
@@ -19,9 +18,9 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_user_interface.mid.candidate_list import ShownCandidate
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
-from gpr20_user_interface.mid.past_surveys import PastSurvey
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
 from gpr20_user_interface.views.key_pad import KeyPad
 from gpr20_user_interface.views.look import look_of
@@ -30,8 +29,6 @@ from gpr20_user_interface.views.touch_edit import TouchEdit
 from gpr20_user_interface.views.translation import shown_text
 from gpr20_user_interface.views.widgets import new_button
 
-MM_PER_M = 1e3
-SMALLEST_ALARM = 1e-6
 NONE = "—"
 LONGEST_REMARK = 220
 # There is no list beside it, which would need the room.
@@ -80,7 +77,7 @@ class CandidatesSheet(Overlay):
         self._lay_out()
         self.retranslate()
 
-    def show_survey(self, survey: PastSurvey) -> None:
+    def show_survey(self, survey: SurveySummary) -> None:
         """Open for a survey."""
         self.search.choose(survey)
         self.retranslate()
@@ -137,25 +134,19 @@ class CandidatesSheet(Overlay):
         self.simulated.setVisible(
             (survey is not None and survey.simulated) or (found is not None and found.simulated)
         )
-        rows = found.shown if found is not None else ()
+        rows = found.shown() if found is not None else ()
         self.table.setRowCount(len(rows))
         for row, one in enumerate(rows):
             for column, text in enumerate(self._cells(one)):
                 self.table.setItem(row, column, QTableWidgetItem(text))
         self.details.setText(self._sentence())
 
-    def _cells(self, one: ShownCandidate) -> List[str]:
-        alarm = one.false_alarm_probability
-        places = (
-            (one.x_m, one.x_uncertainty_m),
-            (one.y_m, one.y_uncertainty_m),
-            (one.depth_m, one.depth_uncertainty_m),
-        )
+    def _cells(self, one: Candidate) -> List[str]:
         return [
             one.id,
-            *(_with_uncertainty(*one_place) for one_place in places),
-            NONE if alarm is None else _percent(alarm),
-            ", ".join(shown_text(flag) for flag in one.flags) or NONE,
+            *one.place_texts,
+            one.false_alarm_text or NONE,
+            ", ".join(shown_text(label) for label in one.labels) or NONE,
         ]
 
     def _sentence(self) -> str:
@@ -174,7 +165,7 @@ class CandidatesSheet(Overlay):
         ).format(
             primary=found.primary,
             secondary=found.total - found.primary,
-            hidden=found.total - len(found.shown) - found.omitted_primary,
+            hidden=found.total - len(found.shown()) - found.omitted_primary,
             permittivity=f"{found.permittivity:.3g}",
         )
         missing = self.tr("NOT shown, although NOT doubtful: {count}.")
@@ -229,14 +220,3 @@ class CandidatesSheet(Overlay):
         grid.addLayout(buttons, 5, 0, 1, 2)
         grid.setRowStretch(2, 1)
         grid.setColumnStretch(0, 1)
-
-
-def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
-    # 2.00001 mm are 2 mm.
-    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(round(uncertainty_m * MM_PER_M, 2))}"
-
-
-def _percent(probability: float) -> str:
-    if probability < SMALLEST_ALARM:
-        return f"< {100.0 * SMALLEST_ALARM:g} %"
-    return f"{100.0 * probability:.1g} %"

@@ -15,8 +15,8 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_user_interface.mid.imaging_events import StickVolume
-from gpr20_user_interface.mid.past_surveys import PastSurvey
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
 from gpr20_user_interface.mid.survey_export import ExportPart, ExportState, SurveyExport
 from gpr20_user_interface.views.key_pad import KeyPad
@@ -72,7 +72,7 @@ class ExportSheet(Overlay):
         self._lay_out()
         self.retranslate()
 
-    def show_survey(self, survey: PastSurvey) -> None:
+    def show_survey(self, survey: SurveySummary) -> None:
         """Open for a survey."""
         self.model.choose(survey)
         self.open()
@@ -142,7 +142,7 @@ class ExportSheet(Overlay):
             text = self.tr("Plug a USB stick into the computer {computer}.")
         self.place.setText(text.format(computer=self.model.computer))
 
-    def _room(self, volume: StickVolume) -> str:
+    def _room(self, volume: Volume) -> str:
         if not volume.writable:
             return self.tr("write-protected")
         if volume.free_bytes < BYTES_PER_GB:

@@ -234,7 +234,7 @@ class MapCanvas(TranslatedWidget):
             self._additions.candidates, key=lambda one: (one == chosen, -one.number)
         ):
             place_mm = candidate.x_mm, candidate.y_mm
-            marks.candidate(place_mm, candidate.number, candidate.doubtful, candidate == chosen)
+            marks.candidate(place_mm, candidate.number, candidate.is_doubtful, candidate == chosen)
         for marker in sorted(self._additions.markers, key=lambda one: one == chosen):
             marks.marker((marker.x_mm, marker.y_mm), marker == chosen)
 

@@ -16,7 +16,8 @@ from PyQt5.QtWidgets import (
     QVBoxLayout,
 )
 
-from gpr20_user_interface.mid.past_surveys import PastSurvey, PastSurveys, Verdict
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_user_interface.mid.past_surveys import PastSurveys, Verdict
 from gpr20_user_interface.views.coverage_icon import coverage_icon
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
@@ -39,7 +40,7 @@ class PastSurveysView(TranslatedWidget):
     open_requested = pyqtSignal(str)
     resume_requested = pyqtSignal(str)
     notes_requested = pyqtSignal(str)
-    # A PastSurvey.
+    # A SurveySummary.
     candidates_requested = pyqtSignal(object)
     export_requested = pyqtSignal(object)
 
@@ -49,7 +50,7 @@ class PastSurveysView(TranslatedWidget):
         self._revision = -1
         self._asked_before: Optional[str] = None
         # As in the rows of the table.
-        self._shown: Tuple[PastSurvey, ...] = ()
+        self._shown: Tuple[SurveySummary, ...] = ()
         self._icons: Dict[object, QIcon] = {}
         self.table = QTableWidget(0, 4)
         self.details = QLabel()
@@ -64,7 +65,7 @@ class PastSurveysView(TranslatedWidget):
         self.retranslate()
 
     @property
-    def chosen(self) -> Optional[PastSurvey]:
+    def chosen(self) -> Optional[SurveySummary]:
         """The survey that the operator touched."""
         rows = {index.row() for index in self.table.selectedIndexes()}
         return self._shown[rows.pop()] if rows and max(rows) < len(self._shown) else None
@@ -122,14 +123,15 @@ class PastSurveysView(TranslatedWidget):
         self._icons.clear()
         self._show_list()
 
-    def _show_row(self, row: int, survey: PastSurvey) -> None:
+    def _show_row(self, row: int, survey: SurveySummary) -> None:
         counted = f"{survey.stored_traces} / {survey.planned_traces}"
-        area = f"{survey.width_mm:.0f} x {survey.height_mm:.0f} mm" if survey.width_mm else "—"
+        area = survey.thumbnail
+        size = f"{area.width_mm:.0f} x {area.height_mm:.0f} mm" if area.width_mm else "—"
         when = survey.local_time()
         texts = {
             MAP: "",
             WHAT: f"{survey.name}\n{when}" if survey.name else when,
-            AREA: f"{area}\n{counted}" if survey.problem is None else "—",
+            AREA: f"{size}\n{counted}" if survey.problem is None else "—",
             VERDICT: self._word(survey),
         }
         for column, text in texts.items():
@@ -138,8 +140,9 @@ class PastSurveysView(TranslatedWidget):
                 item.setIcon(self._icon(survey))
             self.table.setItem(row, column, item)
 
-    def _icon(self, survey: PastSurvey) -> QIcon:
-        key = survey.coverage, survey.width_mm, survey.height_mm
+    def _icon(self, survey: SurveySummary) -> QIcon:
+        area = survey.thumbnail
+        key = area.coverage, area.width_mm, area.height_mm
         if key not in self._icons:
             if len(self._icons) >= MOST_ICONS:
                 self._icons.clear()
@@ -147,7 +150,7 @@ class PastSurveysView(TranslatedWidget):
             self._icons[key] = coverage_icon(*key, look.px(MAP_PX), look)
         return self._icons[key]
 
-    def _word(self, survey: PastSurvey) -> str:
+    def _word(self, survey: SurveySummary) -> str:
         word = {
             Verdict.COMPLETE: self.tr("complete"),
             Verdict.INCOMPLETE: self.tr("INCOMPLETE"),
@@ -174,7 +177,7 @@ class PastSurveysView(TranslatedWidget):
             text = f"{chosen.folder}: {self._sentence(chosen)}"
         self.details.setText(text[:LONGEST_SENTENCE])
 
-    def _sentence(self, survey: PastSurvey) -> str:
+    def _sentence(self, survey: SurveySummary) -> str:
         if self._surveys.verdict(survey) is Verdict.RUNNING:
             return self.tr("Survey in progress.")
         message = survey.problem or survey.verdict

@@ -8,9 +8,9 @@ from typing import Callable, Dict, List, Optional
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QPushButton, QSizePolicy, QWidget
 
+from gpr20_survey.radar.soils import Soils, soil_of
 from gpr20_user_interface.mid.radar_presenter import RadarPresenter
 from gpr20_user_interface.mid.radar_records import Colours
-from gpr20_user_interface.mid.soils import Soils, soil_of
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.stepper import Stepper

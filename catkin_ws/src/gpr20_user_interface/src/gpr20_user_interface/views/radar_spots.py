@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import List, Sequence, Union
 
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.mid.focused_image import CandidateMark
+from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.mid.radar_records import Axis, Place
 from gpr20_user_interface.views.palette import Mark
 from gpr20_user_interface.views.picture_plot import Spot
@@ -13,7 +13,7 @@ from gpr20_user_interface.views.picture_plot import Spot
 # What is nearer than this to a slice or line lies in it.
 NEAR_MM = 25.0
 
-Marked = Union[CandidateMark, Marker]
+Marked = Union[Candidate, Marker]
 
 
 def slice_spots(marked: Sequence[Marked], depth_m: float, every_number: bool) -> List[Spot]:
@@ -55,7 +55,7 @@ def line_spots(
 
 
 def _spot(one: Marked, across: float, second: float, is_near: bool, every_number: bool) -> Spot:
-    if isinstance(one, CandidateMark):
-        number = str(one.number) if every_number or not one.doubtful else ""
-        return Spot(across, second, number, Mark.CANDIDATE, is_near, one.doubtful)
+    if isinstance(one, Candidate):
+        number = str(one.number) if every_number or not one.is_doubtful else ""
+        return Spot(across, second, number, Mark.CANDIDATE, is_near, one.is_doubtful)
     return Spot(across, second, "", Mark.MARKER, is_near)

@@ -51,7 +51,7 @@ class RadarTexts:
             return text.format(count=len(model.given_up))
         if presenter.shows_focused and image is not None:
             text = self.tr("Focused with permittivity {value:g}.")
-            return text.format(value=image.permittivity)
+            return text.format(value=image.found.permittivity)
         if self._lacks_background(presenter):
             text = self.tr("The background is not removed from fewer than {count} traces.")
             return text.format(count=MIN_BACKGROUND_TRACES)

@@ -9,7 +9,7 @@ from PyQt5.QtGui import QShowEvent
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.mid.focused_image import FocusedImage
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.mid.radar_model import RadarModel
 from gpr20_user_interface.mid.radar_pictures import DEPTH_STEP_M
 from gpr20_user_interface.mid.radar_presenter import Grip, RadarPictures, RadarPresenter

@@ -8,9 +8,9 @@ from typing import Callable, Optional
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QTextEdit
 
-from gpr20_doctor.mid.remedies import find_remedy
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_user_interface.mid.service_events import AnalyzerTested, HeightTested
+from gpr20_user_interface.mid.service_events import HeightTested
 from gpr20_user_interface.mid.service_model import ServiceState
 from gpr20_user_interface.views.look import GAP_PX, look_of
 from gpr20_user_interface.views.translation import TranslatedWidget, shown_text
@@ -79,16 +79,17 @@ class ServiceTools(TranslatedWidget):
             lines.append(shown_text(height.failure))
         return "\n".join(lines)
 
-    def _analyzer_text(self, test: Optional[AnalyzerTested]) -> str:
+    def _analyzer_text(self, test: Optional[AnalyzerTest]) -> str:
         if test is None:
             return UNKNOWN
         lines = []
         if test.identity:
             lines.append(self.tr("Connected to {address}").format(address=test.address))
             lines.append(test.identity)
-        if test.calibration in CalibrationStatus.__members__:
-            meaning = CalibrationStatus[test.calibration].meaning
-            lines.append(self.tr("Calibration: {state}").format(state=shown_text(meaning)))
+        calibration = CalibrationStatus.named(test.calibration)
+        if calibration is not None:
+            state = shown_text(calibration.meaning)
+            lines.append(self.tr("Calibration: {state}").format(state=state))
         if test.points:
             lines.append(
                 self.tr("Sweep of {points} points: {duration_s:.3f} s, {level_db:.0f} dB").format(
@@ -99,9 +100,8 @@ class ServiceTools(TranslatedWidget):
             )
         if test.failure is not None:
             lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
-            remedy = find_remedy(test.failure)
-            if remedy is not None:
-                lines.append(shown_text(remedy))
+            if test.failure.remedy is not None:
+                lines.append(shown_text(test.failure.remedy))
         return "\n".join(lines)
 
 

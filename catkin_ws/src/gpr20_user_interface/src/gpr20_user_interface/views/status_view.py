@@ -20,6 +20,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.mid.displays import remaining
 from gpr20_user_interface.mid.events import ControlState, Position, Progress
 from gpr20_user_interface.mid.job import time_passes
@@ -262,15 +263,9 @@ class FactsPanel(TranslatedWidget):
         self._disk.setText(
             UNKNOWN if free_mb is None else f"{free_mb / MEGABYTES_PER_GIGABYTE:.1f} GB"
         )
-        texts = {
-            "NONE": self.tr("none"),
-            "HIGH": self.tr("high accuracy"),
-            "MODERATE_POWER": self.tr("moderate: power level changed"),
-            "MODERATE_TEMPERATURE": self.tr("moderate: temperature changed"),
-            "LOW": self.tr("low: temperature changed"),
-        }
-        status = report.calibration
-        self._calibration.show_text(texts.get(status, status or UNKNOWN))
+        status = CalibrationStatus.named(report.calibration)
+        known = report.calibration if status is None else shown_text(status.meaning)
+        self._calibration.show_text(known or UNKNOWN)
 
 
 def _scrolled(panel: QWidget) -> QScrollArea:

@@ -26,7 +26,7 @@ from gpr20_user_interface.mid.plan_form import FIELD_HINTS, PlanCheck, PlanForm,
 from gpr20_user_interface.mid.plan_memory import ARROW_STEPS
 from gpr20_user_interface.mid.plan_presets import Preset, PresetContext, presets_for
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, TILE_TITLES, Tile
-from gpr20_user_interface.mid.quarter_wavelength import quarter_wavelength_mm
+from gpr20_user_interface.mid.survey_preview import quarter_wavelength_mm
 from gpr20_user_interface.views.field_box import FieldBox
 from gpr20_user_interface.views.key_block import (
     ADDRESS as ADDRESS_KEYS,

@@ -110,7 +110,7 @@ class VisualizationNode:
         except TraceRefusedError as error:
             rospy.logwarn("a trace cannot be shown: %s", error)
             with self._lock:
-                self._problem = error.message
+                self._problem = error.message.as_warning()
             return
         with self._lock:
             self._publish_area(ros_time(trace.timestamp_us))

@@ -6,6 +6,7 @@ from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
+from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, decibels, unambiguous_s
 from gpr20_survey.trace.trace import Trace
 
 DELAY_STEP_S = 0.05e-9
@@ -16,34 +17,10 @@ SMALLEST_WIDTH = 200
 WHITE = 255
 
 
-class FrequencyToDelay:
-    """Turns sweeps of one set of frequencies into echoes over delay.
-
-    Convention: S21 ~ exp(-2j pi f tau). The band is weighted with a Hann window, so that a single
-    echo of level 1 has a peak of 1.
-    """
-
-    def __init__(self, frequency_hz: np.ndarray) -> None:
-        """Make it for ascending frequencies [Hz], at least two."""
-        self._frequency_hz = frequency_hz
-        spacing_hz = (frequency_hz[-1] - frequency_hz[0]) / (len(frequency_hz) - 1)
-        rows = min(MAX_ROWS, max(2, int(1.0 / spacing_hz / DELAY_STEP_S)))
-        window = np.hanning(len(frequency_hz) + 2)[1:-1]
-        # The centre frequency is taken out, which changes no magnitude.
-        relative_hz = frequency_hz - frequency_hz.mean()
-        turns = np.outer(relative_hz, np.arange(rows) * DELAY_STEP_S)
-        kernel = np.exp(2j * np.pi * turns) * (window / window.sum())[:, np.newaxis]
-        self._kernel = kernel.astype(np.complex64)
-
-    def fits(self, frequency_hz: np.ndarray) -> bool:
-        """Return whether a sweep has these frequencies."""
-        return np.array_equal(frequency_hz, self._frequency_hz)
-
-    def echoes(self, trace: Trace) -> np.ndarray:
-        """Return the echoes of a trace, one for each DELAY_STEP_S from 0."""
-        s21 = (trace.s21_real + 1j * trace.s21_imag).astype(np.complex64)
-        found: np.ndarray = s21 @ self._kernel
-        return found
+def transform_of(frequency_hz: np.ndarray) -> FrequencyToDelay:
+    """Return the transform of sweeps with these frequencies to the rows of a picture."""
+    rows = int(unambiguous_s(frequency_hz) / DELAY_STEP_S)
+    return FrequencyToDelay(frequency_hz, DELAY_STEP_S, min(MAX_ROWS, max(2, rows)))
 
 
 def grey(echoes: np.ndarray) -> np.ndarray:
@@ -62,7 +39,7 @@ def grey(echoes: np.ndarray) -> np.ndarray:
     if strongest > 0.0:
         left = present - present.mean(axis=0) if len(present) > 1 else present
         ratio = np.abs(left) / strongest
-        levels_db[measured] = 20.0 * np.log10(np.maximum(ratio, 10.0 ** (DARKEST_DB / 20.0)))
+        levels_db[measured] = decibels(ratio, 10.0 ** (DARKEST_DB / 20.0))
     shades = WHITE * (1.0 - np.minimum(levels_db, 0.0) / DARKEST_DB)
     picture: np.ndarray = np.rint(shades).astype(np.uint8).T
     return picture
@@ -98,9 +75,10 @@ class LineImage:
     def add(self, trace: Trace) -> None:
         """Add a trace; one at the same place and rotation replaces the former."""
         if self.transform is None or not self.transform.fits(trace.frequency_hz):
-            self.transform = FrequencyToDelay(trace.frequency_hz)
+            self.transform = transform_of(trace.frequency_hz)
             self._echoes = {}
-        self._echoes[trace.z_coord_deg, trace.x_coord_mm] = self.transform.echoes(trace)
+        s21 = trace.s21_real + 1j * trace.s21_imag
+        self._echoes[trace.z_coord_deg, trace.x_coord_mm] = self.transform.transform(s21)
 
     def picture(self) -> np.ndarray:
         """Return the picture (delays x stops): X ascending, one part for each rotation, ascending.

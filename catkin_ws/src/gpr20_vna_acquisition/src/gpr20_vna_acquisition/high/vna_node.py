@@ -8,7 +8,6 @@ import rospy
 
 from gpr20_common.high import diagnostics
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.ros_time import ros_time
@@ -16,8 +15,10 @@ from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import Hardware
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs import srv
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSettingError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
@@ -135,14 +136,14 @@ class VNANode:
         if trouble:
             return diagnostics.ERROR, trouble, values
         if not state.address:
-            return diagnostics.WARN, Message("not connected"), values
+            return diagnostics.WARN, Message("not connected").with_fault(faults.UNUSED), values
         if state.former_trouble:
             answers = Message(
                 "answers again; the last fault: {reason}", reason=state.former_trouble
-            )
+            ).with_fault(faults.ANSWERS_AGAIN)
             return diagnostics.WARN, answers, values
         if state.last_quality:
-            return diagnostics.WARN, state.last_quality[0], values
+            return diagnostics.WARN, state.last_quality[0].as_warning(), values
         connected = Message("connected to {identity}", identity=state.identity)
         return diagnostics.OK, connected, values
 

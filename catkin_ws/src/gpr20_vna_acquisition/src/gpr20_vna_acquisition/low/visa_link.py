@@ -13,6 +13,7 @@ from typing import Any, Callable, List, Optional, Tuple, Type, TypeVar
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaDataError,
@@ -156,7 +157,8 @@ class VisaLibrary:
                     "right for this instrument",
                     what=what,
                     details=technical,
-                )
+                ),
+                fault=faults.NOT_UNDERSTOOD,
             )
         return VnaConnectionError(
             Message(

@@ -16,6 +16,7 @@ from vxi11 import rpc, vxi11
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
 from gpr20_vna_acquisition.low.vxi11_packing import Packer, Unpacker
@@ -41,6 +42,8 @@ LIBRARY_ERRORS = (
     EOFError,
     OSError,
 )
+# Those of them with which an instrument that is a VXI-11 one is lost.
+LOST_ERRORS = (vxi11.Vxi11Exception, EOFError, OSError)
 
 
 @dataclass(frozen=True)
@@ -195,7 +198,8 @@ def connect(
                 "cable and that it is switched on",
                 address=address,
                 reason=_reason(error),
-            )
+            ),
+            fault=None if isinstance(error, LOST_ERRORS) else faults.WRONG_INSTRUMENT,
         ) from error
     return Vxi11Transport(address, instrument, limits)
 

@@ -10,6 +10,7 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaOldDataError,
@@ -268,5 +269,6 @@ def _not_averaging(averages: int) -> VnaSettingError:
             "the VNA does not show that it begins a new average of {averages} sweeps for each "
             "trace; set the number of averages to 1",
             averages=averages,
-        )
+        ),
+        fault=faults.NOT_AVERAGING,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gpr20_common.message import Message
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaNotReadyError,
     VnaOldDataError,
@@ -24,7 +25,8 @@ def not_configured() -> VnaNotReadyError:
         Message(
             "the VNA's sweep is not configured; configure it first",
             details="service freq_sweep_setup",
-        )
+        ),
+        fault=faults.NOT_CONFIGURED,
     )
 
 
@@ -46,7 +48,8 @@ def settings_changed(settings: Message) -> VnaSettingError:
             "the VNA's settings were changed during the sweep: {settings}; do not operate "
             "it by hand during a survey",
             settings=settings,
-        )
+        ),
+        fault=faults.SETTINGS_CHANGED,
     )
 
 
@@ -58,7 +61,8 @@ def sweep_not_ended(points: int, limit_s: float) -> VnaSweepError:
             "the VNA is in VNA mode and not operated by hand",
             points=points,
             limit_s=limit_s,
-        )
+        ),
+        fault=faults.SWEEP_NOT_ENDED,
     )
 
 

@@ -6,6 +6,7 @@ import threading
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
 
@@ -69,7 +70,9 @@ class RequestDeadline:
         if self._closed:
             raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._ending.is_set():
-            raise VnaTimeoutError(Message("the request was ended by a later one"))
+            raise VnaTimeoutError(
+                Message("the request was ended by a later one"), fault=faults.SUPERSEDED
+            )
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)

@@ -11,6 +11,7 @@ from gpr20_common.mid.checks import visa_resource_name
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_AVERAGES, MAX_IF_BANDWIDTH_HZ, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaError,
@@ -141,7 +142,8 @@ class ScikitRfAnalyzer:
         _check_analyzer_settings(accepted.analyzer)
         if not accepted.fulfils(settings):
             raise VnaSettingError(
-                Message("the VNA's settings changed by themselves; do not operate it by hand")
+                Message("the VNA's settings changed by themselves; do not operate it by hand"),
+                fault=faults.SETTINGS_CHANGED,
             )
         self._sweeps.learn(accepted)
         self._accepted = accepted
@@ -175,7 +177,8 @@ class ScikitRfAnalyzer:
                 "the VNA answers {answer} to {query}; expected 0 or 1; check correction_query",
                 answer=repr(answer[:40]),
                 query=query,
-            )
+            ),
+            fault=faults.NOT_UNDERSTOOD,
         )
 
     def release(self) -> None:
@@ -251,7 +254,8 @@ class ScikitRfAnalyzer:
                     setting=setting.name,
                     value=setting.value,
                     details=error.message.details,
-                )
+                ),
+                fault=faults.SETTING_UNAVAILABLE,
             ) from error
 
     def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, Any]]:
@@ -270,7 +274,7 @@ class ScikitRfAnalyzer:
                     "{settings} of the VNA changed when it was set up; it does not report whether "
                     "its calibration still applies",
                     settings=in_a_row(changed),
-                )
+                ).with_fault(faults.CALIBRATION_UNSURE)
             )
         elif self.calibration() is CalibrationStatus.NONE:
             raise calibration_lost(changed)

@@ -13,6 +13,7 @@ import numpy as np
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, number
 
@@ -165,7 +166,8 @@ def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
                 reported_hz=reported_hz[first],
                 point=first,
                 expected_hz=expected_hz[first],
-            )
+            ),
+            fault=faults.NOT_LINEAR,
         )
 
 

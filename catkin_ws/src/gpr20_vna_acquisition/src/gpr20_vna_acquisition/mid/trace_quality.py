@@ -13,8 +13,10 @@ from typing import Deque, Iterable, Optional, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_survey.faults import CALIBRATION_AGED, NOT_CALIBRATED
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaCalibrationError, VnaDataError, VnaError
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -28,18 +30,20 @@ FEWEST_SWEEPS, MOST_SWEEPS = 5, 25
 MOST_REASONS = 8
 
 CALIBRATION_REMARKS = {
-    CalibrationStatus.NONE: Message("the VNA is not calibrated; calibrate it before you continue"),
+    CalibrationStatus.NONE: Message(
+        "the VNA is not calibrated; calibrate it before you continue"
+    ).with_fault(NOT_CALIBRATED),
     CalibrationStatus.MODERATE_POWER: Message(
         "the calibration's accuracy is moderate: power level changed since calibration"
-    ),
+    ).with_fault(CALIBRATION_AGED),
     CalibrationStatus.MODERATE_TEMPERATURE: Message(
         "the calibration's accuracy is moderate: the VNA's temperature changed by more than 5 "
         "degrees since calibration"
-    ),
+    ).with_fault(CALIBRATION_AGED),
     CalibrationStatus.LOW: Message(
         "the calibration's accuracy is low: the VNA's temperature changed by more than 10 degrees "
         "since calibration; calibrate it again"
-    ),
+    ).with_fault(CALIBRATION_AGED),
 }
 
 
@@ -66,14 +70,14 @@ def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) ->
             "calibrated, add {status} to accepted_calibrations (now {accepted})",
             status=int(status),
             accepted=listed,
-        )
+        ).with_fault(faults.CALIBRATION_UNREPORTED)
     return Message(
         "the VNA's calibration status is {status} ({meaning}); calibrate it, or change "
         "accepted_calibrations (now {accepted})",
         status=int(status),
         meaning=status.meaning,
         accepted=listed,
-    )
+    ).with_fault(NOT_CALIBRATED)
 
 
 def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
@@ -83,7 +87,8 @@ def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
             "the VNA lost its calibration when it was set up ({settings}); calibrate it now, with "
             "these settings, then start or resume: they are not written again",
             settings=in_a_row(settings),
-        )
+        ),
+        fault=faults.CALIBRATION_LOST,
     )
 
 
@@ -101,7 +106,7 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
                 # It can be infinite, which JSON does not know.
                 level=f"{median_db:.1f}",
                 limit_db=parameters.min_level_db,
-            )
+            ).with_fault(faults.WEAK)
         )
     if largest_db > parameters.max_level_db:
         remarks.append(
@@ -110,7 +115,7 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
                 "may be overloaded, or the calibration may be for another setup",
                 level=f"{largest_db:.1f}",
                 limit_db=parameters.max_level_db,
-            )
+            ).with_fault(faults.STRONG)
         )
     return tuple(remarks)
 
@@ -128,7 +133,7 @@ def flat_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...]
             "not in zero span",
             same=longest,
             points=len(sweep.s21_real),
-        ),
+        ).with_fault(faults.FLAT),
     )
 
 
@@ -154,7 +159,7 @@ def duration_remarks(
             "bandwidth setting and its network",
             duration_s=duration_s,
             usual_s=usual_s,
-        ),
+        ).with_fault(faults.UNUSUAL_DURATION),
     )
 
 

@@ -13,6 +13,7 @@ from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaError,
@@ -276,7 +277,8 @@ class VNADriver:
             unconfirmed, self._unconfirmed = self._unconfirmed, None
             if unconfirmed != (number, self._link.restorations):
                 raise VnaNotReadyError(
-                    Message("sweep {number} cannot be confirmed any more", number=number)
+                    Message("sweep {number} cannot be confirmed any more", number=number),
+                    fault=faults.SWEEP_UNCONFIRMED,
                 )
             calibration, _failures = self._link.with_retries(
                 Message("confirming the VNA's settings"),
@@ -299,7 +301,8 @@ class VNADriver:
                 Message(
                     "the VNA driver was busy with another request for {limit_s:.3g} s",
                     limit_s=limit_s,
-                )
+                ),
+                fault=faults.BUSY,
             )
         try:
             deadline.begin(limit_s, deadline.now_s() - arrived_s, extensible)

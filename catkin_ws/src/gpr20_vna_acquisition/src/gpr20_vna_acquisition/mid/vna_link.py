@@ -243,7 +243,8 @@ class VnaLink:
         self.note(repeats=self._state.repeats + 1)
         failure = failures[-1]
         # A link that is lost for long fails the same way many times.
-        if len(failures) == 1 or failures[-2].message != failure.message:
+        codes = {one.message.fault_code for one in failures[-2:]}
+        if len(failures) == 1 or len(codes) > 1:
             self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
@@ -293,10 +294,11 @@ class VnaLink:
 def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> Message:
     if not failures:
         return Message("{what} was given up: {reason}", what=what, reason=error.message)
+    # What failed says more about what to do than that no time is left.
     return Message(
         "{what} was given up: {reason}; the last attempt failed: {failure}",
         what=what,
-        reason=error.message,
+        reason=error.message.with_fault(None),
         failure=failures[-1].message,
     )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
 from gpr20_common.mid.extension import is_extension
@@ -139,7 +140,8 @@ class VnaParameters:
                         name=name,
                         example=getattr(VnaParameters, name),
                         details="the answer to *IDN?",
-                    )
+                    ),
+                    fault=CONFIGURATION,
                 )
         for lower, upper, unit in (
             ("min_frequency_hz", "max_frequency_hz", "Hz"),
@@ -161,7 +163,8 @@ class VnaParameters:
     def _check_analyzer(self) -> None:
         if self.analyzer_options and not is_extension(self.analyzer):
             raise InvalidValueError(
-                Message("analyzer_options are given, but analyzer does not name their class")
+                Message("analyzer_options are given, but analyzer does not name their class"),
+                fault=CONFIGURATION,
             )
         if self.analyzer == AnalyzerKind.SCIKIT_RF.value:
             self._check_scikit_rf()
@@ -186,7 +189,8 @@ class VnaParameters:
                 Message(
                     "scikit_rf_class is missing; it must be one of {allowed}",
                     allowed=", ".join(one.value for one in ScikitRfClass),
-                )
+                ),
+                fault=CONFIGURATION,
             )
         visa_resource_name("address", self.address)
         for name in ("maker", "model"):
@@ -198,14 +202,16 @@ class VnaParameters:
                         name=name,
                         value=getattr(self, name),
                         details="the answer to *IDN?",
-                    )
+                    ),
+                    fault=CONFIGURATION,
                 )
         if not self.correction_query.isascii() or "\n" in self.correction_query:
             raise InvalidValueError(
                 Message(
                     "correction_query is {query}; it must be one line of ASCII characters",
                     query=repr(self.correction_query[:64]),
-                )
+                ),
+                fault=CONFIGURATION,
             )
 
     def check_sweep(self, settings: SweepSettings) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.srv import AnnotateSurvey, AnnotateSurveyResponse
 from gpr20_survey.plan import annotation
 from gpr20_vna_processing.mid.data_processing import DataProcessing

@@ -7,10 +7,10 @@ from typing import Any, List
 
 import rospy
 
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.raw_message import deserialized
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import SurveySummary, Trace
 from gpr20_msgs.srv import (
     ListSurveys,
@@ -20,8 +20,8 @@ from gpr20_msgs.srv import (
     ReadTraces,
     ReadTracesResponse,
 )
+from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace import trace_message
-from gpr20_vna_processing.mid import survey_archive
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 
@@ -41,7 +41,7 @@ class ArchiveServices:
         return ListSurveysResponse(
             success=True,
             **message_fields(Message("{count} surveys", count=len(surveys))),
-            surveys=[_summary_message(one) for one in surveys],
+            surveys=[SurveySummary(**summary_fields(one)) for one in surveys],
             more=more,
         )
 
@@ -72,28 +72,3 @@ class ArchiveServices:
             next_index=page.next_index,
             more=page.more,
         )
-
-
-def _summary_message(summary: survey_archive.SurveySummary) -> SurveySummary:
-    problem = summary.problem
-    return SurveySummary(
-        folder=summary.folder,
-        survey_id=summary.survey_id,
-        started=summary.started,
-        outcome=summary.outcome,
-        stored_traces=summary.stored_traces,
-        planned_traces=summary.planned_traces,
-        verdict=summary.verdict,
-        verdict_json=summary.verdict_json,
-        complete=summary.complete,
-        simulated=summary.simulated,
-        refines=summary.refines,
-        problem="" if problem is None else str(problem),
-        problem_json="" if problem is None else problem.to_json(),
-        name=summary.name,
-        width_mm=summary.thumbnail.width_mm,
-        height_mm=summary.thumbnail.height_mm,
-        map_columns=summary.thumbnail.columns,
-        map_rows=summary.thumbnail.rows,
-        map_percent=summary.thumbnail.percent,
-    )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.srv import MarkSurvey, MarkSurveyResponse
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
 from gpr20_survey.plan.markers import Marker, values_of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,9 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common import __version__
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
-from gpr20_common.high.graph_message import message_fields
 from gpr20_common.high.node import run_device
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.raw_message import deserialized, preserialized, serialized
@@ -23,6 +24,7 @@ from gpr20_common.low.revision import software_revision
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -37,16 +39,19 @@ from gpr20_msgs.srv import (
     StoreDataResponse,
 )
 from gpr20_survey.errors import ProcessingError, printable
+from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
+from gpr20_survey.results.reopened_survey import reopened_fields
 from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.faults import DISK_SLOW
 from gpr20_vna_processing.high.annotation_service import AnnotationService
 from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.connections import connect_recorder, connect_subscribers
-from gpr20_vna_processing.high.end_messages import end_messages, end_status
+from gpr20_vna_processing.high.end_messages import end_messages, end_status, reason_of
 from gpr20_vna_processing.high.marker_service import MarkerService
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -129,6 +134,7 @@ class ProcessingNode:
         # Reopening publishes the last trace again, maybe as the first act of this process.
         connect_subscribers(self._trace)
         reopened = self._processing.reopen_survey(request.survey)
+        reopened = replace(reopened, interrupted=interrupted)
         stored = len(reopened.stored_indices)
         last = Trace()
         if reopened.last:
@@ -141,13 +147,8 @@ class ProcessingNode:
         return ReopenSurveyResponse(
             success=True,
             **message_fields(in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]])),
-            path=str(reopened.folder),
-            survey_id=reopened.survey_id,
-            metadata_json=reopened.metadata_json,
-            report_json=reopened.report_json,
-            stored_indices=reopened.stored_indices,
+            **reopened_fields(reopened),
             last=last,
-            interrupted=interrupted,
         )
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
@@ -174,7 +175,7 @@ class ProcessingNode:
     def _close_survey(self, request: Any) -> CloseSurveyResponse:
         end = end_messages(request, time.time_ns())
         closed = self._processing.close_survey(
-            request.survey_id, request.outcome, request.reason, end
+            request.survey_id, request.outcome, reason_of(request), end
         )
         message = Message(
             "survey {survey} is closed with {stored} traces",
@@ -203,7 +204,7 @@ class ProcessingNode:
                 "the free space on the disk of {path} is unknown: {reason}",
                 path=printable(self._data),
                 reason=os_reason(error),
-            )
+            ).with_fault(STORAGE_UNREADABLE)
             return ERROR, message, {}
         values = {
             "open survey": state.survey_id,
@@ -221,10 +222,10 @@ class ProcessingNode:
             message = Message(
                 "only {free_mb:.0f} MB are free on the disk; make space", free_mb=free_mb
             )
-            return WARN, message, values
+            return WARN, message.with_fault(DISK_FULL).as_warning(), values
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
-            return WARN, message, values
+            return WARN, message.with_fault(DISK_SLOW).as_warning(), values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Sequence
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import locked
@@ -17,7 +17,9 @@ from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import utc_time
+from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
@@ -26,7 +28,6 @@ from gpr20_vna_processing.mid.processing_records import (
     ClosedSurvey,
     MarkedSurvey,
     MarkerChange,
-    ReopenedSurvey,
     Storage,
 )
 from gpr20_vna_processing.mid.reopening import Reopening
@@ -76,7 +77,8 @@ class CurrentSurvey:
         """
         if self._survey is None:
             raise SurveyRefusedError(
-                Message("no survey is open; start or resume one", details="open_survey")
+                Message("no survey is open; start or resume one", details="open_survey"),
+                fault=faults.NONE_OPEN,
             )
         return self._survey
 
@@ -93,7 +95,8 @@ class CurrentSurvey:
                     "survey {survey} is not open; {open_survey} is open",
                     survey=survey_id[:64],
                     open_survey=survey.survey_id,
-                )
+                ),
+                fault=faults.OTHER_OPEN,
             )
         return survey
 
@@ -195,7 +198,8 @@ class CurrentSurvey:
                     survey=self._survey.survey_id,
                     folder=printable(self._survey.folder),
                     details="close_survey",
-                )
+                ),
+                fault=faults.OTHER_OPEN,
             )
         new_survey.check_clock(now_ns)
         new_survey.check_space(self._storage, needed_bytes, self._disk_reserve_bytes)
@@ -209,25 +213,20 @@ class CurrentSurvey:
         survey.commit()
 
     def close(
-        self, survey_id: str, outcome: str, reason: str, end: Sequence[RecordedMessage] = ()
+        self, survey_id: str, outcome: str, reason: Message, end: Sequence[RecordedMessage] = ()
     ) -> ClosedSurvey:
         """Finish the recordings and write how the survey ended; may be repeated.
 
         Args:
             survey_id: UUID of the survey.
             outcome: One word.
-            reason: Why it ended, for people.
+            reason: Why it ended.
             end: Its last messages; none: a status that states outcome and reason.
 
         Raises:
             SurveyRefusedError: The survey is not open.
             StorageFailedError: The disk refused; the survey is still open.
         """
-        return self._close(survey_id, outcome, verbatim(reason), end)
-
-    def _close(
-        self, survey_id: str, outcome: str, reason: Message, end: Sequence[RecordedMessage]
-    ) -> ClosedSurvey:
         if self._survey is None and self._closed and self._closed.survey_id == survey_id:
             return self._closed  # the answer to the first call may have been lost
         if self._survey is None:
@@ -237,7 +236,7 @@ class CurrentSurvey:
         survey = self.opened_as(survey_id)
         now_ns = self._storage.now_ns()
         survey.record(end or [self._end_status(survey, outcome, reason, now_ns)])
-        survey.close(outcome, str(reason), utc_time.iso_text(now_ns // utc_time.NS_PER_US))
+        survey.close(outcome, reason, utc_time.iso_text(now_ns // utc_time.NS_PER_US))
         # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
         survey.write_manifest(self._storage.revision)
         self._latched.end()
@@ -311,8 +310,8 @@ class CurrentSurvey:
             StorageFailedError: The disk refused; the survey is still open.
         """
         if self._survey is not None:
-            reason = Message("the storage was shut down")
-            self._close(self._survey.survey_id, INTERRUPTED, reason, ())
+            reason = Message("the storage was shut down").with_fault(faults.SHUT_DOWN)
+            self.close(self._survey.survey_id, INTERRUPTED, reason)
 
     def interrupt_other(self, survey: str) -> str:
         """Close the open survey as interrupted, unless it is this one.
@@ -331,7 +330,7 @@ class CurrentSurvey:
             return ""
         reason = Message("left open by the control, which began {survey}", survey=survey[:64])
         try:
-            self._close(opened.survey_id, INTERRUPTED, reason, ())
+            self.close(opened.survey_id, INTERRUPTED, reason.with_fault(faults.LEFT_OPEN))
         except StorageFailedError:
             if opened.in_place():
                 raise

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Sequence
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import INTERNAL
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import (
     ProcessingError,
@@ -17,6 +18,7 @@ from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker, with_marker, without_marker
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import new_survey
@@ -28,13 +30,13 @@ from gpr20_vna_processing.mid.processing_records import (
     Limits,
     MarkedSurvey,
     ProcessingState,
-    ReopenedSurvey,
     Storage,
 )
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 from gpr20_vna_processing.mid.survey_end import OUTCOMES
 
 MAX_REASON_CHARACTERS = 4096
+NO_REASON = verbatim("")
 
 
 class DataProcessing:
@@ -218,14 +220,18 @@ class DataProcessing:
             self._thread.offer(message)
 
     def close_survey(
-        self, survey_id: str, outcome: str, reason: str, end: Sequence[RecordedMessage] = ()
+        self,
+        survey_id: str,
+        outcome: str,
+        reason: Message = NO_REASON,
+        end: Sequence[RecordedMessage] = (),
     ) -> ClosedSurvey:
         """Finish the recordings and write how the survey ended; may be repeated.
 
         Args:
             survey_id: UUID of the survey.
             outcome: One of OUTCOMES.
-            reason: Why it ended, for people.
+            reason: Why it ended.
             end: The last messages of the recordings; none: a status that states the outcome.
 
         Raises:
@@ -241,11 +247,12 @@ class DataProcessing:
                     allowed=", ".join(OUTCOMES),
                 )
             )
-        if len(reason) > MAX_REASON_CHARACTERS:
+        characters = len(str(reason))
+        if characters > MAX_REASON_CHARACTERS:
             raise SurveyRefusedError(
                 Message(
                     "reason has {count} characters; at most {most} are allowed",
-                    count=len(reason),
+                    count=characters,
                     most=MAX_REASON_CHARACTERS,
                 )
             )
@@ -315,4 +322,6 @@ class DataProcessing:
 
 
 def _reason(error: Exception) -> Message:
-    return error.message if isinstance(error, Gpr20Error) else verbatim(str(error))
+    if isinstance(error, Gpr20Error):
+        return error.message
+    return verbatim(str(error)).with_fault(INTERNAL)

@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict
 
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError, printable, storing
+from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.description_recovery import START
 from gpr20_survey.trace import utc_time
+from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
 
 
@@ -30,10 +34,7 @@ def describe(survey_id: str, started_us: int, metadata_json: str, revision: str)
         "format": survey_metadata.FORMAT,
         "survey_id": survey_id,
         "started": utc_time.iso_text(started_us),
-        "ended": None,
-        "outcome": None,
-        "reason": "",
-        "stored_traces": 0,
+        **START,
         "software_revision": revision,
     }
     return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
@@ -52,7 +53,8 @@ def check_clock(now_ns: int) -> None:
                 "the computer's clock is at {time}; set it, or every time in the recordings would "
                 "be wrong",
                 time=utc_time.iso_text(now_us),
-            )
+            ),
+            fault=CLOCK_WRONG,
         )
 
 
@@ -78,7 +80,8 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
                 reserve_mb=reserve_bytes / BYTES_PER_MB,
                 path=printable(data),
                 free_mb=free / BYTES_PER_MB,
-            )
+            ),
+            fault=DISK_FULL,
         )
 
 
@@ -100,6 +103,7 @@ def make_folder(folder: Path, readers: Readers) -> None:
             Message(
                 "{folder} exists already; every survey needs its own id and folder",
                 folder=printable(folder),
-            )
+            ),
+            fault=faults.FOLDER_EXISTS,
         ) from None
     durable_files.make_new_folder(folder / survey_folder.TRACES_FOLDER)

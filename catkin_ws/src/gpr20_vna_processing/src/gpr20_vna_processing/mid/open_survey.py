@@ -31,10 +31,11 @@ from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.processing_records import MarkerChange, ReopenedSurvey
+from gpr20_vna_processing.mid.processing_records import MarkerChange
 from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 COMMIT_BYTES = 1 << 20
@@ -159,10 +160,10 @@ class OpenSurvey:
         report = self.description.get("report")
         return ReopenedSurvey(
             survey_id=self.survey_id,
-            folder=self.folder,
+            folder=str(self.folder),
             metadata_json=json.dumps(survey_metadata.metadata_of(self.description)),
             report_json="" if report is None else json.dumps(report),
-            stored_indices=self._stored_indices(),
+            stored_indices=tuple(self._stored_indices()),
             last=self.last,
             repairs=repairs,
         )
@@ -245,12 +246,12 @@ class OpenSurvey:
             self._describe(changed)
         return self.description
 
-    def close(self, outcome: str, reason: str, ended: str) -> None:
+    def close(self, outcome: str, reason: Message, ended: str) -> None:
         """Finish the recordings and write how the survey ended; may be repeated.
 
         Args:
             outcome: One word.
-            reason: Why, for people.
+            reason: Why.
             ended: When, as ISO 8601 text.
 
         Raises:
@@ -267,7 +268,9 @@ class OpenSurvey:
         ending = {
             "ended": ended,
             "outcome": outcome,
-            "reason": reason,
+            "reason": str(reason),
+            survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
+            survey_metadata.FAULT_CODE: reason.fault_code,
             "stored_traces": self.stored_traces,
         }
         self._describe({**self.description, **ending})

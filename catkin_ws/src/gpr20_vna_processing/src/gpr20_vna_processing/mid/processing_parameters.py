@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
@@ -102,7 +103,8 @@ class ProcessingParameters:
                         "underscores and slashes, such as {example}",
                         topic=repr(topic),
                         example="/my_node/my_topic",
-                    )
+                    ),
+                    fault=CONFIGURATION,
                 )
 
     @property

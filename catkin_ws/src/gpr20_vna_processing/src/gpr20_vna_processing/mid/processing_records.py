@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -12,7 +12,6 @@ from gpr20_survey.files.access import Readers
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
@@ -79,24 +78,6 @@ class MarkedSurvey:
     folder: Path
     markers: Tuple[Marker, ...]
     """All of them, removed ones too."""
-
-
-@dataclass(frozen=True)
-class ReopenedSurvey:
-    """A survey that was opened again."""
-
-    survey_id: str
-    folder: Path
-    metadata_json: str
-    """As it was given when the survey was opened first."""
-    report_json: str
-    """As it was reported last; empty if it never was."""
-    stored_indices: List[int]
-    """Places in the plan whose traces are stored and readable, ascending."""
-    last: Optional[Trace]
-    """The trace that was stored last."""
-    repairs: Tuple[Message, ...]
-    """What was repaired."""
 
 
 @dataclass(frozen=True)

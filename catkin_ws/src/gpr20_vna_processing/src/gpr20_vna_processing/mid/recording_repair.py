@@ -8,6 +8,7 @@ from typing import AbstractSet, Any, Dict, List, Optional
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.errors import StorageFailedError, TraceRefusedError, printable
+from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.recording.bag_writer import BagFile
@@ -17,6 +18,7 @@ from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.recorded_traces import RecordedTraces
 from gpr20_vna_processing.mid.stored_forms import StoredForms
 
@@ -93,19 +95,21 @@ class RecordingRepair:
             new = BagFile(temporary)
         else:
             new = new_mcap(temporary, self._start)
-        faults = self._forms.faults_of(recorded)
+        found = self._forms.faults_of(recorded)
         try:
             self._copy(recorded, new)
-            if faults and path.exists():
+            if found and path.exists():
                 durable_files.keep_aside(path, self._damaged)
             new.take_place_of(path)
         except BaseException:
             new.abandon()
             temporary.unlink(missing_ok=True)  # it may have filled the disk
             raise
-        if faults:
+        if found:
             self._repairs.append(
-                Message("rebuilt {file}: {faults}", file=path.name, faults=in_a_row(faults[:SHOWN]))
+                Message(
+                    "rebuilt {file}: {faults}", file=path.name, faults=in_a_row(found[:SHOWN])
+                ).with_fault(REPAIRED)
             )
         return new
 
@@ -165,5 +169,6 @@ def read_again(path: Path, survey_id: str) -> Trace:
                 "{path} changed while it was read: {reason}; try again",
                 path=printable(path),
                 reason=error.message,
-            )
+            ),
+            fault=faults.CHANGED,
         ) from error

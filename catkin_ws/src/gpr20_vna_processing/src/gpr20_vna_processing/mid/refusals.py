@@ -12,18 +12,23 @@ from gpr20_survey.errors import (
     TraceRefusedError,
     printable,
 )
+from gpr20_survey.faults import DESCRIPTION_LOST
 from gpr20_survey.folder.description_differences import Difference
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing import faults
 
 SHOWN = 5  # traces or entries that are named
 
-CLOSING = Message("the survey is being closed; stop it again", details="close_survey")
+CLOSING = Message("the survey is being closed; stop it again", details="close_survey").with_fault(
+    faults.CLOSING
+)
 
 
 def trace_while_closing(trace: Trace) -> TraceRefusedError:
     """Return the error: the survey takes no more traces."""
     return TraceRefusedError(
-        Message("{trace} is refused: {reason}", trace=trace.label, reason=CLOSING)
+        Message("{trace} is refused: {reason}", trace=trace.label, reason=CLOSING),
+        fault=faults.CLOSING,
     )
 
 
@@ -35,7 +40,8 @@ def trace_of_another_survey(trace: Trace, open_survey_id: str) -> TraceRefusedEr
             trace=trace.label,
             survey=trace.survey_id,
             open_survey=open_survey_id,
-        )
+        ),
+        fault=faults.OTHER_OPEN,
     )
 
 
@@ -61,7 +67,8 @@ def index_stored(trace: Trace, folder: Path) -> TraceRefusedError:
             trace=trace.label,
             index=trace.index,
             folder=printable(folder),
-        )
+        ),
+        fault=faults.TRACE_ALREADY_STORED,
     )
 
 
@@ -73,7 +80,8 @@ def file_missing(trace: Trace, folder: Path) -> StorageFailedError:
             "the survey: its recordings hold the trace",
             trace=trace.label,
             folder=printable(folder),
-        )
+        ),
+        fault=faults.FILE_MISSING,
     )
 
 
@@ -85,7 +93,8 @@ def only_foreign_traces(folder: Path, survey_id: str) -> SurveyRefusedError:
             "belongs to another; put the right survey.json there",
             folder=printable(folder),
             survey=survey_id,
-        )
+        ),
+        fault=faults.OTHER_DESCRIPTION,
     )
 
 
@@ -97,7 +106,8 @@ def survey_complete(folder: Path, stored: int) -> SurveyRefusedError:
             "left to measure, start a new survey",
             folder=printable(folder),
             stored=stored,
-        )
+        ),
+        fault=faults.COMPLETE,
     )
 
 
@@ -110,7 +120,8 @@ def traces_not_planned(folder: Path, misfits: List[Message]) -> SurveyRefusedErr
             folder=printable(folder),
             misfits=in_a_row(misfits[:SHOWN]),
             details=f"{len(misfits)} differences",
-        )
+        ),
+        fault=faults.TRACES_NOT_PLANNED,
     )
 
 
@@ -121,7 +132,8 @@ def description_lost(folder: Path) -> SurveyRefusedError:
             "survey.json in {folder} cannot be read, and its only copy in the recordings has no "
             "plan that the traces could confirm; restore survey.json from a copy of the folder",
             folder=printable(folder),
-        )
+        ),
+        fault=DESCRIPTION_LOST,
     )
 
 
@@ -134,5 +146,6 @@ def descriptions_differ(folder: Path, found: Sequence[Difference]) -> SurveyRefu
             "changed",
             folder=printable(folder),
             keys=", ".join(one.key for one in found[:SHOWN]),
-        )
+        ),
+        fault=DESCRIPTION_LOST,
     )

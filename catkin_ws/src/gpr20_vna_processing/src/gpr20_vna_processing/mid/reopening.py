@@ -21,6 +21,7 @@ from gpr20_survey.errors import (
     printable,
     storing,
 )
+from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import (
     manifest,
@@ -30,7 +31,12 @@ from gpr20_survey.folder import (
 )
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.description_differences import differences
-from gpr20_survey.folder.description_recovery import RecoveredDescription, repairs_of, start_of
+from gpr20_survey.folder.description_recovery import (
+    NOT_ENDED,
+    RecoveredDescription,
+    repairs_of,
+    start_of,
+)
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.markers import MARKERS, markers_of
@@ -167,9 +173,7 @@ class Reopening:
             durable_files.keep_aside(path, self._damaged)
         self._description = {
             **self._without_wrong_entries(),
-            "ended": None,
-            "outcome": None,
-            "reason": "",
+            **NOT_ENDED,
             "stored_traces": len(self._forms.truth),
         }
         self._description["resumed"] = [*self._description.get("resumed", []), now]
@@ -188,7 +192,10 @@ class Reopening:
         except InvalidValueError:
             wrong.append(MARKERS)
         self._repairs += [
-            Message("left out '{key}' of survey.json, which is damaged", key=key) for key in wrong
+            Message("left out '{key}' of survey.json, which is damaged", key=key).with_fault(
+                REPAIRED
+            )
+            for key in wrong
         ]
         return {key: value for key, value in self._description.items() if key not in wrong}
 
@@ -223,7 +230,7 @@ class Reopening:
                 file=printable(path.name),
                 folder=target.parent.name,
                 reason=reason,
-            )
+            ).with_fault(REPAIRED)
         )
 
     def _restore(self, trace: Trace) -> None:
@@ -231,7 +238,9 @@ class Reopening:
         file = TraceFile.of(trace, content)
         durable_files.write_new_file(self._traces / file.name, content)
         self._files[trace.index] = file
-        self._repairs.append(Message("wrote {file} again from the recordings", file=file.name))
+        self._repairs.append(
+            Message("wrote {file} again from the recordings", file=file.name).with_fault(REPAIRED)
+        )
 
     def _last(self) -> Optional[Trace]:
         if not self._files:

@@ -14,6 +14,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import positive_number
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_vna_processing import faults
 
 Result = TypeVar("Result")
 # How often messages are written in a period.
@@ -113,7 +114,8 @@ class StorageThread:
                 Message(
                     "the disk did not write everything within {limit_s:g} s; check the disk",
                     limit_s=timeout_s,
-                )
+                ),
+                fault=faults.DISK_SLOW,
             )
 
     def state(self) -> QueueState:
@@ -164,7 +166,8 @@ class StorageThread:
                     "the disk did not finish within {limit_s:g} s; {state}; check the disk",
                     limit_s=timeout_s,
                     state=state,
-                )
+                ),
+                fault=faults.DISK_SLOW,
             ) from None
 
     def _enqueue(self, job: _Job, deadline_s: float, timeout_s: float) -> None:
@@ -178,12 +181,14 @@ class StorageThread:
                             "requests waiting; nothing was written; check the disk",
                             limit_s=timeout_s,
                             count=len(self._jobs),
-                        )
+                        ),
+                        fault=faults.DISK_SLOW,
                     )
                 self._changed.wait(remaining_s)
             if self._stopping:
                 raise StorageFailedError(
-                    Message("the storage is shutting down; nothing was written")
+                    Message("the storage is shutting down; nothing was written"),
+                    fault=faults.SHUTTING_DOWN,
                 )
             self._jobs.append(job)
             self._changed.notify_all()

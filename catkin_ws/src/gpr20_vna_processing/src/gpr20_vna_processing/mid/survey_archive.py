@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import json
 import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Tuple
 
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import (
     ProcessingError,
@@ -24,39 +23,19 @@ from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.coverage import reported_verdict
 from gpr20_survey.plan.refines import refines_of
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.recent_summaries import RecentSummaries
-from gpr20_vna_processing.mid.survey_thumbnail import NONE, Thumbnail, thumbnail_of
+from gpr20_vna_processing.mid.survey_thumbnail import thumbnail_of
 
 MAX_SURVEYS_PER_PAGE = 50
 MAX_TRACES_PER_PAGE = 200
 # What a page may hold in memory: 200 traces of 501 points.
 MAX_POINTS_PER_PAGE = 100_200
-# A verdict has a few hundred.
-MAX_VERDICT_CHARACTERS = 4096
 
 TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
-
-
-@dataclass(frozen=True)
-class SurveySummary:
-    """One survey of a list; the fields are those of gpr20_msgs/SurveySummary."""
-
-    folder: str
-    survey_id: str = ""
-    started: str = ""
-    outcome: str = ""
-    stored_traces: int = 0
-    planned_traces: int = 0
-    verdict: str = ""
-    verdict_json: str = ""
-    complete: bool = False
-    simulated: bool = False
-    refines: str = ""
-    problem: Optional[Message] = None
-    name: str = ""
-    thumbnail: Thumbnail = NONE
 
 
 @dataclass(frozen=True)
@@ -201,11 +180,9 @@ class SurveyArchive:
             return SurveySummary(folder.name, problem=error.message)
         planned = _planned_traces(values.get("parameters"))
         outcome = _text(values.get("outcome"))
-        report = values.get("report")
-        report = report if isinstance(report, dict) else {}
         # The report of a survey that was cut off may be older than its last traces.
         cut_off = outcome in ("", INTERRUPTED)
-        verdict = "" if cut_off else _text(report.get("verdict"))
+        verdict = None if cut_off else reported_verdict(values.get("report"))
         return SurveySummary(
             folder=folder.name,
             survey_id=values["survey_id"],
@@ -213,14 +190,14 @@ class SurveyArchive:
             outcome=outcome,
             stored_traces=len(stored),
             planned_traces=planned,
-            verdict=verdict,
-            verdict_json=_verdict_json(report, verdict),
+            verdict=None if verdict is None else verdict.message,
             complete=sealed and outcome == "finished" and 0 < planned == len(stored),
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
             refines=refines_of(values),
             name=_name(values.get(ANNOTATION)),
             thumbnail=thumbnail_of(values.get("parameters"), stored),
+            fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
         )
 
 
@@ -283,25 +260,6 @@ def _planned_traces(parameters: Any) -> int:
             return 0
         planned *= count
     return min(planned, (1 << 32) - 1)
-
-
-def _verdict_json(report: Dict[str, Any], verdict: str) -> str:
-    """Return template and values of the verdict; empty in a survey of an older version.
-
-    The file may have been changed by anyone: a message inside the message, whose text could be
-    far longer than the file, is not accepted, nor one that contradicts the text.
-    """
-    record = report.get("verdict_message")
-    values = record.get("values") if isinstance(record, dict) else None
-    if not isinstance(values, dict) or any(
-        isinstance(one, (dict, list)) for one in values.values()
-    ):
-        return ""
-    text = json.dumps(record)
-    if not verdict or len(text) > MAX_VERDICT_CHARACTERS:
-        return ""
-    message = received_message("", text)
-    return message.to_json() if str(message) == verdict else ""
 
 
 def _name(annotation: Any) -> str:

@@ -3,36 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, List, Mapping, Sequence
 
 import numpy as np
 
+from gpr20_survey.results.survey_summary import NO_THUMBNAIL, Thumbnail
+
 MOST_CELLS = 24
 MOST_PLANNED = 1 << 24
-
-
-@dataclass(frozen=True)
-class Thumbnail:
-    """The area of a survey, and how much of each part of it is stored.
-
-    Attributes:
-        width_mm: Of the area, along X [mm].
-        height_mm: Along Y [mm].
-        columns: Of the map; 0: there is none.
-        rows: Of the map.
-        percent: Stored share of each cell [%], row by row, X and Y ascending; 100 only
-            if all are stored, 0 only if none is.
-    """
-
-    width_mm: float = 0.0
-    height_mm: float = 0.0
-    columns: int = 0
-    rows: int = 0
-    percent: bytes = b""
-
-
-NONE = Thumbnail()
 
 
 def thumbnail_of(parameters: Any, stored: Sequence[int]) -> Thumbnail:
@@ -43,12 +21,12 @@ def thumbnail_of(parameters: Any, stored: Sequence[int]) -> Thumbnail:
         stored: Places in the plan of the stored traces.
     """
     if not isinstance(parameters, Mapping):
-        return NONE
+        return NO_THUMBNAIL
     ends: List[Any] = [
         parameters.get(f"{axis}_{end}_mm") for axis in "xy" for end in ("start", "stop")
     ]
     if not all(_is_number(one) for one in ends):
-        return NONE
+        return NO_THUMBNAIL
     x_start_mm, x_stop_mm, y_start_mm, y_stop_mm = ends
     rotations = parameters.get("polarizations_deg")
     counts: List[Any] = [

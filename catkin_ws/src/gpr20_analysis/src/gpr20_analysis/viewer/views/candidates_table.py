@@ -15,13 +15,14 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_analysis.candidates.candidate import NO_CLEARANCE, CandidateList
 from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.sentences import shown
 from gpr20_analysis.viewer.live_image import PermittivitySource
 from gpr20_analysis.viewer.views.colours import QUIET, SMALL
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.results.candidates import CandidateList
 
 
 class CandidatesTable(QWidget):

@@ -19,8 +19,8 @@ from PyQt5.QtWidgets import (
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.viewer.scene import Display
 from gpr20_common.catalogue import Catalogue
+from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
 
-LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY = 1.0, 81.0
 SLIDER_STEPS = 400
 KEY_STEP = 0.1
 DEEPEST_MM = (20.0, 5000.0)
@@ -52,7 +52,7 @@ class Controls(QWidget):
         super().__init__()
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setRange(0, SLIDER_STEPS)
-        self.permittivity_box = _box(LOWEST_PERMITTIVITY, HIGHEST_PERMITTIVITY, 2, KEY_STEP)
+        self.permittivity_box = _box(MIN_PERMITTIVITY, MAX_PERMITTIVITY, 2, KEY_STEP)
         self.polarization = QComboBox()
         for turn_deg in rotations_deg:
             combined = catalogue.tr("combination")
@@ -120,8 +120,8 @@ class Controls(QWidget):
 
     def _slid(self, steps: int) -> None:
         share = steps / SLIDER_STEPS
-        ratio = HIGHEST_PERMITTIVITY / LOWEST_PERMITTIVITY
-        self.show_permittivity_of_slider(round(LOWEST_PERMITTIVITY * ratio**share, 2))
+        ratio = MAX_PERMITTIVITY / MIN_PERMITTIVITY
+        self.show_permittivity_of_slider(round(MIN_PERMITTIVITY * ratio**share, 2))
 
     def show_permittivity_of_slider(self, permittivity: float) -> None:
         """Show in the box what the slider has set."""
@@ -166,8 +166,8 @@ def _box(
 
 
 def _slider_steps(permittivity: float) -> int:
-    ratio = HIGHEST_PERMITTIVITY / LOWEST_PERMITTIVITY
-    return round(SLIDER_STEPS * math.log(permittivity / LOWEST_PERMITTIVITY) / math.log(ratio))
+    ratio = MAX_PERMITTIVITY / MIN_PERMITTIVITY
+    return round(SLIDER_STEPS * math.log(permittivity / MIN_PERMITTIVITY) / math.log(ratio))
 
 
 def _next(choice: QComboBox) -> None:

@@ -19,7 +19,6 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_analysis.candidates.candidate import Candidate
 from gpr20_analysis.viewer.live_image import ImageRequest, LiveImage, PermittivitySource
 from gpr20_analysis.viewer.picks import Pick
 from gpr20_analysis.viewer.positions import Place
@@ -38,6 +37,7 @@ from gpr20_analysis.viewer.views.volume_view import new_volume_view
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import Candidate
 
 RANGE_DB = 40.0
 SIZE_PX = (1360, 820)

@@ -1,0 +1,156 @@
+"""Messages as they travel: the fields of ROS messages, answers and JSON, and reading them again.
+
+What is read may come from another version of the software, or from anybody.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import string
+from dataclasses import replace
+from typing import Any, Dict, Mapping, Optional
+
+from gpr20_common.message import CODE_FORMAT, Fault, Message, Severity, in_a_row, verbatim
+
+# A template from elsewhere may neither look into its values nor ask for a gigabyte of blanks.
+FIELD_FORMAT = re.compile(r"[<>+]?0?\d?\d?(\.\d\d?)?[defgs%]?")
+
+# More than any message of the robot has; the text of a received one is bounded by it.
+MAX_JSON_CHARACTERS = 16_384
+# The fault of a longer one is read, but not its sentence.
+MAX_READ_CHARACTERS = 1_000_000
+# Far deeper ones are read, but exceed the recursion limit where they are shown.
+MAX_DEPTH = 32
+# Of a fault whose code cannot be read.
+UNKNOWN_CODE = "robot.unknown"
+UNREADABLE = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    RecursionError,
+    TypeError,
+    ValueError,
+)
+
+
+def message_fields(message: Message) -> Dict[str, str]:
+    """Return the fields that hold a sentence in a ROS message, a response, a result or JSON."""
+    return {
+        "message": str(message),
+        "message_json": message.to_json(),
+        "fault_code": message.fault_code,
+    }
+
+
+def message_from(answer: Any) -> Message:
+    """Return the message of something that has the fields of `message_fields`."""
+    return received_message(answer.message, answer.message_json, answer.fault_code)
+
+
+def received_message(text: str, message_json: str, fault_code: str = "") -> Message:
+    """Return a message as it came from the ROS graph or out of a file.
+
+    Args:
+        text: The complete English text.
+        message_json: What `Message.to_json` returned. If it is empty, unreadable or too long,
+            the message is the text as it is, with the fault as far as that can be read.
+        fault_code: That of the fault that decides, if it came separately.
+    """
+    message = _read(text, message_json)
+    cause = message.cause
+    if not CODE_FORMAT.fullmatch(fault_code):
+        return message
+    if cause is None:
+        return message.with_fault(Fault(fault_code))
+    if cause.code == UNKNOWN_CODE:
+        return message.with_fault(replace(cause, code=fault_code, replaces=True))
+    return message
+
+
+def _read(text: str, message_json: str) -> Message:
+    if len(message_json) > MAX_READ_CHARACTERS:
+        return verbatim(text)
+    try:
+        record = json.loads(message_json)
+        if len(message_json) > MAX_JSON_CHARACTERS:
+            raise ValueError("it is too long to be shown")
+        message = _message(record)
+        # Half of a character, which JSON can hold, can be neither sent nor shown.
+        f"{message}{message.to_json()}".encode()
+        return message
+    except UNREADABLE:
+        pass
+    try:
+        return verbatim(text).with_fault(_fault_without_sentence(json.loads(message_json)))
+    except UNREADABLE:
+        return verbatim(text)
+
+
+def _fault_without_sentence(record: Any) -> Optional[Fault]:
+    """Return the fault that decides in a message whose sentences cannot be read."""
+    message = _faults_only(record, 1)
+    cause = message.cause
+    if cause is None:
+        return None
+    return replace(
+        cause, may_move=message.may_move, can_continue=message.can_continue, replaces=True
+    )
+
+
+def _faults_only(record: Mapping[str, Any], depth: int) -> Message:
+    inside = (
+        one
+        for value in record.get("values", {}).values()
+        for one in (value if isinstance(value, list) else [value])
+        if isinstance(one, dict) and depth < MAX_DEPTH
+    )
+    message = in_a_row(_faults_only(one, depth + 1) for one in inside)
+    return message.with_fault(_fault(record["fault"], depth)) if "fault" in record else message
+
+
+def _message(record: Any, depth: int = 1) -> Message:
+    if depth > MAX_DEPTH:
+        raise ValueError(f"messages are nested more than {MAX_DEPTH} levels deep")
+    fields = set()
+    for _words, name, field_format, _conversion in string.Formatter().parse(record["template"]):
+        if name is None:
+            continue
+        if not (name.isidentifier() and FIELD_FORMAT.fullmatch(str(field_format))):
+            raise ValueError(f"the field {name!r} of a template has no plain name or format")
+        # Each level of messages inside messages would double the text.
+        if name in fields and isinstance(record["values"][name], (dict, list)):
+            raise ValueError(f"the field {name!r} repeats a message")
+        fields.add(name)
+    values = {}
+    for name, value in record["values"].items():
+        if isinstance(value, dict):
+            value = _message(value, depth + 1)
+        elif isinstance(value, list):
+            value = tuple(_message(one, depth + 1) for one in value)
+        values[name] = value
+    message = Message(record["template"], details=record.get("details", ""), **values)
+    return message.with_fault(_fault(record["fault"], depth)) if "fault" in record else message
+
+
+def _fault(record: Any, depth: int) -> Fault:
+    """Read the fault of a message; what a later version may have changed is taken as grave."""
+    named = {one.value: one for one in Severity}
+    code = str(record.get("code"))
+    return Fault(
+        code=code if CODE_FORMAT.fullmatch(code) else UNKNOWN_CODE,
+        remedy=_remedy(record.get("remedy"), depth),
+        severity=named.get(str(record.get("severity")), Severity.FAULT),
+        may_move=record.get("may_move", False) is not False,
+        can_continue=record.get("can_continue", True) is True,
+        replaces=record.get("replaces", False) is True,
+    )
+
+
+def _remedy(record: Any, depth: int) -> Optional[Message]:
+    try:
+        remedy = _message(record, depth + 1)
+        f"{remedy}{remedy.to_json()}".encode()
+        return remedy
+    except UNREADABLE:
+        return None

@@ -1,0 +1,388 @@
+"""The fault behind a sentence: what decides, and how it travels."""
+
+import json
+import pickle
+import re
+from types import SimpleNamespace
+
+import pytest
+from fault_kit import raises_fault
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common import faults, remedies
+from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeGoneError
+from gpr20_common.message import (
+    CODE_FORMAT,
+    Fault,
+    Message,
+    Severity,
+    in_a_row,
+    verbatim,
+)
+from gpr20_common.sent_message import (
+    MAX_DEPTH,
+    MAX_JSON_CHARACTERS,
+    message_fields,
+    message_from,
+    received_message,
+)
+
+LOOK, PLUG = Message("Look at the display."), Message("Plug in the {what}.", what="cable")
+OUTER, INNER = Fault("survey.paused", LOOK), Fault("vna.no_link", PLUG)
+UNKNOWN = Fault("vna.odd")
+
+codes = st.from_regex(CODE_FORMAT, fullmatch=True).filter(str.isascii)
+remedies_of_any_kind = st.none() | st.builds(verbatim, st.text(max_size=20))
+any_fault = st.builds(
+    Fault,
+    codes,
+    remedies_of_any_kind,
+    st.sampled_from(Severity),
+    st.booleans(),
+    st.booleans(),
+    st.booleans(),
+)
+any_message = st.recursive(
+    st.builds(lambda text, fault: verbatim(text).with_fault(fault), st.text(), any_fault),
+    lambda inner: st.builds(
+        lambda parts, fault: in_a_row(parts).with_fault(fault),
+        st.lists(inner, max_size=3),
+        st.none() | any_fault,
+    ),
+    max_leaves=6,
+)
+
+
+def around(inner, fault=None):
+    return Message("paused: {reason}", reason=inner).with_fault(fault)
+
+
+def reporting(fault):
+    return Message("no answer").with_fault(fault)
+
+
+def as_data(message):
+    """Return a message with its faults, which equality leaves out."""
+    return json.loads(message.to_json())
+
+
+# What decides.
+
+
+def test_the_innermost_fault_with_a_remedy_decides():
+    assert around(around(reporting(INNER), OUTER)).cause == INNER
+    assert around(reporting(UNKNOWN), OUTER).cause == OUTER
+    assert around(reporting(None), OUTER).cause == OUTER
+    assert around(around(reporting(UNKNOWN), INNER), OUTER).cause == INNER
+
+
+def test_a_fault_without_remedy_is_better_than_none_and_the_outer_one_names_what_failed():
+    assert around(reporting(UNKNOWN)).fault_code == "vna.odd"
+    assert around(reporting(UNKNOWN), Fault("survey.odd")).fault_code == "survey.odd"
+
+
+def test_a_sentence_that_reports_nothing_has_no_code_and_no_fault():
+    message = around(reporting(None))
+    assert (message.cause, message.faults, message.fault_code) == (None, (), "")
+    assert not message.may_move
+
+
+def test_a_fault_that_replaces_those_inside_decides_but_what_moves_still_moves():
+    cover = Fault("axis.spi", LOOK, replaces=True)
+    hidden = reporting(Fault("disk.refuses", PLUG, may_move=True))
+    message = around(hidden, cover)
+    assert message.cause == cover and message.faults == (cover,) and message.may_move
+    assert around(message, OUTER).cause == cover
+    assert around(message, OUTER).faults == (OUTER, cover)
+
+
+def test_one_without_a_remedy_can_replace_too():
+    cover = Fault("axis.spi", replaces=True)
+    assert around(reporting(INNER), cover).cause == cover
+
+
+@pytest.mark.parametrize(
+    "order",
+    [(0, 1, 2, 3), (3, 2, 1, 0), (1, 3, 0, 2)],
+)
+def test_of_faults_beside_each_other_the_most_urgent_decides(order):
+    by_urgency = [
+        Fault("axis.moving", LOOK, Severity.WARNING, may_move=True),
+        Fault("vna.no_link", LOOK),
+        Fault("vna.weak", LOOK, Severity.WARNING),
+        Fault("survey.stopped", LOOK, Severity.NOTE),
+    ]
+    mixed = in_a_row([reporting(by_urgency[i]) for i in order])
+    assert mixed.cause == by_urgency[0]
+    assert {one.code for one in mixed.faults} == {one.code for one in by_urgency}
+
+
+def test_of_equally_urgent_faults_the_first_decides():
+    assert in_a_row([reporting(OUTER), reporting(INNER)]).cause == OUTER
+    assert in_a_row([reporting(INNER), reporting(OUTER)]).cause == INNER
+
+
+def test_of_faults_without_remedy_the_most_urgent_decides_too():
+    stopped = Fault("survey.stopped", severity=Severity.NOTE)
+    assert in_a_row([reporting(stopped), reporting(UNKNOWN)]).cause == UNKNOWN
+
+
+def test_something_may_move_if_any_fault_inside_says_so():
+    moving = Fault("axis.moving", may_move=True)
+    message = around(in_a_row([reporting(INNER), reporting(moving)]), OUTER)
+    assert message.cause == INNER and message.may_move
+
+
+def test_a_warning_keeps_code_remedy_and_motion_of_the_cause():
+    moving = Fault("axis.moving", LOOK, may_move=True, can_continue=False)
+    warning = around(reporting(moving), OUTER).as_warning()
+    assert warning.cause == Fault(
+        "axis.moving", LOOK, Severity.WARNING, may_move=True, replaces=True
+    )
+    assert warning.may_move and warning == around(reporting(moving))
+    assert reporting(None).as_warning().cause is None
+
+
+def test_a_note_or_warning_inside_never_decides_over_a_graver_fault_around_it():
+    note = Fault("axis.stopped", LOOK, Severity.NOTE)
+    failed = Fault("survey.move_failed", PLUG)
+    assert around(reporting(note), failed).cause == failed
+    assert around(reporting(INNER), failed).cause == INNER
+    silent = Fault("survey.device_failed")
+    assert around(reporting(note), silent).cause == note
+
+
+@given(any_message)
+def test_what_decides_is_one_of_the_faults_and_has_a_remedy_if_any_has(message):
+    cause = message.cause
+    assert (cause is None) == (message.faults == ())
+    if cause is not None:
+        assert cause in message.faults
+        inner = [one for one in message.faults if one.remedy is not None]
+        if message.fault is None or not message.fault.replaces:
+            assert cause.remedy is not None or all(one.replaces for one in inner) or not inner
+
+
+@pytest.mark.parametrize(
+    "code",
+    ["", "vna", "vna.", ".x", "Vna.x", "vna.x y", "vna.x\n", "1.x", "a.b.c", "a" * 31 + ".b"],
+)
+def test_a_code_has_the_form_area_what(code):
+    with pytest.raises(ValueError):
+        Fault(code)
+
+
+# How it travels.
+
+
+@given(any_message)
+def test_a_message_keeps_its_faults_on_the_graph_and_in_a_file(message):
+    sent = message.to_json()
+    if len(sent) > MAX_JSON_CHARACTERS:
+        return
+    back = received_message(str(message), sent)
+    assert as_data(back) == as_data(message)
+    assert (back.cause, back.faults, back.may_move) == (
+        message.cause,
+        message.faults,
+        message.may_move,
+    )
+    assert pickle.loads(pickle.dumps(message)).faults == message.faults  # noqa: S301
+
+
+@given(any_message)
+def test_the_fields_of_a_ros_message_become_the_same_message(message):
+    fields = message_fields(message)
+    assert fields["fault_code"] == message.fault_code
+    back = message_from(SimpleNamespace(**fields))
+    assert str(back) == str(message) and back.fault_code == message.fault_code
+
+
+def test_a_remedy_and_its_values_can_be_translated_on_the_other_side():
+    back = received_message("", around(reporting(INNER)).to_json())
+    assert back.cause.remedy == PLUG and back.cause.remedy.values == {"what": "cable"}
+
+
+def sent_with(fault, **more):
+    return json.dumps({"template": "no answer", "values": {}, "fault": fault, **more})
+
+
+@pytest.mark.parametrize("severity", ["critical", "", None, 3, [], {"level": "note"}])
+def test_a_severity_of_a_later_version_counts_as_a_fault(severity):
+    message = received_message("", sent_with({"code": "vna.x", "severity": severity}))
+    assert message.fault == Fault("vna.x") and message.template == "no answer"
+
+
+def test_keys_of_a_later_version_are_ignored_and_missing_ones_have_their_usual_value():
+    message = received_message("", sent_with({"code": "vna.x", "cost": [1], "until": None}))
+    assert message.fault == Fault("vna.x")
+
+
+@pytest.mark.parametrize("odd", ["false", "no", 0, 1, None, [], {}])
+def test_a_flag_that_is_neither_true_nor_false_counts_as_the_graver_one(odd):
+    record = {"code": "vna.x", "may_move": odd, "can_continue": odd, "replaces": odd}
+    fault = received_message("", sent_with(record)).fault
+    assert (fault.may_move, fault.can_continue, fault.replaces) == (True, False, False)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        None,
+        "vna.x",
+        3,
+        [],
+        {},
+        {"severity": "fault"},
+        {"code": None},
+        {"code": 3},
+        {"code": ["vna.x"]},
+        {"code": "no code"},
+        {"code": "vna.x", "remedy": None},
+        {"code": "vna.x", "remedy": "Plug in."},
+        {"code": "vna.x", "remedy": {"values": {}}},
+        {"code": "vna.x", "remedy": {"template": "{x}", "values": {}}},
+        {"code": "vna.x", "remedy": {"template": "{x:>99999999999}", "values": {"x": 1}}},
+        {"code": "vna.x", "remedy": {"template": "{x.__class__}", "values": {"x": 1}}},
+        {"code": "vna.x", "remedy": {"template": "\ud800", "values": {}}},
+        {"code": "vna.x", "remedy": {"template": "{x}", "values": {"x": "\udcff"}}},
+    ],
+)
+def test_a_damaged_fault_leaves_the_sentence_and_counts_as_grave(fault):
+    message = received_message("as sent", sent_with(fault), "vna.no_link")
+    assert message.template in ("no answer", "{text}")
+    assert message.cause.severity is Severity.FAULT and message.cause.remedy is None
+    assert message.fault_code in ("vna.x", "vna.no_link")
+
+
+@pytest.mark.parametrize("template", ["{place:,}", "{place.real}", "{0}", "\ud800"])
+def test_a_sentence_that_cannot_be_shown_keeps_its_fault(template):
+    moving = Fault("axis.moving", LOOK, may_move=True, can_continue=False)
+    inner = json.loads(reporting(moving).to_json())
+    text = json.dumps({"template": template, "values": {"place": 3, "reason": inner}})
+    message = received_message("as sent", text, "axis.moving")
+    assert message == verbatim("as sent") and message.remedy == LOOK
+    assert message.may_move and not message.can_continue and message.fault_code == "axis.moving"
+
+
+@pytest.mark.parametrize(
+    "unreadable", ["", "{", "null", "[]", "7", '"x"', "[" * 5000, "9" * 16_000]
+)
+def test_the_code_counts_where_the_json_cannot_be_read(unreadable):
+    message = received_message("as sent", unreadable, "axis.lost_zero")
+    assert str(message) == "as sent" and message.cause == Fault("axis.lost_zero")
+
+
+@pytest.mark.parametrize("code", ["", "no code", "vna.x\n", "VNA.X", "\ud800"])
+def test_a_code_without_the_form_of_one_is_none(code):
+    assert received_message("as sent", "", code).fault is None
+
+
+def test_a_code_beside_a_message_without_faults_is_that_of_the_message():
+    message = received_message("", reporting(None).to_json(), "vna.no_link")
+    assert message == reporting(None) and message.fault_code == "vna.no_link"
+
+
+def test_a_code_beside_a_message_with_a_fault_changes_nothing():
+    message = received_message("", around(reporting(INNER)).to_json(), "axis.lost_zero")
+    assert message.cause == INNER
+
+
+def test_remedies_inside_remedies_are_read_to_a_depth():
+    def nested(depth):
+        record = {"code": "vna.x"}
+        for _ in range(depth):
+            remedy = {"template": "x", "values": {}, "fault": record}
+            record = {"code": "vna.x", "remedy": remedy}
+        return sent_with(record)
+
+    for depth in (1, MAX_DEPTH, 300):
+        assert received_message("as sent", nested(depth)).fault_code == "vna.x"
+
+
+def test_a_huge_message_leaves_the_text_and_the_fault():
+    moving = Fault("axis.moving", LOOK, may_move=True)
+    huge = Message("{x}", x="a" * MAX_JSON_CHARACTERS).with_fault(moving)
+    message = message_from(SimpleNamespace(**message_fields(huge)))
+    assert message == verbatim(str(huge)) and message.may_move
+    assert (message.fault_code, message.remedy) == (moving.code, LOOK)
+
+
+hostile = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | codes,
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(
+            st.sampled_from(
+                ["template", "values", "fault", "code", "remedy", "severity", "may_move"]
+            )
+            | st.text(),
+            inner,
+        )
+        | st.fixed_dictionaries({"code": codes | inner, "remedy": inner})
+        | st.fixed_dictionaries(
+            {"template": st.text(), "values": st.just({}), "fault": inner, "x": inner}
+        )
+    ),
+)
+
+
+@given(hostile, st.text(), codes | st.text())
+def test_whatever_arrives_as_a_fault_can_be_shown_and_sent_again(record, text, code):
+    message = received_message(text, sent_with(record), code)
+    assert message.fault_code == "" or CODE_FORMAT.fullmatch(message.fault_code)
+    if message.cause is not None and message.cause.remedy is not None:
+        str(message.cause.remedy).encode()
+    again = message_from(SimpleNamespace(**message_fields(message)))
+    assert again.fault_code == message.fault_code
+
+
+# Errors.
+
+
+class OwnError(InvalidValueError):
+    fault = INNER
+
+
+def test_an_error_has_the_fault_of_its_class_or_a_finer_one():
+    assert OwnError(Message("x")).message.fault == INNER
+    assert OwnError(Message("x"), fault=OUTER).message.fault == OUTER
+    assert OwnError(reporting(UNKNOWN)).message.fault == UNKNOWN
+    assert OwnError(reporting(UNKNOWN), fault=OUTER).message.fault == OUTER
+    assert Gpr20Error(Message("x")).message.fault == faults.INTERNAL
+    assert NodeGoneError(Message("x")).message.fault == faults.NODE_GONE
+
+
+def test_an_error_comes_back_from_another_process_with_its_fault():
+    error = pickle.loads(pickle.dumps(OwnError(Message("x"), fault=OUTER)))  # noqa: S301
+    assert isinstance(error, OwnError) and error.message.fault == OUTER
+
+
+def test_the_remedies_are_plain_sentences_and_the_codes_unique():
+    constants = [one for one in vars(faults).values() if isinstance(one, Fault)]
+    assert len({one.code for one in constants}) == len(constants)
+    shown = [one for one in vars(remedies).values() if isinstance(one, Message)]
+    for remedy in [*shown, *(one.remedy for one in constants if one.remedy)]:
+        assert re.fullmatch(r"[A-Z].*\.", str(remedy)) and not remedy.values
+
+
+# What tests ask.
+
+
+def test_the_helper_of_tests_accepts_a_fault_its_code_and_the_values_shown():
+    for expected in (INNER, "vna.no_link"):
+        with raises_fault(expected, 650, "x", error=OwnError) as caught:
+            raise OwnError(Message("{axis} is at {at}", axis="x", at=650, details="pin"))
+        assert caught.value.message.fault == INNER
+
+
+@pytest.mark.parametrize(
+    "expected, shown, error",
+    [(OUTER, (), Gpr20Error), (INNER, (651,), Gpr20Error), (INNER, (), NodeGoneError)],
+)
+def test_the_helper_of_tests_fails_for_another_fault_value_or_class(expected, shown, error):
+    with pytest.raises((AssertionError, OwnError)), raises_fault(expected, *shown, error=error):
+        raise OwnError(Message("{at}", at=650))
+    with pytest.raises(pytest.fail.Exception), raises_fault(expected, *shown, error=error):
+        pass

@@ -1,0 +1,45 @@
+"""The faults of a launch and of the robot's configuration."""
+
+from __future__ import annotations
+
+from gpr20_common.message import Fault, Message
+
+WRONG_VALUE = Fault(
+    "config.wrong_value",
+    Message("Correct the file that the message names, then launch the robot again."),
+    replaces=True,
+)
+UNREADABLE = Fault(
+    "config.unreadable",
+    Message("Check that the file that the message names is there and that this user may read it."),
+    replaces=True,
+)
+UNKNOWN_FILE = Fault(
+    "config.unknown_file",
+    Message("Give the file one of the names that are allowed, or move it to another folder."),
+)
+NO_FOLDER = Fault(
+    "config.no_folder",
+    Message("Correct the folder after config:=, or create it with robot_config create."),
+)
+UNUSABLE_EXTENSION = Fault(
+    "config.unusable_extension",
+    Message(
+        "Install the package of the class that the message names, or correct its name and options "
+        "in the configuration."
+    ),
+    replaces=True,
+)
+WRONG_ARGUMENT = Fault(
+    "launch.wrong_argument",
+    Message("Correct the argument that the message names, and launch the robot again."),
+)
+# A full disk, which the sentence names, is a matter of the disk.
+NO_DATA_FOLDER = Fault(
+    "launch.no_data_folder",
+    Message("Give another folder with data:=, or allow this user to write to it."),
+)
+ROBOT_RUNNING = Fault(
+    "launch.robot_running",
+    Message("End the robot that is running, as the message says, then launch this one."),
+)

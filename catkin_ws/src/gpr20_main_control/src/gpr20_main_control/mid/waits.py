@@ -1,0 +1,281 @@
+"""Waits and calls of the main control: what ends them early, and what shows that they are late."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+import time
+from concurrent.futures import Future
+from concurrent.futures import wait as wait_for_futures
+from dataclasses import dataclass
+from typing import Any, Callable, Iterator, Optional, Tuple, TypeVar
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError, ShutDownRequested, StopRequested
+from gpr20_main_control.mid.node_liveness import NodeLiveness
+from gpr20_main_control.mid.survey_status import SurveyStatus
+
+# Called repeatedly during a wait; an error that it raises ends the wait.
+Check = Callable[[], None]
+Result = TypeVar("Result")
+POLL_S = 0.05
+# A wait is shown when it takes this much longer than expected [s].
+LATE_S = 1.5
+
+
+class StopInterruption:
+    """A stop request; every wait of what can be stopped checks for it.
+
+    Attributes:
+        stop: Set when what is in progress must end.
+        clock: The clock of every wait.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.stop = threading.Event()
+        self._shutting_down = False
+        self.clock = clock
+
+    def shut_down(self) -> None:
+        """End every wait, because the main control ends."""
+        self._shutting_down = True
+        self.stop.set()
+
+    def check(self) -> None:
+        """Return if there is no reason to interrupt.
+
+        Raises:
+            StopRequested: A stop was requested.
+        """
+        self.check_stop()
+
+    def check_stop(self) -> None:
+        """Return unless a stop was requested.
+
+        Raises:
+            ShutDownRequested: The main control ends.
+            StopRequested: A stop was requested.
+        """
+        if self._shutting_down:
+            raise ShutDownRequested(Message("the robot is shut down"), fault=faults.ROBOT_SHUT_DOWN)
+        if self.stop.is_set():
+            raise StopRequested(Message("a stop was requested"))
+
+    def wait_s(self, duration_s: float) -> None:
+        """Wait [s], unless there is a reason to interrupt.
+
+        Raises:
+            StopRequested: A stop was requested.
+            NodeLostError: A node does not answer or was restarted.
+        """
+        self.clock.wait_s(self.stop, duration_s)
+        self.check()
+
+    def time_limit(self, limit_s: float, error: DeviceError) -> Check:
+        """Return a check that ends a wait with an error after a time from now [s].
+
+        It does not check for an interruption.
+        """
+        deadline_s = self.clock.now_s() + limit_s
+
+        def check() -> None:
+            if self.clock.now_s() > deadline_s:
+                raise error
+
+        return check
+
+
+class Interruption(StopInterruption):
+    """A stop request or a lost node; every wait of a survey checks for them.
+
+    Attributes:
+        nodes: The nodes without which a survey cannot continue.
+    """
+
+    def __init__(self, nodes: NodeLiveness, clock: Clock) -> None:
+        super().__init__(clock)
+        self.nodes = nodes
+
+    def check(self) -> None:
+        """Return if there is no reason to interrupt.
+
+        Raises:
+            StopRequested: A stop of the survey was requested.
+            NodeLostError: A node does not answer or was restarted.
+        """
+        self.check_stop()
+        self.nodes.check()
+
+
+@dataclass(frozen=True)
+class ExpectedWait:
+    """What is waited for, and how long that usually takes.
+
+    Attributes:
+        part: The part of the robot.
+        action: What it does.
+        expected_s: How long that usually takes [s].
+        limit_s: When the wait ends in any case [s].
+    """
+
+    part: Message
+    action: Message
+    expected_s: float
+    limit_s: float
+
+
+class WaitStatus:
+    """Shows in the status which part of the robot takes longer than expected."""
+
+    def __init__(self, status: SurveyStatus, interruption: Interruption) -> None:
+        self._status = status
+        self._interruption = interruption
+
+    @contextlib.contextmanager
+    def shown(self, wait: ExpectedWait) -> Iterator[Check]:
+        """Yield a check to call repeatedly during a wait; an interruption ends the wait."""
+        with self.shown_beside(wait, self._interruption.check) as check:
+            yield check
+
+    @contextlib.contextmanager
+    def shown_beside(self, wait: ExpectedWait, check: Check) -> Iterator[Check]:
+        """Yield a check to call repeatedly during a wait.
+
+        Args:
+            wait: What is waited for.
+            check: Called by the yielded one; an error that it raises ends the wait.
+        """
+        clock = self._interruption.clock
+        late_s = clock.now_s() + wait.expected_s + LATE_S
+        # For people: by the clock on the wall of the robot.
+        until = time.strftime("%H:%M:%S", time.localtime(time.time() + wait.limit_s))
+        shown = False
+
+        def check_and_show() -> None:
+            nonlocal shown
+            check()
+            if not shown and clock.now_s() > late_s:
+                shown = True
+                self._status.set_waiting(
+                    Message(
+                        "Waiting for {part}: {action}, until {time} at the latest",
+                        part=wait.part,
+                        action=wait.action,
+                        time=until,
+                    ).with_fault(faults.TAKES_LONG)
+                )
+
+        try:
+            yield check_and_show
+        finally:
+            if shown:
+                self._status.set_waiting(None)
+
+
+class Workers:
+    """Threads that are kept for the next call; there are as many as calls at the same time.
+
+    The threads are daemons: a call that hangs in a device outlives the survey that gave it up,
+    but not the node.
+    """
+
+    def __init__(self, most: Optional[int] = None) -> None:
+        """Start no thread yet.
+
+        Args:
+            most: How many calls may be made at the same time; None for any number. Others wait.
+        """
+        self._most = most
+        self._lock = threading.Lock()
+        self._threads = 0
+        self._unfinished = 0
+        self._calls: queue.SimpleQueue[Tuple[Future[Any], Callable[[], Any]]] = queue.SimpleQueue()
+
+    def begin(self, call: Callable[[], Result]) -> Future[Result]:
+        """Begin a call and return at once."""
+        future: Future[Result] = Future()
+        with self._lock:
+            needed = self._unfinished >= self._threads
+            if needed and (self._most is None or self._threads < self._most):
+                threading.Thread(target=self._work, name="worker", daemon=True).start()
+                # Counted when it runs: the system may have refused it.
+                self._threads += 1
+            self._unfinished += 1
+        self._calls.put((future, call))
+        return future
+
+    def _work(self) -> None:
+        while True:
+            self._make(*self._calls.get())
+
+    def _make(self, future: Future[Result], call: Callable[[], Result]) -> None:
+        result: Optional[Result] = None
+        failure: Optional[BaseException] = None
+        begun = future.set_running_or_notify_cancel()
+        if begun:
+            try:
+                result = call()
+            except BaseException as error:
+                # Raised again by `result_of`.
+                failure = error
+        # Before the result: who waits for it may begin the next call, which needs no new thread.
+        with self._lock:
+            self._unfinished -= 1
+        if failure is not None:
+            future.set_exception(failure)
+        elif begun:
+            future.set_result(result)  # type: ignore[arg-type]
+
+
+class SerialCalls:
+    """Calls of one device, made one at a time.
+
+    A call that was given up may still wait for a node that is being restarted, and would undo
+    there what later calls requested. So the next call waits for its end, and a call that is given
+    up while it waits for its turn is never made.
+    """
+
+    def __init__(self) -> None:
+        self._worker = Workers(most=1)
+
+    def call(self, call: Callable[[], Result], check: Check) -> Result:
+        """Make a call when those before it have ended, and return its result.
+
+        Args:
+            call: What to call. If the wait for it is given up once it has begun, it continues
+                in its thread.
+            check: Called repeatedly meanwhile; an error that it raises ends the wait.
+        """
+        return result_of(self._worker.begin(call), check)
+
+    def begin(self, call: Callable[[], object]) -> None:
+        """Begin a call whose result nobody needs when those before it have ended."""
+        self._worker.begin(call)
+
+
+def wait_for(future: Future[Result], check: Check) -> None:
+    """Return as soon as a call has ended.
+
+    Args:
+        future: The call.
+        check: Called repeatedly meanwhile; an error that it raises ends the wait.
+    """
+    while not wait_for_futures([future], POLL_S).done:
+        check()
+
+
+def result_of(future: Future[Result], check: Check) -> Result:
+    """Return the result of a call, or raise what it raised.
+
+    Args:
+        future: The call. If the wait for it is given up before it has begun, it is never made.
+        check: Called repeatedly meanwhile; an error that it raises ends the wait.
+    """
+    try:
+        wait_for(future, check)
+    finally:
+        future.cancel()  # a call that has begun continues
+    return future.result()

@@ -1,0 +1,128 @@
+"""The faults of surveys and their files, and those of devices by which other packages decide."""
+
+from __future__ import annotations
+
+from gpr20_common import remedies
+from gpr20_common.message import Fault, Message, Severity
+
+# Plan and configuration.
+PLAN_NOT_ALLOWED = Fault("plan.not_allowed", remedies.CORRECT_PLAN)
+NOT_DESCRIBED = Fault("node.not_described", remedies.WAIT_FOR_PART)
+OTHER_PARAMETERS = Fault("node.other_parameters", remedies.SAME_VERSION, replaces=True)
+MIXED_PARTS = Fault("launch.mixed_parts", Message("End every launch of the robot, then start one."))
+WRONG_STATE = Fault("survey.wrong_state", remedies.REPORT)
+CLOCK_WRONG = Fault("clock.wrong", remedies.SET_CLOCK)
+
+# A trace that is measured.
+WRONG_SWEEP = Fault("vna.wrong_sweep", remedies.CHECK_VNA)
+SENSOR_NOT_FINITE = Fault(
+    "sensor.not_finite",
+    Message("Check the sensor that the message names, and its plug."),
+)
+TRACE_NOT_ALLOWED = Fault("trace.not_allowed", remedies.REPORT)
+
+# What is stored of a survey.
+TRACE_DAMAGED = Fault("trace.damaged", remedies.KEEP_SURVEY, replaces=True)
+TRACE_OTHER_VERSION = Fault(
+    "trace.other_version",
+    Message(
+        "Keep the survey's folder. Read it with the version of the software that recorded it, or "
+        "a later one."
+    ),
+)
+FOREIGN_TRACE = Fault("trace.foreign", remedies.KEEP_SURVEY)
+DESCRIPTION_DAMAGED = Fault("survey.description_damaged", remedies.RESUME_SURVEY)
+DESCRIPTION_UNREADABLE = Fault(
+    "survey.description_unreadable",
+    Message("Keep the survey's folder, and check the disk. Resuming the survey repairs its files."),
+)
+DESCRIPTION_LOST = Fault(
+    "survey.description_lost",
+    Message(
+        "Keep the survey's folder as it is. Put survey.json back from a copy of it; without a "
+        "copy, let an analyst check the folder."
+    ),
+    can_continue=False,
+)
+OTHER_FORMAT = Fault("survey.other_format", remedies.KEEP_SURVEY)
+PLAN_UNREADABLE = Fault("survey.plan_unreadable", remedies.KEEP_SURVEY, replaces=True)
+MANIFEST_DAMAGED = Fault(
+    "survey.manifest_damaged",
+    Message(
+        "Let an analyst check the survey's folder with gpr20 verify, then write the manifest "
+        "again with gpr20 repair."
+    ),
+    replaces=True,
+)
+NOT_CLOSED = Fault(
+    "survey.not_closed",
+    Message("Resume the survey and let it end, or press STOP: only then can it be changed."),
+)
+REPAIRED = Fault("survey.repaired", remedies.KEEP_SURVEY, severity=Severity.WARNING, replaces=True)
+UNCONFIRMED = Fault(
+    "survey.unconfirmed",
+    Message("Compare the survey's parameters with what you planned before you use its traces."),
+    severity=Severity.WARNING,
+)
+MARKERS_DAMAGED = Fault("marker.damaged", remedies.KEEP_SURVEY, replaces=True)
+
+# Requests.
+REQUEST_REFUSED = Fault("storage.request_refused", remedies.CORRECT_VALUE)
+WRONG_NAME = Fault("survey.wrong_name", remedies.OTHER_NAME)
+UNKNOWN_SURVEY = Fault("survey.unknown", remedies.OTHER_NAME)
+MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on MAP, then try again."))
+TOO_MANY_MARKERS = Fault(
+    "marker.too_many",
+    Message("Look at the markers on MAP. Write further places into the notes of the survey."),
+)
+
+# Files and the disk.
+STORAGE_UNREADABLE = Fault("storage.unreadable", remedies.CHECK_DISK)
+STORAGE_FAILED = Fault("storage.failed", remedies.CHECK_DISK)
+NOT_PERMITTED = Fault(
+    "storage.not_permitted",
+    Message(
+        "Ask the person who maintains the robot to check to whom the data folder belongs, and "
+        "its disk."
+    ),
+)
+FILE_EXISTS = Fault(
+    "storage.file_exists",
+    Message("Move the file that the message names out of the survey's folder, then try again."),
+)
+NOT_A_FILE = Fault(
+    "storage.not_a_file",
+    Message(
+        "Ask the person who maintains the robot to move away what the message names, and to put "
+        "the file itself there."
+    ),
+)
+FOLDER_MOVED = Fault(
+    "storage.folder_moved",
+    Message("Put the survey's folder back to its place and name, then resume the survey."),
+)
+LOCKED = Fault(
+    "survey.locked",
+    Message("Another program writes this survey: end the survey there first."),
+)
+
+# The calibration of the VNA: its driver and the doctor report it.
+_CALIBRATE = Message("Calibrate the VNA with the cables of the antennas.")
+NOT_CALIBRATED = Fault("vna.not_calibrated", _CALIBRATE)
+CALIBRATION_AGED = Fault("vna.calibration_aged", _CALIBRATE, Severity.WARNING)
+
+# The main control lets a survey wait and continue: nobody asked for this stop.
+CONTROL_SILENT = Fault(
+    "axis.control_silent",
+    Message(
+        "Wait one minute: a survey continues by itself. If it does not, check the network cable "
+        "between the robot and the server."
+    ),
+)
+# The doctor only notes these two: a survey homes and measures by itself.
+NOT_HOMED = Fault("axis.not_homed", remedies.HOME_AXIS)
+HEIGHT_NOT_MEASURED = Fault(
+    "height.not_measured",
+    Message("A survey measures it; or measure it on SERVICE."),
+    Severity.NOTE,
+)

@@ -1,0 +1,1 @@
+"""The physics that window, visualization and analysis share; the simulator has its own."""

@@ -1,0 +1,97 @@
+"""The noise of a survey, measured where no echo arrives, and how high noise alone can reach.
+
+Complex noise has magnitudes of a Rayleigh distribution: they exceed r times their root mean square
+with the probability exp(-r^2).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gpr20_survey.radar.frequency_to_delay import delay_kernel, unambiguous_s
+
+# Delays at which only noise is expected. They begin at this part of the unambiguous delay and end
+# before its end, where sidelobes of delay 0 are wrapped to. Their distance is that of independent
+# samples below a Hann window, in reciprocals of the bandwidth.
+LATE_PART = 0.5
+LATE_MARGIN, LATE_STEP = 10.0, 2.0
+MAX_LATE_SAMPLES, MIN_LATE_SAMPLES = 48, 4
+# The lower quartile: some late delays may hold echoes of walls and trees, which only add power.
+QUANTILE = 0.25
+QUANTILE_OF_POWER = -math.log(1.0 - QUANTILE)
+# Probability that noise alone exceeds the threshold anywhere in a whole survey.
+FALSE_ALARM = 0.01
+# The noise floor is an estimate: how far it may be off, with the hysteresis [dB].
+ESTIMATE_MARGIN_DB = 0.8
+
+
+class LateDelays:
+    """Samples of sweeps of one set of frequencies at delays too late for echoes of the ground.
+
+    Args:
+        frequency_hz: Ascending frequencies [Hz], at least two.
+    """
+
+    def __init__(self, frequency_hz: np.ndarray) -> None:
+        kernel = delay_kernel(frequency_hz, late_delays_s(frequency_hz))
+        self._kernel = kernel.astype(np.complex64)
+
+    def samples(self, s21: np.ndarray) -> np.ndarray:
+        """Return the samples of a sweep (complex64)."""
+        return s21.astype(np.complex64) @ self._kernel
+
+
+def late_delays_s(frequency_hz: np.ndarray) -> np.ndarray:
+    """Return delays at which only noise is expected [s]."""
+    bandwidth_hz = float(frequency_hz[-1] - frequency_hz[0])
+    end_s = unambiguous_s(frequency_hz)
+    first_s, last_s = LATE_PART * end_s, end_s - LATE_MARGIN / bandwidth_hz
+    count = int((last_s - first_s) * bandwidth_hz / LATE_STEP)
+    if count < MIN_LATE_SAMPLES:
+        # Few frequencies: echoes may arrive here, so that the noise is rather overestimated.
+        return np.linspace(first_s, end_s, MIN_LATE_SAMPLES, endpoint=False)
+    return np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
+
+
+def rayleigh_ratio(log_probability: float) -> float:
+    """Return the magnitude, in root mean squares, that noise exceeds with a probability.
+
+    Args:
+        log_probability: Natural logarithm of the probability.
+    """
+    return math.sqrt(-log_probability)
+
+
+def noise_of_trace(late: np.ndarray) -> float:
+    """Return the root mean square of the noise of one trace.
+
+    Args:
+        late: Its complex samples at delays where no echo is expected.
+    """
+    # Much faster than numpy's quantile, which interpolates between two of the samples.
+    place = int(QUANTILE * len(late))
+    power = np.partition(late.real**2 + late.imag**2, place)[place]
+    return math.sqrt(float(power) / QUANTILE_OF_POWER)
+
+
+def noise_of_survey(noises: np.ndarray) -> float:
+    """Return the noise floor: that of the noisier polarization; 0 if nothing is known.
+
+    Args:
+        noises: Noise of each trace, first axis polarization; NaN where there is no trace.
+    """
+    flat = noises.reshape(len(noises), -1)
+    known = [row[np.isfinite(row)] for row in flat]
+    return max((float(np.median(row)) for row in known if row.size), default=0.0)
+
+
+def noise_threshold_db(samples: int) -> float:
+    """Return the level above the noise floor [dB] that noise alone does not exceed.
+
+    Args:
+        samples: How many values of noise there are in all.
+    """
+    ratio = rayleigh_ratio(math.log(FALSE_ALARM / max(samples, 1)))
+    return 20.0 * math.log10(ratio) + ESTIMATE_MARGIN_DB

@@ -1,0 +1,48 @@
+"""Soils an operator can choose, with the relative permittivity that the radar assumes for each.
+
+The values lie within the ranges at 100 MHz of Davis and Annan, "Ground-penetrating radar for
+high-resolution mapping of soil and rock stratigraphy", Geophysical Prospecting 37 (1989), table 1:
+dry sand 3 to 5, saturated sand 20 to 30, clay 5 to 40. Between dry and saturated the equation of
+Topp, Davis and Annan, "Electromagnetic determination of soil water content", Water Resources
+Research 16 (1980), gives 8 for 16 % water by volume.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Optional
+
+from gpr20_common.message import Message
+
+# Air, and water at 20 °C: no soil lies outside of these.
+MIN_PERMITTIVITY, MAX_PERMITTIVITY = 1.0, 81.0
+# What images accept: some more, since water has 88 near its freezing point.
+LARGEST_PERMITTIVITY = 100.0
+
+
+@dataclass(frozen=True)
+class Soil:
+    """A kind of ground.
+
+    Args:
+        name: What the operator calls it.
+        permittivity: Relative permittivity.
+    """
+
+    name: Message
+    permittivity: float
+
+
+class Soils(enum.Enum):
+    """The soils to choose from, in the order of their permittivity but for clay, which is last."""
+
+    DRY_SAND = Soil(Message("Dry sand"), 4.0)
+    MOIST_SAND = Soil(Message("Moist sand"), 8.0)
+    WET_SAND = Soil(Message("Wet sand"), 20.0)
+    CLAY = Soil(Message("Clay"), 15.0)
+
+
+def soil_of(permittivity: float) -> Optional[Soils]:
+    """Return the soil that has exactly this permittivity; None if it is the operator's own."""
+    return next((one for one in Soils if one.value.permittivity == permittivity), None)

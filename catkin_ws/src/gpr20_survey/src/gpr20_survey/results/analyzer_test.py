@@ -1,0 +1,52 @@
+"""What a test of the analyzer has found, as fields of the answer of test_analyzer, and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Optional
+
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields, message_from
+
+
+@dataclass(frozen=True)
+class AnalyzerTest:
+    """What a test of the analyzer has found, up to its first failure.
+
+    Attributes:
+        address: Where the analyzer was looked for.
+        identity: What it says it is; empty: no connection.
+        calibration: Name of its `CalibrationStatus`; empty: not read, or not accepted. Another
+            version of the software may know more of them.
+        points: Frequencies of the sweep; 0: there was none.
+        sweep_duration_s: From the trigger to the end of the sweep [s].
+        level_db: Median of S21 [dB].
+        failure: Why the test ended early; None: it did not.
+    """
+
+    address: str
+    identity: str = ""
+    calibration: str = ""
+    points: int = 0
+    sweep_duration_s: float = 0.0
+    level_db: float = 0.0
+    failure: Optional[Message] = None
+
+
+FIELDS = ("address", "identity", "calibration", "points", "sweep_duration_s", "level_db")
+
+
+def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
+    """Return the fields of a test."""
+    message = test.failure or Message("The VNA works.")
+    return {
+        "success": test.failure is None,
+        **message_fields(message),
+        **{name: getattr(test, name) for name in FIELDS},
+    }
+
+
+def analyzer_test_of(answer: Any) -> AnalyzerTest:
+    """Return the test of an answer."""
+    failure = None if answer.success else message_from(answer)
+    return AnalyzerTest(**{name: getattr(answer, name) for name in FIELDS}, failure=failure)

@@ -1,0 +1,35 @@
+"""A list of candidates as the fields of gpr20_msgs/CandidateList.
+
+A message has no None: what is not known is NaN, and a list of positions is empty.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Dict, List, Tuple
+
+from gpr20_survey.results.candidate_json import candidate_record, list_record
+from gpr20_survey.results.candidates import CandidateList
+
+OF_LIST = ("format", "simulated_warning", "listed", "coordinates")
+OF_EACH = ("doubtful", "confidence", "longitude_deg", "latitude_deg")
+"""What the JSON says too, and follows from the fields of the messages."""
+UNKNOWN = ("above_noise_db", "polarization_ratio_db")
+
+
+def list_fields(found: CandidateList) -> Tuple[Dict[str, Any], List[Dict[str, Any]]]:
+    """Return the fields of a list without its candidates, and those of each candidate.
+
+    The entries of `position` are the fields of gpr20_msgs/AreaPosition.
+    """
+    fields = {name: value for name, value in list_record(found).items() if name not in OF_LIST}
+    fields["position"] = [] if fields["position"] is None else [fields["position"]]
+    each = []
+    for one in found.candidates:
+        record = candidate_record(one, found)
+        values = {name: value for name, value in record.items() if name not in OF_EACH}
+        values["rotations_deg"] = list(one.rotations_deg)
+        for name in UNKNOWN:
+            values[name] = math.nan if values[name] is None else values[name]
+        each.append(values)
+    return fields, each

@@ -1,0 +1,237 @@
+"""A candidate, its flags, and the list of all candidates of a survey."""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+from typing import Optional, Tuple, Union
+
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.results.area_position import AreaPosition
+
+MM_PER_M = 1e3
+# The model of the noise is not good enough to distinguish smaller ones.
+SMALLEST_ALARM = 1e-6
+MOST_DOUBTFUL = 10
+"""How many doubtful candidates people see who did not ask for more."""
+
+
+class Flag(enum.Enum):
+    """What an analyst should know before believing a candidate."""
+
+    SURFACE_RESIDUE = "surface-residue"
+    """So shallow that it may be the rest of the surface echo."""
+    EDGE = "edge"
+    """So near to the edge of the surveyed area that it may lie outside of it."""
+    ONE_POLARIZATION = "one-polarization"
+    """Seen in one polarization only, although both were measured."""
+    CLUTTER = "clutter"
+    """Not brighter than what the whole area shows at its depth, as the rest of the surface echo or
+    a layer does."""
+    SIDELOBE = "sidelobe"
+    """So much fainter than a candidate near it that it may be a sidelobe of that one."""
+    UNRATED = "unrated"
+    """The noise could not be measured, so it may be noise."""
+
+    @property
+    def label(self) -> Message:
+        """The flag, as people read it."""
+        return LABELS[self]
+
+
+LABELS = {
+    Flag.SURFACE_RESIDUE: Message("surface residue"),
+    Flag.EDGE: Message("edge"),
+    Flag.ONE_POLARIZATION: Message("one polarization"),
+    Flag.CLUTTER: Message("clutter"),
+    Flag.SIDELOBE: Message("sidelobe"),
+    Flag.UNRATED: Message("not rated"),
+}
+# Only what a brighter echo or the whole plane explains. A mine just below the surface is a surface
+# residue, and without a measured noise everything is unrated: neither may go behind the others.
+DOUBTFUL = frozenset({Flag.CLUTTER, Flag.SIDELOBE})
+"""Candidates with these flags are doubtful: they come after all others."""
+OMITTED = DOUBTFUL | {Flag.UNRATED}
+"""Only candidates with one of these flags are omitted from a list that would be too long."""
+
+
+@dataclass(frozen=True)
+class UnknownFlag:
+    """A flag of a later version of the software, by its name; it makes no candidate doubtful."""
+
+    value: str
+
+    @property
+    def label(self) -> Message:
+        """Its name, as people read it."""
+        return verbatim(self.value)
+
+
+def flag_of(value: str) -> Union[Flag, UnknownFlag]:
+    """Return the flag with a name."""
+    try:
+        return Flag(value)
+    except ValueError:
+        return UnknownFlag(value)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A place where the image is brighter than noise.
+
+    Uncertainties are standard deviations, except that the depth contains the range of the
+    permittivity.
+
+    Attributes:
+        id: Name within its list: "C01" is the first.
+        x_m: Place along X [m].
+        y_m: Place along Y [m].
+        depth_m: Depth below the surface [m].
+        x_uncertainty_m: Uncertainty along X [m].
+        y_uncertainty_m: Uncertainty along Y [m].
+        depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
+        above_noise_db: Level above the standard magnitude of noise at this place [dB]; NaN if the
+            noise could not be measured.
+        false_alarm_probability: Probability that noise alone has a voxel as bright as this
+            anywhere in the image, 0 to 1; 1 if the noise could not be measured.
+        rotations_deg: Rotations of the antennas at which it is brighter than noise, the one where
+            it is brightest first [deg]; NaN for a combination of polarizations.
+        polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
+            only one polarization was measured.
+        flags: What to know before believing it.
+    """
+
+    id: str
+    x_m: float
+    y_m: float
+    depth_m: float
+    x_uncertainty_m: float
+    y_uncertainty_m: float
+    depth_uncertainty_m: float
+    above_noise_db: float
+    false_alarm_probability: float
+    rotations_deg: Tuple[float, ...]
+    polarization_ratio_db: Optional[float]
+    flags: Tuple[Union[Flag, UnknownFlag], ...]
+
+    @property
+    def number(self) -> int:
+        """Its place in the list, from 1."""
+        return int(self.id[1:])
+
+    @property
+    def x_mm(self) -> float:
+        """Place along X [mm]."""
+        return MM_PER_M * self.x_m
+
+    @property
+    def y_mm(self) -> float:
+        """Place along Y [mm]."""
+        return MM_PER_M * self.y_m
+
+    @property
+    def depth_mm(self) -> float:
+        """Depth below the surface [mm]."""
+        return MM_PER_M * self.depth_m
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether it may be only clutter, or a sidelobe of a brighter candidate."""
+        return not DOUBTFUL.isdisjoint(self.flags)
+
+    @property
+    def is_rated(self) -> bool:
+        """Whether its level above noise is known."""
+        return not math.isnan(self.above_noise_db)
+
+    @property
+    def labels(self) -> Tuple[Message, ...]:
+        """Its flags, as people read them."""
+        return tuple(flag.label for flag in self.flags)
+
+    @property
+    def confidence(self) -> float:
+        """Probability that noise alone has no voxel as bright as this, 0 to 1."""
+        return 1.0 - self.false_alarm_probability
+
+    @property
+    def place_texts(self) -> Tuple[str, str, str]:
+        """X, Y and depth with their uncertainties, such as "174 ±4" [mm]."""
+        return (
+            _with_uncertainty(self.x_m, self.x_uncertainty_m),
+            _with_uncertainty(self.y_m, self.y_uncertainty_m),
+            _with_uncertainty(self.depth_m, self.depth_uncertainty_m),
+        )
+
+    @property
+    def false_alarm_text(self) -> str:
+        """The probability of a false alarm, such as "0.3 %"; empty if it is not known."""
+        if not self.is_rated:
+            return ""
+        percent = 100.0 * max(self.false_alarm_probability, SMALLEST_ALARM)
+        if self.false_alarm_probability < SMALLEST_ALARM:
+            return f"< {percent:g} %"
+        return f"{percent:.0f} %" if percent >= 9.5 else f"{percent:.1g} %"
+
+
+@dataclass(frozen=True)
+class CandidateList:
+    """The candidates of a survey and how they were found.
+
+    The brightest comes first, but those that are doubtful come after all others.
+
+    Attributes:
+        survey_id: Identifier of the survey; empty if the data have none.
+        simulated: Whether the survey was made by the simulated robot.
+        method: Imaging method.
+        permittivity: Relative permittivity of the image.
+        permittivity_range: Lowest and highest possible value; equal if it was given.
+        area_m2: Surveyed area [m^2].
+        false_alarm_rate: Largest false-alarm probability of a listed candidate.
+        omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
+            `OMITTED`.
+        candidates: The candidates.
+        notes: What was left out or may be wrong.
+        position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
+            has no position or no heading.
+        omitted_primary: Number of omitted candidates that are not doubtful.
+    """
+
+    survey_id: str
+    simulated: bool
+    method: str
+    permittivity: float
+    permittivity_range: Tuple[float, float]
+    area_m2: float
+    false_alarm_rate: float
+    omitted: int
+    candidates: Tuple[Candidate, ...]
+    notes: Tuple[Message, ...] = ()
+    position: Optional[AreaPosition] = None
+    omitted_primary: int = 0
+
+    @property
+    def total(self) -> int:
+        """Number of all candidates, omitted ones too."""
+        return len(self.candidates) + self.omitted
+
+    @property
+    def primary(self) -> int:
+        """Number of all candidates that are not doubtful."""
+        return sum(not one.is_doubtful for one in self.candidates) + self.omitted_primary
+
+    def shown(self, most_doubtful: Optional[int] = MOST_DOUBTFUL) -> Tuple[Candidate, ...]:
+        """Return what people see: all that are not doubtful, then the first doubtful ones.
+
+        Args:
+            most_doubtful: Most doubtful candidates; None: all that are listed.
+        """
+        doubtful = [one for one in self.candidates if one.is_doubtful]
+        others = [one for one in self.candidates if not one.is_doubtful]
+        return (*others, *doubtful[:most_doubtful])
+
+
+def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
+    # 2.00001 mm are 2 mm.
+    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(round(uncertainty_m * MM_PER_M, 2))}"

@@ -1,0 +1,140 @@
+"""One survey of the data folder, as fields of gpr20_msgs/SurveySummary, and back."""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import dataclass
+from typing import Any, Dict, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_common.sent_message import received_message
+
+STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
+
+
+@dataclass(frozen=True)
+class Thumbnail:
+    """The area of a survey, and how much of each part of it is stored.
+
+    Attributes:
+        width_mm: Of the area, along X [mm]; 0 if it is not known.
+        height_mm: Along Y [mm].
+        columns: Of the map; 0: there is none.
+        rows: Of the map.
+        percent: Stored share of each cell [%], row by row, X and Y ascending; 100 only
+            if all are stored, 0 only if none is.
+    """
+
+    width_mm: float = 0.0
+    height_mm: float = 0.0
+    columns: int = 0
+    rows: int = 0
+    percent: bytes = b""
+
+    @property
+    def coverage(self) -> Optional[Tuple[Tuple[int, ...], ...]]:
+        """The stored shares (rows, columns) [%]; None if there is no map."""
+        columns = self.columns
+        if not columns or len(self.percent) != columns * self.rows:
+            return None
+        return tuple(
+            tuple(self.percent[row * columns : (row + 1) * columns]) for row in range(self.rows)
+        )
+
+
+NO_THUMBNAIL = Thumbnail()
+
+
+@dataclass(frozen=True)
+class SurveySummary:
+    """What a list of surveys says about one of them.
+
+    Attributes:
+        folder: Name of its folder.
+        survey_id: UUID; empty if survey.json cannot be read.
+        started: ISO 8601, UTC; empty if survey.json cannot be read.
+        outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
+        stored_traces: Number of files in its folder of traces.
+        planned_traces: According to its parameters; 0 if they cannot be read.
+        verdict: On the coverage, from the survey's end; None if there is none.
+        complete: Whether it is finished, with all planned traces.
+        simulated: Whether the data show no real ground.
+        problem: Why survey.json cannot be read; None if it can.
+        name: What people call it; empty if it has none.
+        refines: Id of the survey that it measures more finely; empty: none.
+        thumbnail: Its area.
+        fault_code: Of why it ended; empty: nothing went wrong, or it is not known.
+    """
+
+    folder: str
+    survey_id: str = ""
+    started: str = ""
+    outcome: str = ""
+    stored_traces: int = 0
+    planned_traces: int = 0
+    verdict: Optional[Message] = None
+    complete: bool = False
+    simulated: bool = False
+    problem: Optional[Message] = None
+    name: str = ""
+    refines: str = ""
+    thumbnail: Thumbnail = NO_THUMBNAIL
+    fault_code: str = ""
+
+    def local_time(self, zone: Optional[datetime.tzinfo] = None) -> str:
+        """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded.
+
+        Args:
+            zone: In whose time; None: that of this computer.
+        """
+        for text, pattern in ((self.started[:16], STARTED), (self.folder[:13], FOLDER)):
+            try:
+                started = datetime.datetime.strptime(text, pattern)
+            except ValueError:
+                continue
+            at = started.replace(tzinfo=datetime.timezone.utc).astimezone(zone)
+            return at.strftime("%Y-%m-%d %H:%M")
+        return self.folder
+
+
+PLAIN = (
+    *("folder", "survey_id", "started", "outcome", "stored_traces", "planned_traces"),
+    *("complete", "simulated", "name", "refines", "fault_code"),
+)
+TEXTS = ("verdict", "problem")
+
+
+def summary_fields(summary: SurveySummary) -> Dict[str, Any]:
+    """Return the fields of a summary."""
+    fields = {name: getattr(summary, name) for name in PLAIN}
+    for name in TEXTS:
+        message: Optional[Message] = getattr(summary, name)
+        fields[name] = "" if message is None else str(message)
+        fields[f"{name}_json"] = "" if message is None else message.to_json()
+    thumbnail = summary.thumbnail
+    return {
+        **fields,
+        "width_mm": thumbnail.width_mm,
+        "height_mm": thumbnail.height_mm,
+        "map_columns": thumbnail.columns,
+        "map_rows": thumbnail.rows,
+        "map_percent": thumbnail.percent,
+    }
+
+
+def summary_from(message: Any) -> SurveySummary:
+    """Return the summary of a message."""
+    texts: Dict[str, Any] = {
+        name: received_message(getattr(message, name), getattr(message, f"{name}_json"))
+        for name in TEXTS
+        if getattr(message, name)
+    }
+    thumbnail = Thumbnail(
+        message.width_mm,
+        message.height_mm,
+        message.map_columns,
+        message.map_rows,
+        bytes(message.map_percent),
+    )
+    plain = {name: getattr(message, name) for name in PLAIN}
+    return SurveySummary(**plain, **texts, thumbnail=thumbnail)

@@ -1,0 +1,99 @@
+"""Lists of candidates for tests of all packages."""
+
+import math
+
+from hypothesis import strategies as st
+
+from gpr20_common.message import verbatim
+from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
+
+SURVEY = "5ec1a5d2-0000-4000-8000-000000000000"
+
+
+def candidate(number=1, x_mm=150.0, y_mm=90.0, depth_mm=60.0, level_db=31.0, flags=(), **changes):
+    """Return a candidate."""
+    values = {
+        "id": f"C{number:02d}",
+        "x_m": x_mm / 1e3,
+        "y_m": y_mm / 1e3,
+        "depth_m": depth_mm / 1e3,
+        "x_uncertainty_m": 0.004,
+        "y_uncertainty_m": 0.004,
+        "depth_uncertainty_m": 0.006,
+        "above_noise_db": level_db,
+        "false_alarm_probability": 1e-9,
+        "rotations_deg": (0.0, 90.0),
+        "polarization_ratio_db": -0.1,
+        "flags": tuple(flags),
+    }
+    return Candidate(**{**values, **changes})
+
+
+def candidate_list(candidates=(), **changes):
+    """Return a list."""
+    values = {
+        "survey_id": SURVEY,
+        "simulated": True,
+        "method": "phase-shift",
+        "permittivity": 4.0,
+        "permittivity_range": (3.5, 4.5),
+        "area_m2": 0.25,
+        "false_alarm_rate": 0.01,
+        "omitted": 0,
+        "candidates": tuple(candidates),
+    }
+    return CandidateList(**{**values, **changes})
+
+
+def numbers(lowest=-1e6, highest=1e6):
+    """Return finite numbers."""
+    return st.floats(lowest, highest, allow_nan=False)
+
+
+SIZES = numbers(0.0, 10.0)
+NUMBERS_OR_NAN = numbers() | st.just(math.nan)
+CANDIDATES = st.builds(
+    Candidate,
+    id=st.just(""),
+    x_m=numbers(-10.0, 10.0),
+    y_m=numbers(-10.0, 10.0),
+    depth_m=SIZES,
+    x_uncertainty_m=SIZES,
+    y_uncertainty_m=SIZES,
+    depth_uncertainty_m=SIZES,
+    above_noise_db=NUMBERS_OR_NAN,
+    false_alarm_probability=numbers(0.0, 1.0),
+    rotations_deg=st.lists(NUMBERS_OR_NAN, max_size=3).map(tuple),
+    polarization_ratio_db=st.none() | numbers(),
+    flags=st.lists(st.sampled_from(Flag), unique=True).map(tuple),
+)
+POSITIONS = st.builds(
+    AreaPosition, numbers(-80.0, 80.0), numbers(-179.0, 179.0), numbers(0.0, 360.0)
+)
+ANYWHERE = st.none() | POSITIONS
+WORDS = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=9)
+
+
+@st.composite
+def candidate_lists(draw, positions=ANYWHERE):
+    """Draw a list as the analysis makes it: numbered, those that are doubtful last."""
+    found = sorted(draw(st.lists(CANDIDATES, max_size=25)), key=lambda one: one.is_doubtful)
+    omitted = draw(st.integers(0, 1000))
+    return CandidateList(
+        survey_id=draw(WORDS),
+        simulated=draw(st.booleans()),
+        method=draw(WORDS),
+        permittivity=draw(numbers(1.0, 100.0)),
+        permittivity_range=(draw(numbers(1.0, 100.0)), draw(numbers(1.0, 100.0))),
+        area_m2=draw(SIZES),
+        false_alarm_rate=draw(numbers(0.0, 1.0)),
+        omitted=omitted,
+        candidates=tuple(
+            Candidate(**{**vars(one), "id": f"C{number:02d}"})
+            for number, one in enumerate(found, 1)
+        ),
+        notes=tuple(verbatim(one) for one in draw(st.lists(WORDS, max_size=3))),
+        position=draw(positions),
+        omitted_primary=draw(st.integers(0, omitted)),
+    )

@@ -1,0 +1,172 @@
+"""What was found in a survey comes out of its ROS message as it went in."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("gpr20_msgs.msg")
+
+import genpy
+from candidate_examples import WORDS, candidate, candidate_list, candidate_lists, numbers
+from hypothesis import given
+from hypothesis import strategies as st
+from trace_examples import make_trace
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.high.raw_message import deserialized, serialized
+from gpr20_common.message import Message
+from gpr20_msgs.msg import AreaPosition, Candidate, CandidateList, SurveySummary, Volume
+from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
+from gpr20_survey.faults import WRONG_SWEEP
+from gpr20_survey.high.candidate_topics import list_message
+from gpr20_survey.results import area_position, candidate_message, survey_summary, volume
+from gpr20_survey.results.analyzer_test import (
+    AnalyzerTest,
+    analyzer_test_fields,
+    analyzer_test_of,
+)
+from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.focused_image import FocusedImage, focus_fields, image_from
+from gpr20_survey.results.reopened_survey import ReopenedSurvey, reopened_fields, reopened_from
+
+MESSAGES = st.none() | st.builds(
+    lambda word: Message("the fault is {what}", what=word), WORDS.filter(bool)
+)
+COUNTS = st.integers(0, 2**31)
+
+
+def sent(message):
+    """Return a message as another node receives it."""
+    return deserialized(type(message), serialized(message))
+
+
+def plain(value):
+    """Return a message as JSON holds it."""
+    if isinstance(value, genpy.Message):
+        return {name: plain(getattr(value, name)) for name in value.__slots__}
+    if isinstance(value, (list, tuple)):
+        return [plain(one) for one in value]
+    return None if value != value else value  # NaN
+
+
+@given(candidate_lists())
+def test_a_list_of_candidates_says_all_that_the_json_says(found):
+    record = json.loads(json_text(found))
+    record["position"] = [record["position"]] if record["position"] else []
+    for one in (record, *record["candidates"]):
+        for name in (*candidate_message.OF_LIST, *candidate_message.OF_EACH):
+            one.pop(name, None)
+    assert plain(sent(list_message(found))) == record
+
+
+def test_no_key_of_the_json_is_missing_in_the_message():
+    position = area_position.AreaPosition(4.0, -74.0, 30.0)
+    found = candidate_list([candidate()], position=position)
+    record = json.loads(json_text(found))
+    assert record.keys() - {*CandidateList.__slots__, *candidate_message.OF_LIST} == set()
+    each = record["candidates"][0].keys()
+    assert each - {*Candidate.__slots__, *candidate_message.OF_EACH} == set()
+    assert record["position"].keys() == set(AreaPosition.__slots__)
+
+
+LEVELS = np.linspace(-3.0, 40.0, 24, dtype="<f4").reshape(2, 3, 4)
+IMAGE = FocusedImage(
+    20, np.arange(4.0), np.arange(3.0), np.arange(2.0), LEVELS, candidate_list([candidate()])
+)
+
+
+def focus_answer(**changes):
+    return FocusSurveyResponse(**{**focus_fields(IMAGE), **changes})
+
+
+def test_a_focused_image():
+    levels = LEVELS.copy()
+    levels[0, 0, 0] = np.nan
+    image = replace(IMAGE, levels_db=levels)
+    answer = FocusSurveyResponse(**focus_fields(image))
+    received = image_from(sent(answer))
+    assert (received.traces, received.survey_id, received.found) == (
+        *(20, image.found.survey_id),
+        image.found,
+    )
+    for name in ("x_mm", "y_mm", "depth_mm", "levels_db"):
+        np.testing.assert_array_equal(getattr(received, name), getattr(image, name))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"levels_db": b"123"},
+        {"x_mm": [0.0, 5.0, 5.0, 15.0]},
+        {"y_mm": [0.0, float("nan"), 10.0]},
+        {"depth_mm": []},
+        {"candidates_json": "{}"},
+        {"survey_id": "another"},
+    ],
+)
+def test_a_broken_image_is_refused(wrong):
+    with pytest.raises(InvalidValueError):
+        image_from(focus_answer(**wrong))
+
+
+@st.composite
+def summaries(draw):
+    columns, rows = draw(st.integers(0, 5)), draw(st.integers(0, 5))
+    percent = draw(st.binary(min_size=columns * rows, max_size=columns * rows))
+    sizes = (float(draw(st.integers(0, 800))), float(draw(st.integers(0, 800))))
+    return survey_summary.SurveySummary(
+        *(draw(WORDS) for _ in range(4)),
+        *(draw(COUNTS), draw(COUNTS), draw(MESSAGES)),
+        *(draw(st.booleans()), draw(st.booleans()), draw(MESSAGES)),
+        *(draw(WORDS), draw(WORDS)),
+        survey_summary.Thumbnail(*sizes, columns, rows, percent),
+        draw(WORDS),
+    )
+
+
+@given(summaries())
+def test_a_summary(summary):
+    message = SurveySummary(**survey_summary.summary_fields(summary))
+    assert survey_summary.summary_from(sent(message)) == summary
+
+
+def test_every_field_of_a_summary_is_sent():
+    fields = survey_summary.summary_fields(survey_summary.SurveySummary("a"))
+    assert fields.keys() == set(SurveySummary.__slots__)
+
+
+@given(st.builds(volume.Volume, WORDS, WORDS, COUNTS, st.booleans()))
+def test_a_volume(found):
+    assert volume.volume_from(sent(Volume(**volume.volume_fields(found)))) == found
+
+
+@given(
+    st.builds(AnalyzerTest, WORDS, WORDS, WORDS, COUNTS, numbers(0.0), numbers(), failure=MESSAGES)
+)
+def test_a_test_of_the_analyzer(test):
+    assert analyzer_test_of(sent(TestAnalyzerResponse(**analyzer_test_fields(test)))) == test
+
+
+@pytest.mark.parametrize("unreadable", [{}, {"message_json": "{"}])
+def test_a_test_of_the_analyzer_keeps_its_fault_even_if_the_sentence_is_unreadable(unreadable):
+    failure = Message("no VNA").with_fault(WRONG_SWEEP)
+    fields = {**analyzer_test_fields(AnalyzerTest("a", failure=failure)), **unreadable}
+    assert fields["fault_code"] == WRONG_SWEEP.code
+    received = analyzer_test_of(sent(TestAnalyzerResponse(**fields))).failure
+    assert (str(received), received.fault_code) == (str(failure), WRONG_SWEEP.code)
+
+
+@given(
+    st.builds(
+        ReopenedSurvey,
+        *(WORDS, WORDS, WORDS, WORDS),
+        st.lists(COUNTS).map(tuple),
+        st.sampled_from([None, make_trace()]),
+        interrupted=WORDS,
+    )
+)
+def test_a_reopened_survey(reopened):
+    answer = sent(ReopenSurveyResponse(**reopened_fields(reopened)))
+    assert reopened_from(answer, reopened.last) == reopened

@@ -1,0 +1,28 @@
+import pytest
+
+from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
+
+# Davis and Annan (1989), table 1; moist sand lies between its two neighbours.
+RANGES = {
+    Soils.DRY_SAND: (3.0, 5.0),
+    Soils.MOIST_SAND: (5.0, 20.0),
+    Soils.WET_SAND: (20.0, 30.0),
+    Soils.CLAY: (5.0, 40.0),
+}
+
+
+@pytest.mark.parametrize("soil", Soils)
+def test_the_permittivity_of_a_soil_lies_within_the_published_range(soil):
+    low, high = RANGES[soil]
+    assert MIN_PERMITTIVITY < low <= soil.value.permittivity <= high < MAX_PERMITTIVITY
+    assert soil_of(soil.value.permittivity) is soil
+
+
+def test_moist_sand_agrees_with_the_equation_of_topp():
+    water = 0.16
+    topp = 3.03 + 9.3 * water + 146.0 * water**2 - 76.7 * water**3
+    assert Soils.MOIST_SAND.value.permittivity == pytest.approx(topp, rel=0.05)
+
+
+def test_another_permittivity_is_the_operators_own():
+    assert soil_of(9.5) is None

@@ -1,0 +1,248 @@
+"""Card, band and STOP follow the faults of a status, whatever its words and its version."""
+
+import json
+
+import pytest
+
+pytest.importorskip("gpr20_msgs.msg")
+
+from gpr20_common import remedies
+from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
+from gpr20_common.sent_message import message_fields
+from gpr20_msgs.msg import ControlStatus
+from gpr20_msgs.srv import CommandResponse
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_user_interface.high.control_client import _answer_from
+from gpr20_user_interface.high.conversions import control_state
+from gpr20_user_interface.mid.events import ControlState, Request
+from gpr20_user_interface.mid.fault_messages import (
+    FaultWatch,
+    axis_may_move,
+    is_fault,
+    is_notice,
+)
+from gpr20_user_interface.mid.notices import Refused, fault_notice, refusal_notice, state_notice
+
+PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
+FULL = Message("the disk is full", details="errno 28").with_fault(
+    Fault("disk.full", remedies.MAKE_SPACE)
+)
+MOVING = Message("a motor runs").with_fault(
+    Fault("axis.still_moving", remedies.MOTORS_OFF, may_move=True)
+)
+ASKED_PAUSE = Message("asked for").with_fault(
+    Fault("survey.paused_on_request", severity=Severity.NOTE)
+)
+ASKED_STOP = Message("asked for").with_fault(
+    Fault("survey.stopped_on_request", severity=Severity.NOTE)
+)
+LOST = Message("lost").with_fault(Fault("survey.lost", remedies.NEW_SURVEY, can_continue=False))
+CLOCK = Message("the clock is late").with_fault(Fault("clock.late", remedies.SET_CLOCK))
+
+
+def state(code, message):
+    return ControlState(code, message, "id", True)
+
+
+def paused(reason):
+    return state(SurveyState.PAUSED, Message(PAUSED, reason=reason))
+
+
+def warned(status):
+    return Message("Warning: {warning}. {status}", warning=CLOCK.as_warning(), status=status)
+
+
+@pytest.mark.parametrize("code", sorted(set(SurveyState) - {SurveyState.PAUSED, *ENDED}))
+def test_what_is_reported_while_a_survey_runs_is_no_card(code):
+    assert not is_fault(state(code, FULL))
+
+
+@pytest.mark.parametrize(
+    ("code", "message", "fault"),
+    [
+        (SurveyState.FAILED, verbatim("x"), True),
+        (SurveyState.FAILED, ASKED_STOP, True),
+        (SurveyState.PAUSED, Message(PAUSED, reason=FULL), True),
+        (SurveyState.PAUSED, ASKED_PAUSE, False),
+        (SurveyState.PAUSED, warned(ASKED_PAUSE), False),
+        (SurveyState.PAUSED, Message("{a}, but {b}", a=ASKED_PAUSE, b=FULL), True),
+        (SurveyState.PAUSED, verbatim("Paused on request."), True),
+        (SurveyState.PAUSED, warned(verbatim("x")), True),
+        (SurveyState.STOPPED, ASKED_STOP, False),
+        (SurveyState.STOPPED, verbatim("x"), False),
+        (SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL]), True),
+        (SurveyState.FINISHED, warned(verbatim("x")), False),
+    ],
+)
+def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for(code, message, fault):
+    assert is_fault(state(code, message)) is fault
+
+
+@pytest.mark.parametrize(
+    ("code", "message", "may_move"),
+    [
+        (SurveyState.STOPPED, in_a_row([ASKED_STOP, MOVING]), True),
+        (SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL]), False),
+        (SurveyState.STOPPED, ASKED_STOP, False),
+        # Nobody says that all is at rest.
+        (SurveyState.STOPPED, verbatim("Stopped on request"), True),
+        (SurveyState.STOPPED, verbatim("x").with_fault(Fault("later.code")), True),
+        (SurveyState.FAILED, FULL, True),
+        (SurveyState.FINISHED, verbatim("x"), False),
+    ],
+)
+def test_a_stop_is_confirmed_only_by_a_status_that_says_so(code, message, may_move):
+    assert axis_may_move(state(code, message)) is may_move
+
+
+def test_an_axis_that_moves_comes_before_everything():
+    notice = fault_notice(state(SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL, MOVING])))
+    assert notice.first == remedies.MOTORS_OFF and not notice.resumable
+    assert notice.text == in_a_row([FULL, MOVING])
+
+
+def test_the_words_around_a_fault_are_left_out():
+    notice = fault_notice(state(SurveyState.PAUSED, warned(Message(PAUSED, reason=FULL))))
+    assert notice.text == FULL and notice.first == remedies.MAKE_SPACE
+    assert notice.details == ("disk.full", "errno 28")
+    assert notice.resumable and notice.then is not None
+
+
+def test_the_innermost_remedy_counts_and_the_outermost_sentence_is_shown():
+    outer = Message("trace 7 is not stored: {reason}", reason=FULL).with_fault(
+        Fault("storage.not_stored", remedies.CHECK_DISK)
+    )
+    notice = fault_notice(paused(outer))
+    assert notice.text == outer and notice.first == remedies.MAKE_SPACE
+
+
+@pytest.mark.parametrize("code", [SurveyState.PAUSED, SurveyState.FAILED])
+def test_resume_is_not_offered_for_a_survey_that_cannot_continue(code):
+    notice = fault_notice(state(code, Message(PAUSED, reason=LOST)))
+    assert not notice.resumable
+    assert notice.then != fault_notice(state(code, FULL)).then
+
+
+def test_a_refused_resume_is_not_repeated_for_a_survey_that_cannot_continue():
+    notice = refusal_notice(Refused.RESUME, Message("{reason}", reason=LOST))
+    assert notice.first == remedies.NEW_SURVEY and notice.then is None
+    assert refusal_notice(Refused.RESUME, FULL).then is not None
+    assert refusal_notice(Refused.START, LOST).then is not None
+
+
+def test_a_warning_or_what_is_waited_for_is_a_notice():
+    assert is_notice(state(SurveyState.SURVEYING, warned(verbatim("x"))))
+    assert is_notice(state(SurveyState.CHECKING, Message("{reason} ...", reason=FULL)))
+    assert not is_notice(state(SurveyState.SURVEYING, verbatim("Warning: x")))
+    touched = state_notice(state(SurveyState.SURVEYING, warned(verbatim("x"))))
+    assert touched.first == remedies.SET_CLOCK
+
+
+def test_each_fault_is_reported_once():
+    watch = FaultWatch()
+    fault = paused(FULL)
+    assert watch.note(fault) == fault
+    assert watch.note(fault) is None
+    assert watch.note(state(SurveyState.PAUSED, warned(fault.message))) is None
+    other = paused(MOVING)
+    assert watch.note(other) == other
+    same_words = paused(MOVING.with_fault(Fault("axis.stuck", remedies.HOME_AXIS)))
+    assert watch.note(same_words) == same_words
+    assert watch.note(other) == other
+    assert watch.note(state(SurveyState.SURVEYING, verbatim("on"))) is None
+    assert watch.note(other) == other
+
+
+def test_a_number_that_changes_is_no_new_fault():
+    watch = FaultWatch()
+    low, lower = (
+        Message("{free_mb} MB are free", free_mb=free_mb).with_fault(FULL.fault)
+        for free_mb in (7, 3)
+    )
+    assert watch.note(paused(low)) is not None
+    assert watch.note(paused(lower)) is None
+    assert watch.note(state(SurveyState.FAILED, lower)) is not None
+    assert watch.note(state(SurveyState.CHECKING, lower)) is None
+    assert watch.note(paused(lower)) is not None
+
+
+def test_words_without_a_code_are_told_apart_by_the_words():
+    watch = FaultWatch()
+    one, other = paused(verbatim("no power")), paused(verbatim("no height"))
+    assert watch.note(one) is not None
+    assert watch.note(one) is None
+    assert watch.note(other) is not None
+
+
+# What a later version may send: a sentence, a code, a severity and a remedy that are not known.
+LATER = {
+    "template": "the {thing} is warped",
+    "values": {"thing": "mast"},
+    "fault": {
+        "code": "mast.warped",
+        "severity": "disaster",
+        "remedy": {"template": "Straighten the {thing}.", "values": {"thing": "mast"}},
+    },
+}
+
+
+def received(code, fault=None, **fields):
+    """Return a status whose reason was sent by another version."""
+    reason = {**LATER, "fault": {**LATER["fault"], **(fault or {})}}
+    sent = {
+        "message": "Paused: the mast is warped.",
+        "message_json": json.dumps(
+            {"template": "Held: {reason}.", "values": {"reason": reason}, "new key": 1}
+        ),
+        "fault_code": "mast.warped",
+        **fields,
+    }
+    return control_state(ControlStatus(code=int(code), survey_id="id", **sent))
+
+
+def test_a_fault_that_this_version_does_not_know_has_the_remedy_that_travelled_with_it():
+    now = received(SurveyState.PAUSED)
+    notice = fault_notice(now)
+    assert is_fault(now) and notice.resumable
+    assert str(notice.text) == "the mast is warped"
+    assert str(notice.first) == "Straighten the mast."
+    assert "mast.warped" in notice.details
+
+
+@pytest.mark.parametrize("can_continue", [True, False])
+@pytest.mark.parametrize("may_move", [True, False])
+def test_what_an_unknown_fault_allows_is_known(can_continue, may_move):
+    fault = {"can_continue": can_continue, "may_move": may_move}
+    assert fault_notice(received(SurveyState.PAUSED, fault)).resumable is can_continue
+    assert axis_may_move(received(SurveyState.STOPPED, fault)) is may_move
+
+
+@pytest.mark.parametrize("message_json", ["", "{", "[]", "x" * 20_000, '{"template": 1}'])
+def test_a_code_without_a_readable_message_is_a_fault_with_its_text(message_json):
+    now = received(SurveyState.PAUSED, message_json=message_json)
+    notice = fault_notice(now)
+    assert is_fault(now) and notice.resumable
+    assert str(notice.text) == "Paused: the mast is warped."
+    assert notice.first == remedies.CHECK_STATUS
+    assert "mast.warped" in notice.details
+    ended = received(SurveyState.STOPPED, message_json=message_json)
+    assert is_fault(ended) and axis_may_move(ended)
+
+
+def test_a_status_of_a_version_without_faults_is_a_fault_with_its_text():
+    before = json.dumps({"template": PAUSED, "values": {"reason": "the disk is full"}})
+    now = received(SurveyState.PAUSED, message_json=before, fault_code="")
+    notice = fault_notice(now)
+    assert is_fault(now) and notice.resumable
+    assert "the disk is full" in str(notice.text)
+    assert notice.first == remedies.CHECK_STATUS
+    assert axis_may_move(received(SurveyState.STOPPED, message_json=before, fault_code=""))
+
+
+@pytest.mark.parametrize("fault_code", ["", "mast.warped", "no code"])
+def test_a_refusal_of_another_version_is_shown_with_its_text(fault_code):
+    fields = {**message_fields(verbatim("warped")), "fault_code": fault_code}
+    answer = _answer_from(Request.START, CommandResponse(success=False, **fields))
+    notice = refusal_notice(Refused.START, answer.message)
+    assert str(notice.text) == "warped" and notice.first == remedies.CHECK_STATUS
+    assert notice.details == ((fault_code,) if "." in fault_code else ())

@@ -1,0 +1,177 @@
+"""Analysis, report, exports, window and markers say the same of every candidate and flag."""
+
+import csv
+import dataclasses
+import json
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("rospy")
+
+import rospy
+from candidate_examples import POSITIONS, candidate, candidate_list, candidate_lists
+from hypothesis import HealthCheck, given, settings
+from PyQt5.QtWidgets import QApplication, QWidget
+from visualization_msgs.msg import Marker
+
+from gpr20_analysis.candidates.files import write_candidates
+from gpr20_analysis.candidates.table import (
+    DOUBTFUL_TITLE,
+    candidate_lines,
+    candidate_row,
+    tail_sentences,
+)
+from gpr20_analysis.report import pictures
+from gpr20_analysis.sentences import ENGLISH
+from gpr20_survey.high import candidate_topics
+from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.results.candidate_json import json_text, list_from
+from gpr20_survey.results.candidates import Flag, UnknownFlag
+from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
+from gpr20_user_interface.mid.map_grid import Cell, Stop
+from gpr20_user_interface.mid.map_selection import Selection
+from gpr20_user_interface.mid.map_texts import place_lines
+from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
+from gpr20_user_interface.views.radar_spots import slice_spots
+
+# As it is documented: docs/imaging.md.
+DOUBTFUL = {"clutter", "sidelobe"}
+LABELS = {
+    "surface-residue": "surface residue",
+    "edge": "edge",
+    "one-polarization": "one polarization",
+    "clutter": "clutter",
+    "sidelobe": "sidelobe",
+    "unrated": "not rated",
+    "of-a-later-version": "of-a-later-version",
+}
+HERE = AreaPosition(4.6, -74.1, 30.0)
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    application = QApplication.instance() or QApplication(["test", "-platform", "offscreen"])
+    window = QWidget()
+    search = CandidateSearch(SimpleNamespace(), lambda: 0.0)
+    yield CandidatesSheet(window, search, lambda: "en")
+    window.close()
+    application.processEvents()
+
+
+def csv_rows(found, folder):
+    path = folder / "list.csv"
+    write_candidates(found, path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    facts = dict(one[2:].split(": ", 1) for one in lines if one.startswith("# "))
+    return facts, list(csv.DictReader(one for one in lines if not one.startswith("#")))
+
+
+def geojson(found, folder):
+    path = folder / "list.geojson"
+    write_candidates(found, path)
+    values = json.loads(path.read_text(encoding="utf-8"))
+    return values["gpr20"], [one["properties"] for one in values["features"]]
+
+
+def labels_of(text):
+    return [] if text in ("-", "—") else text.split(", ")
+
+
+def check(found, sheet, folder):
+    flags = {one.id: [flag.value for flag in one.flags] for one in found.candidates}
+    doubtful = {name for name, own in flags.items() if DOUBTFUL & set(own)}
+    shown = [name for name in flags if name not in doubtful]
+    shown += [name for name in flags if name in doubtful][:10]
+    labels = {name: [LABELS[one] for one in own] for name, own in flags.items()}
+    primary = len(flags) - len(doubtful) + found.omitted_primary
+
+    # Files, for programs: everything that is listed.
+    for facts, rows in (csv_rows(found, folder), geojson(found, folder)):
+        assert [one["id"] for one in rows] == list(flags)
+        for one in rows:
+            own = one["flags"].split() if isinstance(one["flags"], str) else one["flags"]
+            assert own == flags[one["id"]]
+            assert bool(int(one["doubtful"])) == (one["id"] in doubtful)
+        counts = [int(facts[name]) for name in ("listed", "omitted", "omitted_primary")]
+        assert counts == [len(flags), found.omitted, found.omitted_primary]
+
+    # Terminal and report.
+    lines = candidate_lines(found)
+    head = lines.index(str(DOUBTFUL_TITLE)) if str(DOUBTFUL_TITLE) in lines else None
+    places = {one.split()[0]: at for at, one in enumerate(lines) if one.split()[0] in flags}
+    assert list(places) == shown
+    assert {one for one in shown if head is not None and places[one] > head} == doubtful & {*shown}
+    section = report_section(found)
+    assert [row[0] for row in section.rows] == shown
+    for row in (*section.rows, *(candidate_row(one) for one in found.candidates)):
+        assert labels_of(row[-1]) == labels[row[0]]
+    first = tail_sentences(found, found.shown())[0]
+    assert str(first) in section.lines[0]
+    assert first.values["primary"] == primary
+    assert first.values["secondary"] == len(flags) + found.omitted - primary
+
+    # The window: table, map and radar, from what the node sends.
+    received = list_from(json_text(found))
+    sheet.search.state, sheet.search.found = SearchState.DONE, received
+    sheet.retranslate()
+    table = sheet.table
+    cells = [
+        [table.item(row, column).text() for column in (0, 5)] for row in range(table.rowCount())
+    ]
+    assert [(name, labels_of(text)) for name, text in cells] == [
+        (one, labels[one]) for one in shown
+    ]
+    counted = f"Candidates: {primary}. Doubtful: {len(flags) + found.omitted - primary},"
+    assert counted in sheet.details.text()
+    spots = slice_spots(received.shown(), 0.1, True)
+    assert [(one.text, one.doubtful) for one in spots] == [
+        (str(int(name[1:])), name in doubtful) for name in shown
+    ]
+    for one in received.shown():
+        selected = Selection(Cell(Stop(0, 0), 0), one, one.x_mm, one.y_mm)
+        texts = [str(line) for line in place_lines(selected, None, None)]
+        assert texts[0].endswith("doubtful") == (one.id in doubtful)
+        assert texts[len(texts) - len(one.flags) :] == labels[one.id]
+
+    # The topics: everything that is listed.
+    message = candidate_topics.list_message(found)
+    assert {one.id: one.flags for one in message.candidates} == flags
+    assert (message.omitted, message.omitted_primary) == (found.omitted, found.omitted_primary)
+    markers = candidate_topics.marker_array(found, "base_link", rospy.Time(0)).markers
+    spheres = [one for one in markers if one.type == Marker.SPHERE and one.ns == "candidates"]
+    names = [one for one in markers if one.type == Marker.TEXT_VIEW_FACING]
+    colours = {one.text.split()[0]: one.color for one in names}
+    assert [one.color for one in spheres] == list(colours.values())
+    assert list(colours) == list(flags)
+    for name, colour in colours.items():
+        assert (colour == candidate_topics.DOUBTFUL) == (name in doubtful)
+
+
+def report_section(found):
+    no_figure = pictures.projections.candidate_map_figure
+    pictures.projections.candidate_map_figure = lambda *_: None
+    try:
+        return pictures._candidates(None, found, ENGLISH)
+    finally:
+        pictures.projections.candidate_map_figure = no_figure
+
+
+@pytest.mark.parametrize("flag", [*Flag, UnknownFlag("of-a-later-version")])
+def test_every_flag_means_the_same_everywhere(flag, sheet, tmp_path):
+    assert str(flag.label) == LABELS[flag.value]
+    found = candidate_list([candidate(flags=[flag])], position=HERE)
+    check(found, sheet, tmp_path)
+    # Beside others, and beyond what is shown of doubtful ones.
+    many = [candidate(number, flags=[flag]) for number in range(2, 15)]
+    check(candidate_list([candidate(), *many], position=HERE, omitted=3), sheet, tmp_path)
+
+
+def test_only_clutter_and_sidelobes_are_doubtful():
+    assert {flag.value for flag in Flag if candidate(flags=[flag]).is_doubtful} == DOUBTFUL
+
+
+@given(candidate_lists(POSITIONS))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_list_is_the_same_everywhere(sheet, tmp_path, found):
+    check(dataclasses.replace(found, method="phase-shift"), sheet, tmp_path)
