@@ -135,6 +135,7 @@ def test_each_fault_is_found(changes, level, words):
     (fault,) = [one for one in found if words in str(one.text)]
     assert (fault.level, found[0].level) == (level, level)
     assert fault.remedy is not None
+    assert bool(fault.text.fault_code) == (level is not Level.UNKNOWN)
 
 
 def test_axes_of_other_controllers_need_no_pins():
@@ -194,6 +195,7 @@ def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(machine):
     for one in found:
         assert one.check and str(one.text)
         assert one.level < Level.UNKNOWN or str(one.remedy)
+        assert one.level < Level.WARNING or one.text.fault_code
 
 
 @given(MACHINES)

@@ -15,11 +15,11 @@ from gpr20_survey.plan.robot_description import NodeDescription
 HERE, THERE = "127.0.0.1", "192.0.2.1"
 
 
-def nodes(host="pi", hardware="DRV8825 on pigpio", simulated=False):
+def nodes(host="pi", simulated=False, **axis):
     here = NodeSoftware("0.1.0", "", host)
     return {
         "x_axis/axis_driver": NodeDescription(
-            "x_axis/axis_driver", Hardware(hardware, simulated), {}, here
+            "x_axis/axis_driver", Hardware("a driver", simulated), axis, here
         ),
         "vna_processing": NodeDescription("vna_processing", NO_HARDWARE, {"data": "/s"}, here),
         "vna_acquisition": NodeDescription(
@@ -38,9 +38,10 @@ def machine(root, **environment):
 
 
 def test_everything_of_a_real_robot_on_one_computer_is_looked_at(root):
-    request = machine(root).request(nodes())
+    request = machine(root).request(nodes(backend="pigpio"))
     assert request.hardware is HardwareUse.NEEDED
     assert request.pin_library == "pigpio"
+    assert machine(root).request(nodes()).pin_library == "rpi_gpio"
     assert (request.data, request.vna) == (Path("/s"), "10.0.0.9")
 
 
@@ -49,6 +50,8 @@ def test_only_axes_without_another_controller_need_pins(root):
     axes = root / "config/axes.yaml"
     axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\n")
     assert machine(root).request({}, robot=REAL).pins
+    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\nz: {backend: pigpio}\n")
+    assert machine(root).request({}, robot=REAL).pin_library == "pigpio"
     axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\nz: {controller: a.b:C}\n")
     assert not machine(root).request({}, robot=REAL).pins
     found = nodes()
@@ -56,7 +59,7 @@ def test_only_axes_without_another_controller_need_pins(root):
         "x_axis/axis_driver", Hardware("GRBL on USB", False), {"controller": "a.b:C"}
     )
     assert not machine(root).request(found, robot=REAL).pins
-    found["z_axis/axis_driver"] = nodes()["x_axis/axis_driver"]
+    found["z_axis/axis_driver"] = nodes(backend="pigpio")["x_axis/axis_driver"]
     request = machine(root).request(found, robot=REAL)
     assert request.pins and request.pin_library == "pigpio"
 

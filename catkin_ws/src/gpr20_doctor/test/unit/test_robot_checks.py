@@ -139,8 +139,8 @@ def test_each_fault_is_found(changes, level, words):
     assert fault.level is level
     assert found[0].level is level
     assert fault.remedy is not None
-    if level in (Level.FAULT, Level.WARNING) and fault.text.cause is not None:
-        assert fault.remedy == fault.text.remedy
+    if level in (Level.FAULT, Level.WARNING):
+        assert fault.text.fault_code and fault.remedy == fault.text.remedy
     expected = {Level.FAULT: BAD, Level.NOTE: GOOD}.get(level, DOUBTFUL)
     assert exit_status(found) == expected
 
@@ -248,6 +248,7 @@ def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot):
     for one in found:
         assert one.check and str(one.text)
         assert one.level < Level.UNKNOWN or str(one.remedy)
+        assert one.level < Level.WARNING or one.text.fault_code
     if exit_status(found) == GOOD:
         assert robot.master_alive and robot.control_alive
         assert robot.configured and robot.configuration_problem is None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Dict, Iterator
 
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_common.remedies import CHECK_VNA_CABLE
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.robot_facts import RobotFacts
@@ -27,12 +26,8 @@ def check_analyzer(facts: RobotFacts) -> Iterator[Finding]:
     """Judge the test of the VNA, or what its driver reports where it was not tested."""
     test = facts.analyzer
     if test is not None and test.failure is not None:
-        yield Finding(
-            "vna",
-            Level.FAULT,
-            Message("Test of the VNA: {reason}", reason=test.failure),
-            test.failure.remedy or CHECK_VNA_CABLE,
-        )
+        text = Message("Test of the VNA: {reason}", reason=test.failure)
+        yield Finding.of_fault("vna", text.with_fault(faults.VNA_TEST_FAILED))
     known = facts.reported(ANALYZER) if test is None else test
     identity, calibration = ("", "") if known is None else (known.identity, known.calibration)
     if identity:

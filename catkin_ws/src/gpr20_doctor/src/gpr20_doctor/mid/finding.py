@@ -52,16 +52,17 @@ class Finding:
     remedy: Optional[Message] = None
 
     @classmethod
-    def of_fault(cls, check: str, text: Message) -> Finding:
+    def of_fault(cls, check: str, text: Message, remedy: Optional[Message] = None) -> Finding:
         """Return the finding of a sentence that reports a fault: that says level and remedy.
 
         Args:
             check: Short name of the check.
             text: What was found, with its fault.
+            remedy: What to do here, if that says more than the fault's remedy.
         """
         cause = text.cause
         assert cause is not None
-        return cls(check, _LEVELS[cause.severity], text, cause.remedy)
+        return cls(check, _LEVELS[cause.severity], text, remedy or cause.remedy)
 
 
 _LEVELS: Dict[Severity, Level] = {

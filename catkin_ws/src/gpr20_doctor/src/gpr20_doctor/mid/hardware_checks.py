@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Dict, Iterator, Sequence
 
 from gpr20_common.message import Message
+from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine_facts import (
     PIN_MODULES,
@@ -34,7 +35,6 @@ SKIPPED: Dict[HardwareUse, Message] = {
         "Groups, SPI, GPIO, real-time limits: not checked, this is not a Raspberry Pi."
     ),
 }
-INSTALL = Message("Run scripts/install_robot.sh, then restart the computer.")
 
 
 def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
@@ -74,16 +74,13 @@ def _missing_group(groups: GroupFacts, name: str) -> Finding:
     values = {"user": groups.user, "group": name}
     if name not in groups.existing:
         text = Message("This computer has no group {group}.", group=name)
-        return Finding("groups", Level.WARNING, text, INSTALL)
+        return Finding.of_fault("groups", text.with_fault(faults.GROUP_MISSING))
     if name in groups.listed:
         text = Message("{user} is in the group {group} from the next login on.", **values)
-        return Finding("groups", Level.WARNING, text, Message("Log out and in, or restart."))
-    return Finding(
-        "groups",
-        Level.WARNING,
-        Message("{user} is not in the group {group}.", **values),
-        Message("Run: sudo usermod -aG {group} {user}. Then log out and in.", **values),
-    )
+        return Finding.of_fault("groups", text.with_fault(faults.GROUP_AT_NEXT_LOGIN))
+    text = Message("{user} is not in the group {group}.", **values)
+    command = Message("Run: sudo usermod -aG {group} {user}. Then log out and in.", **values)
+    return Finding.of_fault("groups", text.with_fault(faults.NOT_IN_GROUP), command)
 
 
 def _spi(device: object) -> Finding:
@@ -91,19 +88,11 @@ def _spi(device: object) -> Finding:
         return not_known("spi", Message("the SPI bus"), device)
     path = str(device.path)
     if not device.exists:
-        return Finding(
-            "spi",
-            Level.FAULT,
-            Message("The SPI bus is off: there is no {path}.", path=path),
-            Message("Run: sudo raspi-config nonint do_spi 0. Then restart the computer."),
-        )
+        text = Message("The SPI bus is off: there is no {path}.", path=path)
+        return Finding.of_fault("spi", text.with_fault(faults.SPI_OFF))
     if not device.usable:
-        return Finding(
-            "spi",
-            Level.FAULT,
-            Message("The SPI bus {path} cannot be read and written.", path=path),
-            Message("Add the user to the group spi, then log out and in."),
-        )
+        text = Message("The SPI bus {path} cannot be read and written.", path=path)
+        return Finding.of_fault("spi", text.with_fault(faults.SPI_NO_ACCESS))
     return Finding("spi", Level.OK, Message("SPI bus {path}", path=path))
 
 
@@ -112,58 +101,38 @@ def _gpio(gpio: object) -> Finding:
         return not_known("gpio", Message("access to the pins"), gpio)
     wanted = gpio.wanted
     if not gpio.libraries or (wanted and wanted not in gpio.libraries):
-        return Finding(
-            "gpio",
-            Level.FAULT,
-            Message(
-                "The library {library} for the pins is not installed.",
-                library=PIN_MODULES.get(wanted, "RPi.GPIO"),
-            ),
-            Message("Run: scripts/setup.sh --robot"),
+        text = Message(
+            "The library {library} for the pins is not installed.",
+            library=PIN_MODULES.get(wanted, "RPi.GPIO"),
         )
+        return Finding.of_fault("gpio", text.with_fault(faults.PIN_LIBRARY_MISSING))
     if wanted == PIGPIO:
         if gpio.daemon:
             return Finding("gpio", Level.OK, Message("Pins: the pigpio daemon answers"))
-        return Finding(
-            "gpio",
-            Level.FAULT,
-            Message("The pigpio daemon does not answer."),
-            Message("Run: sudo systemctl enable --now pigpiod"),
-        )
+        text = Message("The pigpio daemon does not answer.")
+        return Finding.of_fault("gpio", text.with_fault(faults.PIGPIO_SILENT))
     usable = [one for one in gpio.devices if one.usable]
     if usable:
         path = str(usable[0].path)
         return Finding("gpio", Level.OK, Message("Pins: {path} can be used", path=path))
-    return Finding(
-        "gpio",
-        Level.FAULT,
-        Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip."),
-        Message("Add the user to the group gpio, then log out and in."),
-    )
+    text = Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip.")
+    return Finding.of_fault("gpio", text.with_fault(faults.PINS_NO_ACCESS))
 
 
 def _realtime(limits: object) -> Finding:
     if not isinstance(limits, RealtimeFacts):
         return not_known("realtime", Message("the real-time limits"), limits)
     if not limits.granted:
-        return Finding(
-            "realtime",
-            Level.WARNING,
-            Message(
-                "Real-time priority {needed} is refused; allowed is {allowed}. Pulses can be late.",
-                needed=PULSE_PRIORITY,
-                allowed=limits.priority,
-            ),
-            Message("Allow rtprio and memlock in /etc/security/limits.d, then log out and in."),
+        text = Message(
+            "Real-time priority {needed} is refused; allowed is {allowed}. Pulses can be late.",
+            needed=PULSE_PRIORITY,
+            allowed=limits.priority,
         )
+        return Finding.of_fault("realtime", text.with_fault(faults.REALTIME_LIMITED))
     if limits.locked_bytes is not None and limits.locked_bytes < LOCKED_BYTES:
-        return Finding(
-            "realtime",
-            Level.WARNING,
-            Message(
-                "Only {locked_mb:.0f} MB of memory can be locked. Pulses can be late.",
-                locked_mb=limits.locked_bytes / 1e6,
-            ),
-            Message("Allow rtprio and memlock in /etc/security/limits.d, then log out and in."),
+        text = Message(
+            "Only {locked_mb:.0f} MB of memory can be locked. Pulses can be late.",
+            locked_mb=limits.locked_bytes / 1e6,
         )
+        return Finding.of_fault("realtime", text.with_fault(faults.REALTIME_LIMITED))
     return Finding("realtime", Level.OK, Message("Real-time priority and locked memory"))

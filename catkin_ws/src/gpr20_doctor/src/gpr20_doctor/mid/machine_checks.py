@@ -9,7 +9,6 @@ import math
 from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.message import Message
-from gpr20_common.remedies import CHECK_VNA_CABLE
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding, Level, Unknown
 from gpr20_doctor.mid.hardware_checks import check_hardware
@@ -60,8 +59,8 @@ def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
     if temperature_c < WARM_C:
         yield Finding("temperature", Level.OK, text)
         return
-    level = Level.FAULT if temperature_c >= HOT_C else Level.WARNING
-    yield Finding("temperature", level, text, Message("Shade the computer and check its fan."))
+    hot = text.with_fault(faults.COMPUTER_HOT)
+    yield Finding.of_fault("temperature", hot if temperature_c >= HOT_C else hot.as_warning())
 
 
 def check_power(facts: MachineFacts) -> Iterator[Finding]:
@@ -72,22 +71,14 @@ def check_power(facts: MachineFacts) -> Iterator[Finding]:
     elif not isinstance(power, PowerFacts):
         yield not_known("power", Message("the supply voltage"), power)
     elif power.low_now:
-        yield Finding(
-            "power",
-            Level.FAULT,
-            Message("The supply voltage of the Raspberry Pi is too low now."),
-            Message("Charge the battery, and check the supply and its cable (5.1 V, 3 A)."),
-        )
+        text = Message("The supply voltage of the Raspberry Pi is too low now.")
+        yield Finding.of_fault("power", text.with_fault(faults.VOLTAGE_LOW))
     elif power.low_before or power.throttled:
-        yield Finding(
-            "power",
-            Level.WARNING,
-            Message(
-                "The supply voltage of the Raspberry Pi was too low since its start, or it was "
-                "slowed down."
-            ),
-            Message("Charge the battery, and check the supply and its cable (5.1 V, 3 A)."),
+        text = Message(
+            "The supply voltage of the Raspberry Pi was too low since its start, or it was "
+            "slowed down."
         )
+        yield Finding.of_fault("power", text.with_fault(faults.VOLTAGE_LOW).as_warning())
     else:
         yield Finding("power", Level.OK, Message("Supply voltage of the Raspberry Pi"))
 
@@ -116,19 +107,11 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
     elif not isinstance(clock, ClockFacts):
         yield not_known("clock", Message("the offset of the clock"), clock)
     elif not clock.synchronized:
-        yield Finding(
-            "clock",
-            Level.WARNING,
-            Message("chrony does not follow the other computer's clock."),
-            Message("Run: chronyc sources. Check the cable between the computers."),
-        )
+        text = Message("chrony does not follow the other computer's clock.")
+        yield Finding.of_fault("clock", text.with_fault(faults.CLOCK_NOT_FOLLOWED))
     elif abs(clock.offset_s) > CLOCK_LIMIT_S:
-        yield Finding(
-            "clock",
-            Level.WARNING,
-            Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s),
-            Message("Wait some minutes. If it stays, run: sudo chronyc makestep"),
-        )
+        text = Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s)
+        yield Finding.of_fault("clock", text.with_fault(faults.CLOCK_OFF))
     else:
         text = Message("Clock: off by {offset_ms:.2f} ms", offset_ms=1e3 * clock.offset_s)
         yield Finding("clock", Level.OK, text)
@@ -144,17 +127,13 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
         remedy = Message("Write the address of the VNA into analyzer.yaml.")
         yield not_known("vna_port", Message("the network of the VNA"), vna, remedy)
     elif vna.failure is not None:
-        yield Finding(
-            "vna_port",
-            Level.FAULT,
-            Message(
-                "The VNA at {address} cannot be reached: {reason}",
-                address=vna.address,
-                reason=vna.failure,
-                details=f"TCP port {vna.port}",
-            ),
-            CHECK_VNA_CABLE,
+        text = Message(
+            "The VNA at {address} cannot be reached: {reason}",
+            address=vna.address,
+            reason=vna.failure,
+            details=f"TCP port {vna.port}",
         )
+        yield Finding.of_fault("vna_port", text.with_fault(faults.VNA_UNREACHABLE))
     else:
         text = Message("The VNA at {address} can be reached.", address=vna.address)
         yield Finding("vna_port", Level.OK, text)
@@ -167,37 +146,27 @@ def _one_machine(addresses: AddressFacts) -> Finding:
         local = addresses.ros_address.startswith("127.")
     if local:
         return Finding("addresses", Level.OK, Message("One computer: ROS listens on loopback."))
-    return Finding(
-        "addresses",
-        Level.WARNING,
-        Message(
-            "ROS listens on {address}: everybody in the network can move the robot.",
-            address=addresses.ros_address or "*",
-        ),
-        Message("Source setup.bash of the workspace, without ROS_IP and ROS_HOSTNAME set before."),
+    text = Message(
+        "ROS listens on {address}: everybody in the network can move the robot.",
+        address=addresses.ros_address or "*",
     )
+    return Finding.of_fault("addresses", text.with_fault(faults.NETWORK_OPEN))
 
 
 def _two_machines(addresses: AddressFacts) -> Finding:
     configured = f"{addresses.robot or '?'}, {addresses.server or '?'}"
     if not addresses.own:
-        return Finding(
-            "addresses",
-            Level.FAULT,
-            Message("This computer has none of the addresses {configured}.", configured=configured),
-            Message("Check the link, GPR20_ROBOT and GPR20_SERVER, and source setup.bash again."),
+        text = Message(
+            "This computer has none of the addresses {configured}.", configured=configured
         )
+        return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_MISSING))
     if addresses.ros_address not in addresses.own:
-        return Finding(
-            "addresses",
-            Level.FAULT,
-            Message(
-                "ROS listens on {address}, but this computer is {own}.",
-                address=addresses.ros_address or "*",
-                own=addresses.own[0],
-            ),
-            Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again."),
+        text = Message(
+            "ROS listens on {address}, but this computer is {own}.",
+            address=addresses.ros_address or "*",
+            own=addresses.own[0],
         )
+        return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_WRONG))
     return Finding(
         "addresses",
         Level.OK,

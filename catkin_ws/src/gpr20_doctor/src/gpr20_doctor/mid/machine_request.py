@@ -14,6 +14,7 @@ from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.node_health import axis_node
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import Backend
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE, NodeDescription
 
 ROOT = Path("/")
@@ -21,8 +22,6 @@ DEFAULT_CONFIGURATION = "~/.gpr20/robot"
 DEFAULT_SPI = (0, 0)
 DEFAULT_DATA = "~/gpr20_data"
 REAL, SIMULATED, AUTOMATIC = "gpr20", "simulated", "auto"
-# Of a description: "DRV8825 on rpi_gpio".
-BEFORE_LIBRARY = " on "
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ class ThisMachine:
             else:
                 own = node.configuration
             if not (isinstance(own, Mapping) and own.get("controller")):
-                found.append(_pin_library(node))
+                found.append(_pin_library(node, own))
         return found
 
     def _spi(self, sensor: Optional[NodeDescription]) -> Tuple[int, int]:
@@ -170,7 +169,8 @@ class ThisMachine:
         return tuple(one for one in given if one and network.is_own_address(one))
 
 
-def _pin_library(axis: Optional[NodeDescription]) -> str:
-    if axis is None or axis.hardware.simulated:
+def _pin_library(axis: Optional[NodeDescription], configuration: object) -> str:
+    """Return what drives the pins of an axis; empty: nothing, or it is not known."""
+    if not isinstance(configuration, Mapping) or (axis is not None and axis.hardware.simulated):
         return ""
-    return axis.hardware.name.partition(BEFORE_LIBRARY)[2]
+    return str(configuration.get("backend", Backend.RPI_GPIO.value))

@@ -10,7 +10,6 @@ from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.faults import DISK_FULL, NODE_SILENT
 from gpr20_common.message import Message, Severity
-from gpr20_common.remedies import CHECK_CONFIGURATION, RESTART_ROBOT
 from gpr20_doctor import faults
 from gpr20_doctor.mid.analyzer_checks import check_analyzer
 from gpr20_doctor.mid.finding import Finding, Level
@@ -33,8 +32,6 @@ CLOCK_OFFSET_LIMIT_S = 1.0
 ENDSTOP_REACH_MM = 5.0
 # Antennas that are lower touch the ground; at a greater height they measure little of it [m].
 USUAL_HEIGHT_M = (0.01, 0.6)
-
-LOOK = Message("Look at the details of this part on STATUS.")
 
 Check = Callable[[RobotFacts], Iterable[Finding]]
 
@@ -65,12 +62,8 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
     """Judge what the nodes say about themselves."""
     if facts.configuration_problem is not None:
         reason = facts.configuration_problem
-        yield Finding(
-            "configuration",
-            Level.FAULT,
-            Message("No survey can start: {reason}", reason=reason),
-            reason.remedy or CHECK_CONFIGURATION,
-        )
+        text = Message("No survey can start: {reason}", reason=reason)
+        yield Finding.of_fault("configuration", text.with_fault(faults.CONFIGURATION_REFUSED))
     elif not facts.configured:
         yield Finding(
             "configuration",
@@ -205,13 +198,13 @@ def _part(node: NodeHealth, listening_s: float) -> Finding:
         if listening_s > STARTING_S:
             return Finding.of_fault(node.name, text.with_fault(NODE_SILENT))
         return Finding(node.name, Level.UNKNOWN, text, NODE_SILENT.remedy)
+    cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
-        return Finding(node.name, Level.FAULT, text, node.message.remedy or RESTART_ROBOT)
-    cause = node.message.cause
-    noted = cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code)
-    level = Level.NOTE if noted else Level.WARNING
-    return Finding(node.name, level, text, node.message.remedy or LOOK)
+        return Finding.of_fault(node.name, text.with_fault(faults.PART_FAILED), node.message.remedy)
+    if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
+        return Finding(node.name, Level.NOTE, text, cause.remedy or faults.PART_WARNS.remedy)
+    return Finding.of_fault(node.name, text.with_fault(faults.PART_WARNS).as_warning())
 
 
 UNHEARD: Tuple[Check, ...] = (check_contact, check_unheard)

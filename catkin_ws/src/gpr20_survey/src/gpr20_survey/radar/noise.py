@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from gpr20_survey.radar.frequency_to_delay import delay_kernel, unambiguous_s
+from gpr20_survey.radar.frequency_to_delay import decibels, delay_kernel, unambiguous_s
 
 # Delays at which only noise is expected. They begin at this part of the unambiguous delay and end
 # before its end, where sidelobes of delay 0 are wrapped to. Their distance is that of independent
@@ -94,4 +94,4 @@ def noise_threshold_db(samples: int) -> float:
         samples: How many values of noise there are in all.
     """
     ratio = rayleigh_ratio(math.log(FALSE_ALARM / max(samples, 1)))
-    return 20.0 * math.log10(ratio) + ESTIMATE_MARGIN_DB
+    return float(decibels(ratio)) + ESTIMATE_MARGIN_DB
