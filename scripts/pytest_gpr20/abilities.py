@@ -50,6 +50,16 @@ def try_firewall() -> None:
         _run("ip", "netns", "del", name)
 
 
+def try_terminals() -> None:
+    """Open a pseudo-terminal, for which a chroot needs /dev/pts."""
+    try:
+        ends = os.openpty()
+    except OSError as error:
+        raise NotAllowedError(f"/dev/pts: {error.strerror}") from error
+    for end in ends:
+        os.close(end)
+
+
 def try_tun() -> None:
     """Open the device that makes network devices."""
     try:
@@ -74,6 +84,7 @@ def try_mounts() -> None:
 ABILITIES: Dict[str, Callable[[], None]] = {
     "network namespaces": try_network_namespaces,
     "firewall": try_firewall,
+    "terminals": try_terminals,
     "tun": try_tun,
     "mounts": try_mounts,
 }

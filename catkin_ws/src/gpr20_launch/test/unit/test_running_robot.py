@@ -58,11 +58,14 @@ def test_a_node_is_recognized_by_its_command_line():
 
 def test_a_process_is_described_as_the_system_knows_it():
     before = datetime.now()
-    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as child:
+    program = [sys.executable, "-c", "print(flush=True); input()"]
+    with subprocess.Popen(program, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
+        # The command line of a process is empty for a moment after its start.
+        assert child.stdout is not None and child.stdout.readline()
         found = process_info(child.pid)
         assert found is not None
         assert found.parent == os.getpid()
-        assert found.command[-1] == "input()"
+        assert found.command == tuple(program)
         # The start is counted in ticks since a boot that is known to a second.
         assert abs((found.started - before).total_seconds()) < 3.0
         assert not found.is_roslaunch

@@ -5,6 +5,8 @@ import pytest
 
 from gpr20_user_interface.low import terminal_question
 
+pytestmark = pytest.mark.needs("terminals")
+
 NO = ("n", "", "x")
 
 
