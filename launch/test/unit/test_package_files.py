@@ -183,8 +183,8 @@ def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
 
 
 def test_the_check_before_a_launch_knows_what_the_nodes_import():
-    # What gpr20_other_vnas imports, it asks for itself.
-    launched = set(PACKAGES) - {"gpr20_analysis", "gpr20_other_vnas"}
+    # What gpr20_scikit_rf imports, it asks for itself.
+    launched = set(PACKAGES) - {"gpr20_analysis", "gpr20_scikit_rf"}
     imported = set().union(*(foreign_modules(name) for name in launched))
     known = {*needed_modules.FROM_ROS, *needed_modules.FROM_SYSTEM, *needed_modules.FROM_PIP}
     assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE

@@ -80,7 +80,7 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("analyzer", "address: vna.local", ("address", "'vna.local'")),
         ("analyzer", "accepted_calibrations: [1, 9]", ("accepted_calibrations[1]", "9")),
         ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, ")),
-        ("analyzer", "analyzer: scikit_rf", ("gpr20_other_vnas:ScikitRfAnalyzer",)),
+        ("analyzer", "analyzer: scikit_rf", ("gpr20_scikit_rf:ScikitRfAnalyzer",)),
         ("analyzer", "scikit_rf_class: keysight.PNA", ("scikit_rf_class", "in analyzer_options")),
         ("analyzer", OTHER_VNA.replace("::16::", "::1 6::"), ("'GPIB0::1 6::INSTR'",)),
         ("analyzer", OTHER_VNA + "analyzer_option: {}", ("'analyzer_option'",)),

@@ -70,7 +70,7 @@ def test_an_analyzer_of_no_kind_is_refused_with_what_is_allowed(analyzer):
 
 
 def test_what_older_software_called_scikit_rf_is_refused_with_what_to_write_now():
-    with raises_fault(common_faults.NOT_ALLOWED, "gpr20_other_vnas:ScikitRfAnalyzer"):
+    with raises_fault(common_faults.NOT_ALLOWED, "gpr20_scikit_rf:ScikitRfAnalyzer"):
         VnaParameters(analyzer="scikit_rf", analyzer_options={"visa_library": "@py"})
 
 

@@ -30,7 +30,7 @@ from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
 # The analyzer of this package; any other one is a class of another package.
 MS2026C = "ms2026c"
-OTHER_ANALYZERS = ("gpr20_other_vnas:ScikitRfAnalyzer", "package.module:Class")
+OTHER_ANALYZERS = ("gpr20_scikit_rf:ScikitRfAnalyzer", "package.module:Class")
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
 # How much longer than its time limits a step may take: a server's own timeout may arrive 1 s later,
@@ -47,7 +47,7 @@ class VnaParameters:
     """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
-        analyzer: The kind of analyzer: ms2026c; gpr20_other_vnas:ScikitRfAnalyzer for those of
+        analyzer: The kind of analyzer: ms2026c; gpr20_scikit_rf:ScikitRfAnalyzer for those of
             other makers that the package of this name can control; or a class of your own, such
             as my_robot.my_vna:MyAnalyzer (docs/extend/analyzer.md).
         analyzer_options: Only for a class: its arguments, by name.

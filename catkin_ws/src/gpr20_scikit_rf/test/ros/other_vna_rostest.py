@@ -16,7 +16,7 @@ from gpr20_msgs.msg import ControlStatus
 
 # The client of the whole graph's tests is the client of these, too.
 sys.path.insert(0, str(Path(rospkg.RosPack().get_path("gpr20")) / "test/ros"))
-sys.path.insert(0, str(Path(rospkg.RosPack().get_path("gpr20_other_vnas")) / "test/unit"))
+sys.path.insert(0, str(Path(rospkg.RosPack().get_path("gpr20_scikit_rf")) / "test/unit"))
 from scpi_analyzers import SERIAL, PnaAnalyzer, ScpiServer
 from survey_client import SurveyClient, described, json_traces
 
@@ -112,4 +112,4 @@ class OtherVnaTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("gpr20_other_vnas", "other_vna", OtherVnaTest)
+    rostest.rosrun("gpr20_scikit_rf", "other_vna", OtherVnaTest)

@@ -11,7 +11,7 @@ from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.records import record_from
-from gpr20_other_vnas.mid.scikit_rf_options import visa_resource_name
+from gpr20_scikit_rf.mid.scikit_rf_options import visa_resource_name
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

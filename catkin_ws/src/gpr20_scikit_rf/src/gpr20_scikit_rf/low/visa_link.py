@@ -13,9 +13,9 @@ from typing import Any, Callable, List, Optional, Tuple, Type, TypeVar
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
-from gpr20_other_vnas import faults
-from gpr20_other_vnas.errors import VnaLibraryError
-from gpr20_other_vnas.low.call_thread import CallThread
+from gpr20_scikit_rf import faults
+from gpr20_scikit_rf.errors import VnaLibraryError
+from gpr20_scikit_rf.low.call_thread import CallThread
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError, VnaError
 
 Result = TypeVar("Result")

@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, List, Optional, Type
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_other_vnas.mid.scikit_rf_options import ScikitRfClass
+from gpr20_scikit_rf.mid.scikit_rf_options import ScikitRfClass
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
 S21 = "S21"

@@ -4,9 +4,9 @@ from setuptools import setup
 setup(
     **generate_distutils_setup(
         packages=[
-            "gpr20_other_vnas",
-            "gpr20_other_vnas.low",
-            "gpr20_other_vnas.mid",
+            "gpr20_scikit_rf",
+            "gpr20_scikit_rf.low",
+            "gpr20_scikit_rf.mid",
         ],
         package_dir={"": "src"},
     )

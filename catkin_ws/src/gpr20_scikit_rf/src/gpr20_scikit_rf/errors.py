@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gpr20_other_vnas import faults
+from gpr20_scikit_rf import faults
 from gpr20_vna_acquisition.errors import VnaError
 
 

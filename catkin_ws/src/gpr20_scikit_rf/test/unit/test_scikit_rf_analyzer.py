@@ -15,9 +15,9 @@ from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
 
 from gpr20_common import faults as common_faults
 from gpr20_common.low.clock import Clock
-from gpr20_other_vnas import ScikitRfAnalyzer
-from gpr20_other_vnas import faults as own_faults
-from gpr20_other_vnas.low.visa_link import VisaLibrary, VisaLimits
+from gpr20_scikit_rf import ScikitRfAnalyzer
+from gpr20_scikit_rf import faults as own_faults
+from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -54,7 +54,7 @@ class Bench:
         self.address = self.server.address
         self.parameters = VnaParameters(
             **{
-                "analyzer": "gpr20_other_vnas:ScikitRfAnalyzer",
+                "analyzer": "gpr20_scikit_rf:ScikitRfAnalyzer",
                 "analyzer_options": {"scikit_rf_class": name, **(options or {})},
                 "address": self.address,
                 "maker": self.vna.maker,

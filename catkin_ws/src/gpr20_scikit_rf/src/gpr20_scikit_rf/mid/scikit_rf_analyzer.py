@@ -8,15 +8,15 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.records import record_from
-from gpr20_other_vnas.faults import CALIBRATION_UNSURE, NOT_UNDERSTOOD, SETTING_UNAVAILABLE
-from gpr20_other_vnas.low.visa_link import VisaLibrary, VisaLimits, VisaLink
-from gpr20_other_vnas.mid.scikit_rf_dialects import DIALECTS, Setting
-from gpr20_other_vnas.mid.scikit_rf_options import (
+from gpr20_scikit_rf.faults import CALIBRATION_UNSURE, NOT_UNDERSTOOD, SETTING_UNAVAILABLE
+from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits, VisaLink
+from gpr20_scikit_rf.mid.scikit_rf_dialects import DIALECTS, Setting
+from gpr20_scikit_rf.mid.scikit_rf_options import (
     ScikitRfOptions,
     check_parameters,
     visa_resource_name,
 )
-from gpr20_other_vnas.mid.scikit_rf_sweeps import ScikitRfSweeps
+from gpr20_scikit_rf.mid.scikit_rf_sweeps import ScikitRfSweeps
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_AVERAGES, MAX_IF_BANDWIDTH_HZ, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings

@@ -7,8 +7,8 @@ from typing import Any, Callable, Optional, Protocol, TypeVar
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_other_vnas.faults import SWEEP_TOO_EARLY
-from gpr20_other_vnas.mid.scikit_rf_dialects import Dialect
+from gpr20_scikit_rf.faults import SWEEP_TOO_EARLY
+from gpr20_scikit_rf.mid.scikit_rf_dialects import Dialect
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
