@@ -6,7 +6,7 @@
 #   scripts/setup.sh --robot   on the Raspberry Pi: what its pins and its SPI bus need as well;
 #                              without the analysis
 #   scripts/setup.sh --analysis   the analysis with --robot too, for a robot that keeps its data
-#   scripts/setup.sh --scikit-rf   what another VNA needs as well (docs/another_analyzer.md)
+#   scripts/setup.sh --scikit-rf   what another VNA needs as well (gpr20_scikit_rf)
 #   scripts/setup.sh --check   install nothing; end with status 1 if something is missing
 #   scripts/setup.sh --dry-run   install nothing; say what would be installed, and which ROS is used
 # It uses the ROS in /opt/ros/noetic if there is one, otherwise Debian's packages. What apt, pip and

@@ -64,6 +64,13 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
         ("gpr20_main_control/mid/robot.py", "from sensor_msgs.msg import Range", ROS_IN_HIGH),
         ("gpr20_main_control/high/__init__.py", "import gpr20_axis_driver.errors", SHARE),
         ("gpr20_axis_driver/high/__init__.py", "import gpr20_simulator.errors", SHARE),
+        ("gpr20_vna_acquisition/mid/analyzers.py", "import gpr20_scikit_rf", SHARE),
+        ("gpr20_vna_acquisition/mid/analyzers.py", "import pyvisa", "do it in gpr20_scikit_rf"),
+        (
+            "gpr20_scikit_rf/errors.py",
+            "import gpr20_simulator.errors",
+            "move what it needs there",
+        ),
         (
             "gpr20_simulator/high/__init__.py",
             "import gpr20_main_control.errors",

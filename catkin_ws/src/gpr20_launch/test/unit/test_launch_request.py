@@ -67,7 +67,7 @@ def test_the_simulated_robot_has_its_own_analyzer_whatever_the_real_one_is(home)
     config = home / "robot"
     config.mkdir()
     text = (
-        "analyzer: scikit_rf\nscikit_rf_class: keysight.PNA\naddress: GPIB0::16::INSTR\n"
+        "analyzer: other_package:Vna\nanalyzer_options: {port: 1}\naddress: GPIB0::16::INSTR\n"
         "maker: Agilent\nmodel: N5222A\naccepted_calibrations: [5]\nsettle_s: 1.5"
     )
     (config / "analyzer.yaml").write_text(text)
@@ -77,8 +77,8 @@ def test_the_simulated_robot_has_its_own_analyzer_whatever_the_real_one_is(home)
     for name in ("analyzer", "maker", "model", "accepted_calibrations", "address"):
         assert getattr(parameters, name) == getattr(default, name)
     assert parameters.settle_s == 1.5
-    real = request(robot="gpr20", config=str(config)).sections(AXES)["vna_acquisition"]
-    assert real["analyzer"] == "scikit_rf" and real["address"] == "GPIB0::16::INSTR"
+    real = request("robot", "gpr20", str(config)).sections(AXES)["vna_acquisition"]
+    assert real["analyzer"] == "other_package:Vna" and real["address"] == "GPIB0::16::INSTR"
 
 
 def test_the_rotation_of_the_real_robot_outlives_the_power(home):
@@ -166,3 +166,22 @@ def test_a_class_of_its_own_is_checked_where_it_is_used(home, name, text, parts,
     simulated = request(config=str(config)).sections(AXES)
     for section in ("x_axis", "vna_acquisition"):
         assert not {"controller", "analyzer", "analyzer_options"} & set(simulated[section])
+
+
+OPTIONS_REFUSED = """
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import verbatim
+from gpr20_vna_acquisition.mid.analyzer import Analyzer
+
+class Vna(Analyzer):
+    def __init__(self, parameters, deadline, port):
+        raise InvalidValueError(verbatim(f"port is {port}"))
+"""
+
+
+def test_a_class_of_analyzer_checks_its_options_before_the_launch(home, monkeypatch):
+    (home / "own_vna.py").write_text(OPTIONS_REFUSED)
+    (home / "analyzer.yaml").write_text("analyzer: own_vna:Vna\nanalyzer_options: {port: -1}")
+    monkeypatch.syspath_prepend(str(home))
+    with raises_fault(faults.UNUSABLE_EXTENSION, "vna_acquisition", "port is -1"):
+        request("server", "gpr20", str(home)).sections(AXES)

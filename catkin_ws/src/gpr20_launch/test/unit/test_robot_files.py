@@ -15,15 +15,14 @@ from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 AXES = Path(__file__).resolve().parents[2] / "config" / "axes.yaml"
 
 # Another analyzer than the usual one.
-SCIKIT_RF = """\
-analyzer: scikit_rf
-scikit_rf_class: keysight.PNA
+OTHER_VNA = """\
+analyzer: other_package:Vna
+analyzer_options: {port: 1}
 address: GPIB0::16::INSTR
 maker: Agilent
 model: N5222A
@@ -80,21 +79,11 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "float")),
         ("analyzer", "address: vna.local", ("address", "'vna.local'")),
         ("analyzer", "accepted_calibrations: [1, 9]", ("accepted_calibrations[1]", "9")),
-        ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, scikit")),
-        ("analyzer", "analyzer: scikit_rf", ("scikit_rf_class", "keysigh")),
-        (
-            "analyzer",
-            "analyzer: scikit_rf\nscikit_rf_class: nanovna.NanoVNAv2",
-            ("scikit_rf_class", "'nanovna.NanoVNAv2'", "keysight.PNA, keysight.Fiel"),
-        ),
-        (
-            "analyzer",
-            SCIKIT_RF.replace("GPIB0::16::INSTR", "1.2.3.4"),
-            ("1.2.3.4", "TCPIP0::192.168.1.10::inst0::INSTR"),
-        ),
-        ("analyzer", SCIKIT_RF.replace("model: N5222A", ""), ("model", "MS2026C")),
-        ("analyzer", SCIKIT_RF.replace("maker: Agilent", ""), ("maker", "Anritsu")),
-        ("analyzer", SCIKIT_RF + "correction_query: ¿", ("correction_query", "ASCII")),
+        ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, ")),
+        ("analyzer", "analyzer: scikit_rf", ("gpr20_scikit_rf:ScikitRfAnalyzer",)),
+        ("analyzer", "scikit_rf_class: keysight.PNA", ("scikit_rf_class", "in analyzer_options")),
+        ("analyzer", OTHER_VNA.replace("::16::", "::1 6::"), ("'GPIB0::1 6::INSTR'",)),
+        ("analyzer", OTHER_VNA + "analyzer_option: {}", ("'analyzer_option'",)),
         ("analyzer", "antenna_delay_ns: 200", ("antenna_delay_ns", "200", "-100")),
         ("analyzer", "antenna_delay_ns: .nan", ("antenna_delay_ns", "nan")),
         ("survey", "settle_s: -1", ("settle_s", "-1 s", "0", "60 s")),
@@ -183,8 +172,8 @@ def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, va
 
 
 def test_another_analyzer_can_be_configured(tmp_path):
-    sections = read(tmp_path, analyzer=SCIKIT_RF)
+    sections = read(tmp_path, analyzer=OTHER_VNA)
     parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
-    assert parameters.analyzer == AnalyzerKind.SCIKIT_RF.value
-    assert parameters.scikit_rf_class is ScikitRfClass.PNA
+    assert parameters.analyzer == "other_package:Vna"
+    assert parameters.analyzer_options == {"port": 1}
     assert parameters.accepted_calibrations == (CalibrationStatus.NOT_REPORTED,)

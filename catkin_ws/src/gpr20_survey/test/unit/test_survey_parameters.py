@@ -136,5 +136,5 @@ def test_any_numbers_give_sentences_and_never_an_exception(start, stop, points, 
     assert all(isinstance(one, Message) for one in problems(wild, TRAVEL))
 
 
-def test_the_address_may_be_the_name_of_a_visa_resource():
+def test_the_address_may_be_of_another_form_that_only_its_driver_knows():
     check(replace(PARAMETERS, vna_address="TCPIP0::192.168.1.5::inst0::INSTR"), TRAVEL)

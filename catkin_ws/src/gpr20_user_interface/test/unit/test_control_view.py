@@ -316,7 +316,7 @@ def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses
     assert text(window, "vna_address") == "10.0.0.7"
 
 
-def test_a_visa_resource_of_the_configuration_is_shown_and_used(window):
+def test_an_address_of_another_form_in_the_configuration_is_shown_and_used(window):
     resource = "GPIB0::16::INSTR"
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults(resource, Site())))
     assert window.control.parameters.vna_address == resource

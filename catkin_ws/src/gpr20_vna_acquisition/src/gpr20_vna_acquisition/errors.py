@@ -87,9 +87,3 @@ class VnaOldDataError(VnaDataError):
     """Data, or a part of them, are those of a sweep before."""
 
     fault = faults.OLD_DATA
-
-
-class VnaLibraryError(VnaError, ImportError):
-    """A library that this kind of analyzer needs is not installed, or too old."""
-
-    fault = faults.LIBRARY_UNUSABLE

@@ -11,9 +11,6 @@ _CHECK_CABLE = Message(
 _RIGHT_VNA = Message("Check that the right VNA is connected, and its address in the plan.")
 _CONNECT = Message("Connect the VNA: start or resume the survey, or test the VNA on SERVICE.")
 _SET_UP = Message("Enter the plan and start the survey: that sets the VNA up.")
-_CHECK_CONFIGURED_VNA = Message(
-    "Ask the person who maintains the robot to check how the VNA is configured."
-)
 
 FAILED = Fault("vna.failed", remedies.CHECK_VNA)
 # The link.
@@ -44,22 +41,10 @@ REPLACED = Fault(
     "vna.replaced",
     remedies.SAME_VNA,
 )
-LIBRARY_UNUSABLE = Fault(
-    "vna.library_unusable",
-    Message("Ask the person who maintains the robot to install what the message names."),
-)
-NOT_UNDERSTOOD = Fault("vna.not_understood", _CHECK_CONFIGURED_VNA)
 # Its settings.
 NOT_CONFIGURED = Fault("vna.not_configured", _SET_UP)
 SETTING_REFUSED = Fault("vna.setting_refused", remedies.HANDS_OFF_VNA)
 SETTINGS_CHANGED = Fault("vna.settings_changed", remedies.HANDS_OFF_VNA)
-SETTING_UNAVAILABLE = Fault(
-    "vna.setting_unavailable",
-    Message(
-        "Correct the value if the plan has it. If not, ask the person who maintains the robot to "
-        "check how the VNA is configured."
-    ),
-)
 SETTING_UNREPORTED = Fault(
     "vna.setting_unreported",
     Message("Check on the VNA's display that this setting is right."),
@@ -83,14 +68,8 @@ CALIBRATION_UNREPORTED = Fault(
         "accepted_calibrations."
     ),
 )
-CALIBRATION_UNSURE = Fault(
-    "vna.calibration_unsure",
-    Message("Look on the VNA's display whether the calibration still applies; if not, repeat it."),
-    Severity.WARNING,
-)
 # Its sweeps and data.
 SWEEP_NOT_ENDED = Fault("vna.sweep_not_ended", remedies.HANDS_OFF_VNA)
-SWEEP_TOO_EARLY = Fault("vna.sweep_too_early", remedies.CHECK_VNA)
 SWEEP_UNCONFIRMED = Fault(
     "vna.sweep_unconfirmed",
     Message("If the survey is paused, resume it: that measures the point again."),

@@ -63,10 +63,15 @@ def test_a_class_that_cannot_be_used_is_refused_with_the_reason(analyzer, option
 
 @pytest.mark.parametrize("analyzer", ["", "ms2027c", "os.system", "a:b:c"])
 def test_an_analyzer_of_no_kind_is_refused_with_what_is_allowed(analyzer):
-    with raises_fault(common_faults.NOT_ALLOWED, "ms2026c, scikit_rf, package.module:Class"):
+    with raises_fault(common_faults.NOT_ALLOWED, "ms2026c", "package.module:Class"):
         VnaParameters(analyzer=analyzer)
     with raises_fault(common_faults.CONFIGURATION):
         replace(VnaParameters(), analyzer_options={"port": 1})
+
+
+def test_what_older_software_called_scikit_rf_is_refused_with_what_to_write_now():
+    with raises_fault(common_faults.NOT_ALLOWED, "gpr20_scikit_rf:ScikitRfAnalyzer"):
+        VnaParameters(analyzer="scikit_rf", analyzer_options={"visa_library": "@py"})
 
 
 class BrokenAnalyzer:
@@ -74,10 +79,26 @@ class BrokenAnalyzer:
 
     trace_duration_s, remarks = None, ()
 
+    def __init__(self, parameters=None, deadline=None, port=0):
+        if port:
+            self.fail()
+
     def fail(self, *_arguments):
         raise ZeroDivisionError
 
     connect = identify = configure = sweep = confirm = calibration = release = disconnect = fail
+    check_sweep = fail
+
+
+def test_an_exception_of_any_kind_while_it_is_made_names_the_options(monkeypatch):
+    monkeypatch.setitem(sys.modules, "broken_vna", sys.modules[__name__])
+    parameters = VnaParameters(
+        analyzer="broken_vna:BrokenAnalyzer", analyzer_options={"port": 1}, address="GPIB0::16"
+    )
+    with raises_fault(
+        common_faults.EXTENSION_UNUSABLE, "analyzer_options", "BrokenAnalyzer", "ZeroDivisionError"
+    ):
+        make_foreign_analyzer(parameters, RequestDeadline(Clock()))
 
 
 def test_an_exception_of_any_kind_counts_as_a_broken_link():

@@ -9,8 +9,8 @@ from typing import Union
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
-# Far longer than any name of a VISA resource.
-MAX_VISA_CHARACTERS = 128
+# Far longer than any address of an instrument.
+MAX_ADDRESS_CHARACTERS = 128
 
 
 def number_between(
@@ -93,22 +93,25 @@ def ipv4_address(name: Union[str, Message], address: str) -> str:
     return address
 
 
-def visa_resource_name(name: Union[str, Message], address: str) -> str:
-    """Return the address if it has the form of a VISA resource name, with "::" between its parts.
+def instrument_address(name: Union[str, Message], address: str) -> str:
+    """Return the address if it is four numbers, or if "::" sets it apart from them.
+
+    What has "::" in it has the form that the driver of that instrument needs, which checks it.
 
     Raises:
         InvalidValueError: The text is anything else.
     """
-    parts = address.split("::")
+    if "::" not in address:
+        return ipv4_address(name, address)
     printable = address.isascii() and address.isprintable() and " " not in address
-    if len(parts) < 2 or not all(parts) or not printable or len(address) > MAX_VISA_CHARACTERS:
+    if not printable or len(address) > MAX_ADDRESS_CHARACTERS:
         raise InvalidValueError(
             Message(
-                "{name} is '{address}'; it must be the name of a VISA resource, such as "
-                "TCPIP0::192.168.1.10::inst0::INSTR, of at most {most} characters",
+                "{name} is '{address}'; it must have at most {most} characters, without spaces "
+                "and accents",
                 name=name,
                 address=address[:64],
-                most=MAX_VISA_CHARACTERS,
+                most=MAX_ADDRESS_CHARACTERS,
             )
         )
     return address

@@ -100,15 +100,20 @@ def check_options(key: str, extension: type, arguments: int, options: Mapping[st
     try:
         inspect.signature(extension).bind(*range(arguments), **options)
     except TypeError as error:
-        raise InvalidValueError(
-            Message(
-                "{key} do not suit {class_name}: {reason}",
-                key=key,
-                class_name=extension.__name__,
-                reason=str(error),
-            ),
-            fault=faults.EXTENSION_UNUSABLE,
-        ) from error
+        raise options_refused(key, extension, str(error)) from error
+
+
+def options_refused(key: str, extension: type, reason: str) -> InvalidValueError:
+    """Return the error of a class that cannot be made with the options of the configuration."""
+    return InvalidValueError(
+        Message(
+            "{key} do not suit {class_name}: {reason}",
+            key=key,
+            class_name=extension.__name__,
+            reason=reason,
+        ),
+        fault=faults.EXTENSION_UNUSABLE,
+    )
 
 
 def _members(protocol: type) -> List[str]:

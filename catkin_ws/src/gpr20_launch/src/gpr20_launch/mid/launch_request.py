@@ -9,6 +9,7 @@ from typing import Dict, Iterator, Tuple
 
 from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import record_from
@@ -21,15 +22,14 @@ from gpr20_simulator.mid.scene import read_scene
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind
-from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
-from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 SIMULATED, REAL = "simulated", "gpr20"
 ROBOT, SERVER, SURVEY = "robot", "server", "survey"
 FULL_SCREEN = ("auto", "true", "false")
-SIMULATED_ANALYZER = AnalyzerKind.MS2026C.value
 LOOPBACK = "127.0.0.1"
 # The simulated robot stores no rotation; that of the real one outlives the power.
 ROTATION_FILE = "~/.gpr20/z_axis_steps"
@@ -132,7 +132,7 @@ class LaunchRequest:
         # Its package is installed where the analyzer's node runs.
         if is_extension(parameters.analyzer) and self.part in (SERVER, SURVEY):
             with _refusing("vna_acquisition"):
-                load_analyzer(parameters)
+                make_foreign_analyzer(parameters, RequestDeadline(Clock()))
 
     def _folder(self) -> Path:
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
@@ -166,7 +166,7 @@ class LaunchRequest:
                 sections[f"{axis_id.value}_axis"].pop(key, None)
         # The instrument of the configuration is a real one, perhaps of another kind.
         analyzer = sections["vna_acquisition"]
-        if analyzer.get("analyzer", SIMULATED_ANALYZER) != SIMULATED_ANALYZER:
+        if analyzer.get("analyzer", MS2026C) != MS2026C:
             for key in ("analyzer", "analyzer_options", *_OF_ANALYZER):
                 analyzer.pop(key, None)
         analyzer["address"] = LOOPBACK

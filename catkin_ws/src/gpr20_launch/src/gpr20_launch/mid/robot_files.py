@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, Mapping, Tuple, Type
+from typing import Any, Dict, Mapping, Set, Tuple, Type
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
@@ -102,23 +102,30 @@ def _refuse_unknown_files(folder: Path) -> None:
 def _sections(path: Path, file: RobotFile) -> Sections:
     values = _read(path)
     names = {section: {one.name for one in fields(kind)} for section, kind in file.sections}
-    known = set().union(*names.values())
+    known: Set[str] = set().union(*names.values())
     unknown = [key for key in values if key not in known]
     if unknown:
-        raise _wrong(
-            path,
-            Message(
-                "{place} is unknown; allowed: {known}",
-                place=repr(unknown[0]),
-                known=", ".join(sorted(known)),
-            ),
-        )
+        raise _wrong(path, _unknown(repr(unknown[0]), known))
     found: Sections = {}
     for section, kind in file.sections:
         own = {key: value for key, value in values.items() if key in names[section]}
         _check(path, kind, own)
         found[section] = own
     return found
+
+
+def _unknown(key: str, known: Set[str]) -> Message:
+    allowed = ", ".join(sorted(known))
+    options = ", ".join(sorted(one for one in known if one.endswith("_options")))
+    if not options:
+        return Message("{place} is unknown; allowed: {known}", place=key, known=allowed)
+    return Message(
+        "{place} is unknown; allowed: {known}; a setting of a class of another package belongs "
+        "in {options}",
+        place=key,
+        known=allowed,
+        options=options,
+    )
 
 
 def _axes(path: Path, built: Path) -> Sections:

@@ -10,7 +10,7 @@ from typing import Callable, Iterable, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
+from gpr20_common.mid.checks import instrument_address, number_between
 from gpr20_survey import faults
 from gpr20_survey.trace.ms2026c import (
     MAX_AVERAGES,
@@ -199,12 +199,9 @@ def check_address(address: str) -> None:
     Raises:
         InvalidValueError: It cannot.
     """
-    # Empty: that of the robot's configuration. Which of the two forms it must have is known to the
-    # driver alone.
-    if "::" in address:
-        visa_resource_name(Message("VNA address"), address)
-    elif address:
-        ipv4_address(Message("VNA address"), address)
+    # Empty: that of the robot's configuration.
+    if address:
+        instrument_address(Message("VNA address"), address)
 
 
 def _frequency_points(points: int) -> None:

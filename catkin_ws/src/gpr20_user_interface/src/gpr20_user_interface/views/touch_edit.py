@@ -10,7 +10,7 @@ from gpr20_user_interface.views.look import TOUCH_PX, look_of
 from gpr20_user_interface.views.plan_style import FITS
 from gpr20_user_interface.views.widgets import set_look
 
-# More characters than any parameter needs, the name of a VISA resource included.
+# More characters than any parameter needs, an address of any form included.
 MAX_LENGTH = 80
 # The cursor, and what QLineEdit keeps free at both ends.
 KEPT_FREE_PX = 6

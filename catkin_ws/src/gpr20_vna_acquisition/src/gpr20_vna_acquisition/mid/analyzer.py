@@ -14,9 +14,10 @@ class Analyzer(Protocol):
     """One network analyzer.
 
     The driver makes one object, which remembers what it learns about the instrument over all
-    links. Every method may raise `VnaConnectionError`; after that the link is dead, and the driver
-    calls `disconnect` and `connect`. The driver limits the time of each request, retries and
-    reconnects; an analyzer does not retry. One thread calls at a time.
+    links. Making one opens no link: the check before a launch makes one, too. Every method may
+    raise `VnaConnectionError`; after that the link is dead, and the driver calls `disconnect` and
+    `connect`. The driver limits the time of each request, retries and reconnects; an analyzer does
+    not retry. One thread calls at a time.
     """
 
     def connect(self, address: str) -> None:

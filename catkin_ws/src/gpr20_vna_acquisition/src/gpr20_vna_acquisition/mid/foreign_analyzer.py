@@ -1,4 +1,4 @@
-"""An analyzer whose class is outside this repository."""
+"""An analyzer whose class is in another package."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Callable, Optional, Sequence, Type, TypeVar, cast
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_common.mid.extension import check_options, load_extension
+from gpr20_common.mid.extension import check_options, load_extension, options_refused
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -31,12 +31,21 @@ def load_analyzer(parameters: VnaParameters) -> Type:
 
 
 def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) -> Analyzer:
-    """Return the analyzer that the parameters name.
+    """Return the analyzer that the parameters name; it has no link yet.
 
     Raises:
-        InvalidValueError: See `load_analyzer`.
+        InvalidValueError: See `load_analyzer`; or it cannot be made with its options.
+        Gpr20Error: What the class itself says of its options.
     """
-    made = load_analyzer(parameters)(parameters, deadline, **parameters.analyzer_options)
+    found = load_analyzer(parameters)
+    try:
+        made = found(parameters, deadline, **parameters.analyzer_options)
+    except Gpr20Error:
+        raise
+    except Exception as error:  # the class is not ours: it may raise anything
+        raise options_refused(
+            "analyzer_options", found, f"{type(error).__name__}: {error}"
+        ) from error
     return ForeignAnalyzer(cast(Analyzer, made), deadline)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import ipv4_address, number_between, visa_resource_name
+from gpr20_common.mid.checks import instrument_address, ipv4_address, number_between
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import bounded
 from gpr20_survey.plan.antenna_delay import ANTENNA_DELAYS_NS
@@ -26,9 +26,11 @@ from gpr20_survey.trace.ms2026c import (
     sweep_duration_s,
 )
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
+# The analyzer of this package; any other one is a class of another package.
+MS2026C = "ms2026c"
+OTHER_ANALYZERS = ("gpr20_scikit_rf:ScikitRfAnalyzer", "package.module:Class")
 # A sweep may take this many times its nominal duration before it counts as hanging.
 SLOWEST_SWEEP_FACTOR = 10.0
 # How much longer than its time limits a step may take: a server's own timeout may arrive 1 s later,
@@ -45,18 +47,12 @@ class VnaParameters:
     """The expected instrument, its time limits, and the limits of its traces.
 
     Attributes:
-        analyzer: The kind of analyzer: ms2026c; scikit_rf for those that the Python library
-            scikit-rf can control; or a class outside this software, such as
-            my_robot.my_vna:MyAnalyzer (docs/extend/analyzer.md).
-        analyzer_options: Only for a class outside this software: its arguments, by name.
-        scikit_rf_class: Only for scikit_rf: which of its classes controls the instrument.
-        visa_library: Only for scikit_rf: VISA library of PyVISA: "@py" is PyVISA-py, "@ivi" that
-            of the instrument's maker.
-        correction_query: Only for scikit_rf: a query that this instrument answers with 1 while
-            its calibration corrects the data, otherwise with 0. Empty: its calibration is not
-            reported (status 5).
+        analyzer: The kind of analyzer: ms2026c; gpr20_scikit_rf:ScikitRfAnalyzer for those of
+            other makers that the package of this name can control; or a class of your own, such
+            as my_robot.my_vna:MyAnalyzer (docs/extend/analyzer.md).
+        analyzer_options: Only for a class: its arguments, by name.
         address: Address of the instrument, which clients offer as the default: four numbers for
-            ms2026c, the name of a VISA resource for scikit_rf, either of the two for a class.
+            ms2026c; for a class also a text with "::" in it, such as the name of a VISA resource.
         maker: First field of the identification.
         model: Second field of the identification, without the options after its slash.
         vxi11_port: Only for ms2026c: TCP port of the VXI-11 core channel; 0 asks the portmapper.
@@ -95,11 +91,8 @@ class VnaParameters:
             `gpr20 delay` fits it to a survey.
     """
 
-    analyzer: str = AnalyzerKind.MS2026C.value
+    analyzer: str = MS2026C
     analyzer_options: Dict[str, Any] = field(default_factory=dict, hash=False)
-    scikit_rf_class: Optional[ScikitRfClass] = None
-    visa_library: str = "@py"
-    correction_query: str = ""
     address: str = "127.0.0.1"
     maker: str = "Anritsu"
     model: str = "MS2026C"
@@ -161,58 +154,24 @@ class VnaParameters:
                 )
 
     def _check_analyzer(self) -> None:
-        if self.analyzer_options and not is_extension(self.analyzer):
-            raise InvalidValueError(
-                Message("analyzer_options are given, but analyzer does not name their class"),
-                fault=CONFIGURATION,
-            )
-        if self.analyzer == AnalyzerKind.SCIKIT_RF.value:
-            self._check_scikit_rf()
-        elif self.analyzer == AnalyzerKind.MS2026C.value or "::" not in self.address:
-            ipv4_address("address", self.address)
-        else:
-            visa_resource_name("address", self.address)
-        kinds = [one.value for one in AnalyzerKind]
-        if self.analyzer not in kinds and not is_extension(self.analyzer):
+        if is_extension(self.analyzer):
+            instrument_address("address", self.address)
+            return
+        if self.analyzer != MS2026C:
             raise InvalidValueError(
                 Message(
                     "{place} is {value}; it must be one of {allowed}",
                     place="analyzer",
                     value=repr(self.analyzer[:200]),
-                    allowed=", ".join((*kinds, "package.module:Class")),
+                    allowed=", ".join((MS2026C, *OTHER_ANALYZERS)),
                 )
             )
-
-    def _check_scikit_rf(self) -> None:
-        if self.scikit_rf_class is None:
+        if self.analyzer_options:
             raise InvalidValueError(
-                Message(
-                    "scikit_rf_class is missing; it must be one of {allowed}",
-                    allowed=", ".join(one.value for one in ScikitRfClass),
-                ),
+                Message("analyzer_options are given, but analyzer does not name their class"),
                 fault=CONFIGURATION,
             )
-        visa_resource_name("address", self.address)
-        for name in ("maker", "model"):
-            if getattr(self, name) == getattr(VnaParameters, name):
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {value}, which is no analyzer of scikit_rf; it must be as in "
-                        "the VNA's identification",
-                        name=name,
-                        value=getattr(self, name),
-                        details="the answer to *IDN?",
-                    ),
-                    fault=CONFIGURATION,
-                )
-        if not self.correction_query.isascii() or "\n" in self.correction_query:
-            raise InvalidValueError(
-                Message(
-                    "correction_query is {query}; it must be one line of ASCII characters",
-                    query=repr(self.correction_query[:64]),
-                ),
-                fault=CONFIGURATION,
-            )
+        ipv4_address("address", self.address)
 
     def check_sweep(self, settings: SweepSettings) -> None:
         """Refuse a sweep that the instrument cannot make.
@@ -230,7 +189,7 @@ class VnaParameters:
             MIN_FREQUENCY_POINTS,
             MAX_FREQUENCY_POINTS,
         )
-        if self.analyzer == AnalyzerKind.MS2026C.value:
+        if self.analyzer == MS2026C:
             self._check_analyzer_settings(settings.analyzer)
         if not start_hz < stop_hz:
             raise InvalidValueError(

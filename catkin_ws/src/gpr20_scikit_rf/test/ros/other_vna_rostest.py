@@ -11,26 +11,28 @@ from pathlib import Path
 import rospkg
 import rospy
 import rostest
-from survey_client import SurveyClient, described, json_traces
 
 from gpr20_msgs.msg import ControlStatus
 
-sys.path.insert(0, str(Path(rospkg.RosPack().get_path("gpr20_vna_acquisition")) / "test/unit"))
+# The client of the whole graph's tests is the client of these, too.
+sys.path.insert(0, str(Path(rospkg.RosPack().get_path("gpr20")) / "test/ros"))
+sys.path.insert(0, str(Path(rospkg.RosPack().get_path("gpr20_scikit_rf")) / "test/unit"))
 from scpi_analyzers import SERIAL, PnaAnalyzer, ScpiServer
+from survey_client import SurveyClient, described, json_traces
 
 # As in the configuration of this test.
 PORT = 25025
 ADDRESS = f"TCPIP0::127.0.0.1::{PORT}::SOCKET"
 
 
-class AnotherAnalyzerTest(unittest.TestCase):
+class OtherVnaTest(unittest.TestCase):
     """The analyzer numbers its sweeps."""
 
     @classmethod
     def setUpClass(cls):
         cls.vna = PnaAnalyzer()
         cls.server = ScpiServer(cls.vna, PORT)
-        rospy.init_node("another_analyzer_rostest")
+        rospy.init_node("other_vna_rostest")
         cls.client = SurveyClient()
 
     @classmethod
@@ -110,4 +112,4 @@ class AnotherAnalyzerTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("gpr20", "another_analyzer", AnotherAnalyzerTest)
+    rostest.rosrun("gpr20_scikit_rf", "other_vna", OtherVnaTest)

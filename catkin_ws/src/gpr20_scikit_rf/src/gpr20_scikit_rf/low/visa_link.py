@@ -13,14 +13,10 @@ from typing import Any, Callable, List, Optional, Tuple, Type, TypeVar
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
-from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import (
-    VnaConnectionError,
-    VnaDataError,
-    VnaError,
-    VnaLibraryError,
-)
-from gpr20_vna_acquisition.low.call_thread import CallThread
+from gpr20_scikit_rf import faults
+from gpr20_scikit_rf.errors import VnaLibraryError
+from gpr20_scikit_rf.low.call_thread import CallThread
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError, VnaError
 
 Result = TypeVar("Result")
 
@@ -74,19 +70,21 @@ class VisaLibrary:
         """
         module, _dot, name = f"{PACKAGE}.{class_name}".rpartition(".")
         try:
-            self._pyvisa: Any = importlib.import_module("pyvisa")
-            self._validation_error: Type[Exception] = importlib.import_module(
-                "skrf.vi.validators"
-            ).ValidationError
-            self._base: Any = importlib.import_module(PACKAGE).VNA
+            import pyvisa
+            from skrf.vi.validators import ValidationError
+            from skrf.vi.vna import VNA
+
             if needs:
                 importlib.import_module(needs)
             self._class: Any = getattr(importlib.import_module(module), name)
         except (ImportError, AttributeError) as error:
             raise VnaLibraryError(_missing(class_name, error)) from error
+        self._pyvisa: Any = pyvisa
+        self._validation_error: Type[Exception] = ValidationError
+        self._base: Any = VNA
         try:
-            self._pyvisa.ResourceManager(visa_library)
-        except (ValueError, OSError, self._pyvisa.errors.Error) as error:
+            pyvisa.ResourceManager(visa_library)
+        except (ValueError, OSError, pyvisa.errors.Error) as error:
             raise VnaLibraryError(
                 Message(
                     "the VISA library {library} cannot be used; install it, or change visa_library",
@@ -283,7 +281,7 @@ def _missing(class_name: str, error: Exception) -> Message:
             details=error,
         )
     return Message(
-        "the analyzer scikit_rf needs {library}, which is not installed; install it with {command}",
+        "analyzers of scikit-rf need {library}, which is not installed; install it with {command}",
         library="PyVISA" if library else "scikit-rf",
         command=INSTALL,
         details=error,
@@ -292,6 +290,7 @@ def _missing(class_name: str, error: Exception) -> Message:
 
 def _installed() -> Tuple[bool, str]:
     try:
-        return True, str(importlib.import_module("skrf").__version__)
+        import skrf
     except ImportError:
         return False, ""
+    return True, str(skrf.__version__)

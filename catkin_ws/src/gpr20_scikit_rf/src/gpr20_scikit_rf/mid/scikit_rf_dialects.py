@@ -13,8 +13,8 @@ from typing import Any, Callable, Dict, List, Optional, Type
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_scikit_rf.mid.scikit_rf_options import ScikitRfClass
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.mid.analyzer_kind import ScikitRfClass
 
 S21 = "S21"
 # Of a measurement of S21 that the analyzer does not have yet.

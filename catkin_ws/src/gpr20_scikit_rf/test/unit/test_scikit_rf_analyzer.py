@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
-import subprocess
 import sys
 import threading
 import time
@@ -17,6 +15,9 @@ from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
 
 from gpr20_common import faults as common_faults
 from gpr20_common.low.clock import Clock
+from gpr20_scikit_rf import ScikitRfAnalyzer
+from gpr20_scikit_rf import faults as own_faults
+from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -30,9 +31,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSweepError,
     VnaTimeoutError,
 )
-from gpr20_vna_acquisition.low.visa_link import VisaLibrary, VisaLimits
-from gpr20_vna_acquisition.mid.analyzer_kind import AnalyzerKind, ScikitRfClass
-from gpr20_vna_acquisition.mid.analyzers import make_analyzer
+from gpr20_vna_acquisition.mid.foreign_analyzer import ForeignAnalyzer, make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -49,14 +48,14 @@ CLASSES = ["keysight.PNA", "keysight.FieldFox", *["rohde_schwarz.ZVA"] * HAS_ROH
 class Bench:
     """An instrument, and the analyzer and driver at it."""
 
-    def __init__(self, name: str, **parameters) -> None:
+    def __init__(self, name: str, options=None, **parameters) -> None:
         self.vna: ScpiAnalyzer = ANALYZERS[name]()
         self.server = ScpiServer(self.vna)
         self.address = self.server.address
         self.parameters = VnaParameters(
             **{
-                "analyzer": AnalyzerKind.SCIKIT_RF.value,
-                "scikit_rf_class": ScikitRfClass(name),
+                "analyzer": "gpr20_scikit_rf:ScikitRfAnalyzer",
+                "analyzer_options": {"scikit_rf_class": name, **(options or {})},
                 "address": self.address,
                 "maker": self.vna.maker,
                 "model": self.vna.model,
@@ -74,8 +73,11 @@ class Bench:
         )
         self.deadline = RequestDeadline(Clock())
         self.deadline.begin(60.0)
-        self.analyzer = make_analyzer(self.parameters, _no_vxi11, self.deadline)
-        self.driver = VNADriver(self.analyzer, self.parameters, self.deadline, lambda _text: None)
+        self.analyzer = ScikitRfAnalyzer(
+            self.parameters, self.deadline, **self.parameters.analyzer_options
+        )
+        foreign = ForeignAnalyzer(self.analyzer, self.deadline)
+        self.driver = VNADriver(foreign, self.parameters, self.deadline, lambda _text: None)
 
     def configured(self, **settings) -> SweepSettings:
         self.analyzer.connect(self.address)
@@ -91,10 +93,6 @@ class Bench:
 
 def _frequencies():
     return SWEEP.start_frequency_hz, SWEEP.stop_frequency_hz, SWEEP.points
-
-
-def _no_vxi11(_address):
-    raise AssertionError("this analyzer does not use the link of the MS2026C")
 
 
 @pytest.fixture(params=CLASSES)
@@ -175,14 +173,14 @@ def test_an_end_that_is_reported_too_early_is_refused(bench):
     bench.vna.sweep_s = 0.2
     bench.configured()
     bench.vna.faults.early_end = True
-    with raises_fault(faults.SWEEP_TOO_EARLY, error=VnaSweepError):
+    with raises_fault(own_faults.SWEEP_TOO_EARLY, error=VnaSweepError):
         bench.analyzer.sweep()
 
 
 def test_an_instrument_that_never_waits_for_its_sweep_is_refused_at_once(pna):
     pna.vna.faults.early_end = True
     pna.vna.sweep_s = 0.2
-    with raises_fault(faults.SWEEP_TOO_EARLY, error=VnaSettingError):
+    with raises_fault(own_faults.SWEEP_TOO_EARLY, error=VnaSettingError):
         pna.configured()
 
 
@@ -198,7 +196,7 @@ def test_its_calibration_is_not_reported(bench):
     bench.configured()
     assert bench.analyzer.calibration() is CalibrationStatus.NOT_REPORTED
     (remark,) = bench.analyzer.remarks
-    assert remark.fault == faults.CALIBRATION_UNSURE and "the start frequency" in str(remark)
+    assert remark.fault == own_faults.CALIBRATION_UNSURE and "the start frequency" in str(remark)
     bench.analyzer.configure(SWEEP)
     assert bench.analyzer.remarks == []
 
@@ -207,20 +205,20 @@ def test_its_calibration_is_not_reported(bench):
     "answer, status", [(b"0\n", CalibrationStatus.NONE), (b"1\n", CalibrationStatus.NOT_REPORTED)]
 )
 def test_a_configured_query_tells_whether_it_is_calibrated(answer, status):
-    bench = Bench("keysight.PNA", correction_query="SENS1:CORR:STAT?")
+    bench = Bench("keysight.PNA", {"correction_query": "SENS1:CORR:STAT?"})
     try:
         bench.configured()
         bench.vna.faults.answers["SENS1:CORR:STAT?"] = answer
         assert bench.analyzer.calibration() is status
         bench.vna.faults.answers["SENS1:CORR:STAT?"] = b"perhaps\n"
-        with raises_fault(faults.NOT_UNDERSTOOD, "'PERHAPS'", "SENS1:CORR:STAT?"):
+        with raises_fault(own_faults.NOT_UNDERSTOOD, "'PERHAPS'", "SENS1:CORR:STAT?"):
             bench.analyzer.calibration()
     finally:
         bench.stop()
 
 
 def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said():
-    bench = Bench("keysight.PNA", correction_query="SENS1:CORR:STAT?")
+    bench = Bench("keysight.PNA", {"correction_query": "SENS1:CORR:STAT?"})
     command = bench.vna.command
 
     def losing(header, *value):
@@ -401,10 +399,12 @@ def test_the_driver_takes_confirmed_traces(bench):
     assert bench.driver.connect_to_vna(bench.address) == bench.vna.identity
     bench.driver.set_frequency_sweep(SWEEP)
     bench.driver.get_trace()
-    assert faults.CALIBRATION_UNSURE in {one.fault for one in bench.driver.state.last_quality}
+    assert own_faults.CALIBRATION_UNSURE in {one.fault for one in bench.driver.state.last_quality}
     number, _sweep = bench.driver.take_sweep()
     assert bench.driver.confirm(number) == ()
-    assert faults.CALIBRATION_UNSURE not in {one.fault for one in bench.driver.state.last_quality}
+    assert own_faults.CALIBRATION_UNSURE not in {
+        one.fault for one in bench.driver.state.last_quality
+    }
     bench.driver.disconnect_from_vna()
     assert_released(bench)
 
@@ -492,40 +492,19 @@ def test_a_session_over_vxi11_begins_with_empty_buffers(support):
 # The libraries.
 
 
-def test_a_robot_with_an_ms2026c_imports_none_of_them():
-    program = """
-import sys
-from gpr20_common.low.clock import Clock
-from gpr20_vna_acquisition.mid.analyzers import make_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
-make_analyzer(VnaParameters(), None, RequestDeadline(Clock()))
-print(*{"skrf", "pyvisa", "pyvisa_py"} & set(sys.modules))
-"""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    ended = subprocess.run(
-        [sys.executable, "-c", program],
-        env=environment,
-        stdout=subprocess.PIPE,
-        timeout=60.0,
-        check=True,
-    )
-    assert ended.stdout == b"\n"
-
-
 def test_a_missing_library_says_what_to_install(pna, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyvisa", None)
-    with raises_fault(faults.LIBRARY_UNUSABLE, "setup.sh --scikit-rf"):
-        make_analyzer(pna.parameters, _no_vxi11, pna.deadline)
+    with raises_fault(own_faults.LIBRARY_UNUSABLE, "setup.sh --scikit-rf"):
+        make_foreign_analyzer(pna.parameters, pna.deadline)
 
 
 def test_a_class_that_the_installed_scikit_rf_does_not_have_is_an_error():
     limits = VisaLimits(1.0, 1.0, clear=False)
     for name, needs in (("keysight.PNA", "skrf.vi.vna.of_tomorrow"), ("keysight.None", "")):
-        with raises_fault(faults.LIBRARY_UNUSABLE, name):
+        with raises_fault(own_faults.LIBRARY_UNUSABLE, name):
             VisaLibrary(name, "@py", limits, needs)
 
 
 def test_a_missing_visa_library_is_an_error():
-    with raises_fault(faults.LIBRARY_UNUSABLE, "'/none.so'"):
-        Bench("keysight.PNA", visa_library="/none.so")
+    with raises_fault(own_faults.LIBRARY_UNUSABLE, "'/none.so'"):
+        Bench("keysight.PNA", {"visa_library": "/none.so"})

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, List, Optional, Protocol, Sequence, Tuple, TypeVar
+from typing import Any, Callable, List, Optional, Sequence, Tuple, TypeVar
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.checks import visa_resource_name
+from gpr20_common.mid.records import record_from
+from gpr20_scikit_rf.faults import CALIBRATION_UNSURE, NOT_UNDERSTOOD, SETTING_UNAVAILABLE
+from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits, VisaLink
+from gpr20_scikit_rf.mid.scikit_rf_dialects import DIALECTS, Setting
+from gpr20_scikit_rf.mid.scikit_rf_options import (
+    ScikitRfOptions,
+    check_parameters,
+    visa_resource_name,
+)
+from gpr20_scikit_rf.mid.scikit_rf_sweeps import ScikitRfSweeps
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_AVERAGES, MAX_IF_BANDWIDTH_HZ, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import (
-    VnaDataError,
-    VnaError,
-    VnaSettingError,
-)
+from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
+from gpr20_vna_acquisition.faults import SETTINGS_CHANGED
 from gpr20_vna_acquisition.mid import refusals
 from gpr20_vna_acquisition.mid.identity import check_identity
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.scikit_rf_dialects import Dialect, Setting
-from gpr20_vna_acquisition.mid.scikit_rf_sweeps import ScikitRfSweeps
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -31,31 +34,6 @@ SETTING_PASSES = 2
 CORRECTION_ON, CORRECTION_OFF = ("1", "+1", "ON"), ("0", "+0", "OFF")
 
 
-class ScikitRfLink(Protocol):
-    """One session. After any error it is dead."""
-
-    def call(
-        self, what: Message, action: Callable[[Any], Result], limit_s: Optional[float] = None
-    ) -> Result:
-        """Do something with the object of scikit-rf.
-
-        Args:
-            what: What is done.
-            action: Does it; few exchanges.
-            limit_s: Time limit for one exchange [s], if it is not that of the link.
-
-        Raises:
-            VnaConnectionError: The instrument does not answer.
-            VnaDataError: It answers something else than expected.
-        """
-
-    def release(self, action: Callable[[Any], None]) -> None:
-        """Do something, then return the control to the front panel; no request limits it."""
-
-    def close(self) -> None:
-        """End the session; never fails."""
-
-
 class ScikitRfAnalyzer:
     """Implements `Analyzer`.
 
@@ -63,29 +41,38 @@ class ScikitRfAnalyzer:
     """
 
     def __init__(
-        self,
-        connector: Callable[[str, Callable[[], None]], ScikitRfLink],
-        dialect: Dialect,
-        parameters: VnaParameters,
-        deadline: RequestDeadline,
-        utc_now_us: Callable[[], int] = time_of_day_us,
+        self, parameters: VnaParameters, deadline: RequestDeadline, **options: Any
     ) -> None:
-        """Begin without a session.
+        """Load the libraries; begin without a session.
 
         Args:
-            connector: Opens a session to a VISA resource name; its second argument is called
-                again and again during each call, and raises if the call must end.
-            dialect: How the class of scikit-rf is used.
             parameters: What is expected of the instrument.
             deadline: Ends a request that takes too long.
-            utc_now_us: Returns the time of day [us since 1970, UTC].
+            **options: The attributes of `ScikitRfOptions`.
+
+        Raises:
+            InvalidValueError: A value of the configuration is not allowed.
+            VnaLibraryError: A library is not installed, or too old.
         """
-        self._connector = connector
-        self._dialect = dialect
+        self._options = record_from(ScikitRfOptions, options, "analyzer_options")
+        check_parameters(parameters)
         self._parameters = parameters
         self._deadline = deadline
-        self._sweeps = ScikitRfSweeps(self._call, dialect, parameters, deadline, utc_now_us)
-        self._link: Optional[ScikitRfLink] = None
+        self._dialect = DIALECTS[self._options.scikit_rf_class]()
+        self._library = VisaLibrary(
+            self._options.scikit_rf_class.value,
+            self._options.visa_library,
+            VisaLimits(
+                connect_s=parameters.connect_timeout_s,
+                answer_s=parameters.answer_timeout_s,
+                clear=parameters.clear_on_connect,
+            ),
+            self._dialect.needs,
+        )
+        self._sweeps = ScikitRfSweeps(
+            self._call, self._dialect, parameters, deadline, time_of_day_us
+        )
+        self._link: Optional[VisaLink] = None
         self._identity = ""
         self._accepted: Optional[SweepSettings] = None
         self._remarks: List[Message] = []
@@ -95,7 +82,7 @@ class ScikitRfAnalyzer:
         visa_resource_name(Message("the VNA address"), address)
         self.disconnect()
         self._deadline.check()
-        self._link = self._connector(address, self._deadline.check)
+        self._link = self._library.connect(address, self._deadline.check)
 
     def identify(self) -> str:
         """Return the identification: maker, model, serial number, firmware."""
@@ -143,7 +130,7 @@ class ScikitRfAnalyzer:
         if not accepted.fulfils(settings):
             raise VnaSettingError(
                 Message("the VNA's settings changed by themselves; do not operate it by hand"),
-                fault=faults.SETTINGS_CHANGED,
+                fault=SETTINGS_CHANGED,
             )
         self._sweeps.learn(accepted)
         self._accepted = accepted
@@ -161,7 +148,7 @@ class ScikitRfAnalyzer:
 
     def calibration(self) -> CalibrationStatus:
         """Return NONE if the configured query says so; its accuracy is never reported."""
-        query = self._parameters.correction_query
+        query = self._options.correction_query
         what = Message("the state of the calibration")
         if not query:
             # The driver asks this to learn whether the instrument still answers.
@@ -178,7 +165,7 @@ class ScikitRfAnalyzer:
                 answer=repr(answer[:40]),
                 query=query,
             ),
-            fault=faults.NOT_UNDERSTOOD,
+            fault=NOT_UNDERSTOOD,
         )
 
     def release(self) -> None:
@@ -255,7 +242,7 @@ class ScikitRfAnalyzer:
                     value=setting.value,
                     details=error.message.details,
                 ),
-                fault=faults.SETTING_UNAVAILABLE,
+                fault=SETTING_UNAVAILABLE,
             ) from error
 
     def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, Any]]:
@@ -268,13 +255,13 @@ class ScikitRfAnalyzer:
         changed = [setting.name for setting in written if setting.matters_to_calibration]
         if not changed or before is CalibrationStatus.NONE:
             return
-        if not self._parameters.correction_query:
+        if not self._options.correction_query:
             self._remarks.append(
                 Message(
                     "{settings} of the VNA changed when it was set up; it does not report whether "
                     "its calibration still applies",
                     settings=in_a_row(changed),
-                ).with_fault(faults.CALIBRATION_UNSURE)
+                ).with_fault(CALIBRATION_UNSURE)
             )
         elif self.calibration() is CalibrationStatus.NONE:
             raise calibration_lost(changed)

@@ -1,0 +1,1 @@
+"""External things of these analyzers: their VISA sessions."""
