@@ -1,4 +1,4 @@
-"""STATUS while a survey is paused by each fault of the simulated robot.
+"""The window while a survey is paused by each fault of the simulated robot.
 
 It fails if a sentence is not in the Spanish catalogue.
 """
@@ -84,7 +84,7 @@ class LastStatus:
 
 
 class FaultPictures:
-    """Meets each fault in a survey of its own, and takes pictures of STATUS.
+    """Meets each fault in a survey of its own, and takes pictures.
 
     Attributes:
         untranslated: Templates without a Spanish entry that were shown.
