@@ -91,7 +91,6 @@ def environment_of(root: Path, **added: str) -> Iterator[None]:
 def launched(
     root: Path,
     *options: str,
-    launch: str = "gpr20 survey.launch ui:=false",
     tap: bool = False,
     message_ms: float = 0.0,
 ) -> Iterator[LaunchedRobot]:
@@ -100,7 +99,6 @@ def launched(
     Args:
         root: The checkout.
         options: Arguments of the launch file.
-        launch: How roslaunch finds it.
         tap: Whether calls between nodes are noted, in the file `tap` of the robot's folder.
         message_ms: How long the simulated instrument takes for each message [ms]; needs `tap`.
     """  # fmt: skip
@@ -115,7 +113,7 @@ def launched(
                 os.environ["GPR20_TAP"] = str(folder / "tap")
                 os.environ["GPR20_TAP_MESSAGE_MS"] = f"{message_ms:g}"
                 os.environ["PYTHONPATH"] = f"{TAP}:{os.environ['PYTHONPATH']}"
-            robot = LaunchedRobot(folder, *options, launch=launch)
+            robot = LaunchedRobot(folder, *options)
             try:
                 robot.start()
                 yield robot

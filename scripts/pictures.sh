@@ -1,8 +1,12 @@
 #!/usr/bin/env bash
-# The pictures of docs/architecture.md and docs/ros.md, from their text, into docs/images.
-#   scripts/pictures.sh
+# Make pictures of the documentation: scripts/pictures.sh [--into FOLDER] [NAME ...]
+# Without a name: list them, and what each makes. They go into docs/images, or into the folder.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
-"$GPR20_ROOT/scripts/setup.sh"
-exec "$GPR20_VENV/bin/python" "$GPR20_ROOT/scripts/pictures/architecture_pictures.py"
+if [ $# -gt 0 ]; then
+    "$GPR20_ROOT/scripts/setup.sh" --dev
+    gpr20_use_workspace
+fi
+export ROS_IP=127.0.0.1 PYTHONPATH="$GPR20_ROOT/scripts:${PYTHONPATH:-}"
+exec python3 -m pictures "$@"

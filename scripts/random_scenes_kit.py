@@ -21,39 +21,31 @@ class RandomScene:
     Attributes:
         survey: Its Dataset, without coupling and surface echo.
         permittivity: Relative permittivity of the soil.
-        bodies: What is buried.
         separation_m: Distance of the antennas [m].
-        snr_db: Strongest echo over the noise at each frequency [dB].
-        grid: "grid", "line" or "uneven".
     """
 
     survey: xr.Dataset
     permittivity: float
-    bodies: Tuple[Buried, ...]
     separation_m: float
-    snr_db: float
-    grid: str
 
 
-def random_scene(seed: int, grid: str = "", bodies: Tuple[Body, ...] = tuple(Body)) -> RandomScene:
+def random_scene(seed: int) -> RandomScene:
     """Return a scene with one to three bodies.
 
     Permittivity 3 to 12, antennas 0 to 0.15 m apart and 0.08 to 0.25 m high, tops at 0.04 to
     0.2 m, radii 0.01 to 0.05 m, noise 0 to 30 dB below the strongest echo, antenna patterns from
     nearly isotropic to narrow. Most surveys are grids; some are one line or have uneven spacing.
+    Under one line there are no cylinders: one that the line crosses obliquely looks like another
+    permittivity.
 
     Args:
         seed: Start of the random numbers.
-        grid: "grid", "line" or "uneven"; empty: drawn too.
-        bodies: Shapes to draw from. Under one line there are no cylinders: one that the line
-            crosses obliquely looks like another permittivity.
     """
     random = np.random.default_rng(seed)
     permittivity = float(random.uniform(3.0, 12.0))
     separation_m = float(random.choice([0.0, random.uniform(0.02, 0.15)]))
-    grid = grid or str(random.choice(["grid", "line", "uneven"], p=[0.6, 0.2, 0.2]))
-    if grid == "line":
-        bodies = tuple(body for body in bodies if body is not Body.CYLINDER)
+    grid = str(random.choice(["grid", "line", "uneven"], p=[0.6, 0.2, 0.2]))
+    bodies = tuple(body for body in Body if grid != "line" or body is not Body.CYLINDER)
     x_m, y_m = _positions(random, grid)
     height_m = np.full((len(y_m), len(x_m)), random.uniform(0.08, 0.25))
     if random.random() < 0.3:
@@ -69,7 +61,7 @@ def random_scene(seed: int, grid: str = "", bodies: Tuple[Body, ...] = tuple(Bod
     level = float(np.abs(s21).max()) * 10.0 ** (-snr_db / 20.0)
     s21 += level * noise(random, s21.shape)
     survey = survey_of(s21, setup)
-    return RandomScene(survey, permittivity, buried, separation_m, snr_db, grid)
+    return RandomScene(survey, permittivity, separation_m)
 
 
 def _positions(random: np.random.Generator, grid: str) -> Tuple[np.ndarray, np.ndarray]:

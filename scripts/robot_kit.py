@@ -190,11 +190,9 @@ def running(
         end(process, end_by)
 
 
-def resident_mib(pid: Optional[int] = None, with_children: bool = False) -> float:
+def resident_mib(pid: Optional[int] = None) -> float:
     """Return the memory that a process has in use [MiB]; None: this process."""
-    process = psutil.Process(pid)
-    family = [process, *(process.children(recursive=True) if with_children else [])]
-    return float(sum(one.memory_info().rss for one in family)) / 2**20
+    return float(psutil.Process(pid).memory_info().rss) / 2**20
 
 
 @contextlib.contextmanager

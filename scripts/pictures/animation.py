@@ -1,12 +1,8 @@
-"""The animation of the README: the sample survey, from the first stop to the image.
-
-Started by scripts/animation.sh.
-"""
+"""The animation of the README: the sample survey, from the first stop to the image."""
 
 from __future__ import annotations
 
 import io
-import sys
 from pathlib import Path
 from typing import Any, Iterator, List
 
@@ -40,12 +36,12 @@ EARLIEST_NS, LATEST_NS = 1.0, 5.0
 TEAL, ORANGE = "#00796b", "#ff8f00"
 
 
-def main() -> None:
-    """Write the animation to the file that is named."""
+def make(folder: Path) -> None:
+    """Write the animation."""
     frames = [frame(figure) for figure in figures()]
     times = [FRAME_MS] * (len(frames) - 1) + [PAUSE_MS]
     first, *others = frames
-    path = Path(sys.argv[1])
+    path = folder / "survey.webp"
     first.save(
         path, save_all=True, append_images=others, duration=times, loop=0, quality=70, method=6
     )
@@ -167,7 +163,3 @@ def _frame(axes: Axes, x_mm: Any, y_mm: Any) -> None:
     axes.set_xlabel("x [mm]", fontsize=9)
     axes.set_ylabel("y [mm]", fontsize=9)
     axes.tick_params(labelsize=8)
-
-
-if __name__ == "__main__":
-    main()

@@ -13,12 +13,11 @@ import pytest
 from user_shell import ROOT
 
 sys.path.insert(0, str(ROOT / "scripts/site"))
-sys.path.insert(0, str(ROOT / "scripts/pictures"))
 
-from architecture_pictures import pictures
 from fault_table import fault_table
-from graph_picture import nodes_of
 from messages_page import page as messages_page
+from pictures.architecture import pictures
+from pictures.graph import nodes_of
 from site_markdown import heading_anchor, indent_lists
 
 pytestmark = pytest.mark.takes(20)
@@ -122,8 +121,9 @@ def test_lists_are_those_of_github(github, mkdocs):
 
 
 def test_the_pictures_of_the_architecture_are_up_to_date():
-    for path, text in pictures().items():
-        assert path.read_text(encoding="utf-8") == text, "run scripts/pictures.sh"
+    for name, text in pictures().items():
+        picture = (DOCS / "images" / name).read_text(encoding="utf-8")
+        assert picture == text, "run scripts/pictures.sh architecture"
 
 
 def test_the_picture_of_the_graph_names_every_node_and_interface():

@@ -28,7 +28,7 @@ from gpr20_analysis.imaging.wavefront import Stops, wavefront
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.sentences import sentences_of
 
-# A larger draw: GPR20_SCENES=100; benchmarks/permittivity.py makes the table in docs/imaging.md.
+# A larger draw: GPR20_SCENES=100.
 SCENES = int(os.environ.get("GPR20_SCENES", "4"))
 ALLOWED = 0.05
 PLACE_M = np.arange(0.0, 0.4501, 0.015)

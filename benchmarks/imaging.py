@@ -1,6 +1,6 @@
 """How long imaging takes and what memory it needs, and its ratio to the group's program.
 
-Usage: scripts/bench.sh imaging_speed [--sizes 67 158 200] [--back-projection-up-to 158] [--chain]
+Usage: scripts/bench.sh imaging [--sizes 67 158 200] [--back-projection-up-to 158] [--chain]
            [--commands]
 
 Each size runs in a process of its own, warm (the best of three runs; the first run, which may
@@ -11,8 +11,7 @@ image` of 4,489 of the group's CSV files with noise 30 dB below the echoes, in n
 
 The figures of the group's program were measured once, on another machine, with numpy 1.26.4 and
 numba 0.68.1: 101 s for the migration of 67 x 67 positions to 32 depths, 127 s from files to image.
-So the ratios are of different runs and tell the order of magnitude only; scripts/bench.sh
-group_program runs both on the same data.
+So the ratios are of different runs and tell the order of magnitude only.
 """
 
 from __future__ import annotations

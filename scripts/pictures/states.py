@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Dict, List, Tuple
 
-from svg import Picture
+from pictures.svg import Picture
 
 SIZE = (118.0, 36.0)
 # Column and row of each state.

@@ -4,8 +4,8 @@ Surveys of the simulated robot follow each other at full speed while the window 
 after the other, and each axis publishes at 50 Hz while it moves. Everything of the window runs in
 this process, so its own counters are those of the window.
 
-    scripts/bench.sh window_load --minutes 120                              (memory over two hours)
-    scripts/bench.sh window_load --tab radar --time-scale 150 --minutes 5   (one tab)
+    scripts/bench.sh window --minutes 120                              (memory over two hours)
+    scripts/bench.sh window --tab radar --time-scale 150 --minutes 5   (one tab)
 
 A heartbeat of 10 ms measures how long the window's thread was busy with something else: beyond
 50 ms it could not have drawn 20 frames a second. While RADAR is shown, the time from the arrival of
@@ -26,13 +26,7 @@ import rospy
 from PyQt5.QtCore import QEvent, QObject, Qt, QTimer
 from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import resident_mib, simulated_robot
-from window_kit import (
-    Operator,
-    new_window,
-    run_events,
-    run_until,
-    virtual_screen,
-)
+from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
 from gpr20_common.high.raw_message import deserialized
@@ -160,7 +154,7 @@ def main() -> None:
     tabs = list(TabName) if arguments.tab is None else [TabName(arguments.tab)]
     with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as robot:
         application = QApplication([])
-        rospy.init_node("window_load", disable_signals=True)
+        rospy.init_node("window_benchmark", disable_signals=True)
         languages = Languages(application, Language.ENGLISH)
         interface = new_window(languages, robot.data)
         interface.begin()

@@ -1,24 +1,19 @@
-"""Pictures of the window while a survey is paused by each fault of the simulated robot.
+"""The window while a survey is paused by each fault of the simulated robot.
 
-Started by `scripts/screenshots.sh --faults FOLDER`. It fails if a sentence is not in the Spanish
-catalogue.
+It fails if a sentence is not in the Spanish catalogue.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import List
 
 import rospy
-from PyQt5.QtWidgets import QApplication
 from robot_kit import simulated_robot
-from window_kit import Operator, new_window, run_events, run_until, virtual_screen
+from window_kit import Operator, run_events
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ControlStatus
@@ -26,14 +21,12 @@ from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.mid.faults import ADC, VNA
 from gpr20_simulator.mid.vna_faults import VnaFault
 from gpr20_simulator.srv import SetFault
-from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages
+from pictures.kit import Shown, shown_window, wait
 
 # A survey of four seconds at 50 times the speed, whose second row leads past the endstop of x.
 PARAMETERS = {"x_points": 3, "x_stop_mm": 600.0, "y_points": 3, "frequency_points": 51}
 ENDED = (ControlStatus.FINISHED, ControlStatus.STOPPED, ControlStatus.FAILED)
-LIMIT_S = 180.0
 
 
 @dataclass(frozen=True)
@@ -91,16 +84,14 @@ class LastStatus:
 
 
 class FaultPictures:
-    """Meets each fault in a survey of its own, and takes pictures of STATUS.
+    """Meets each fault in a survey of its own, and takes pictures.
 
     Attributes:
         untranslated: Templates without a Spanish entry that were shown.
     """
 
-    def __init__(self, folder: Path, interface: UserInterface, languages: Languages) -> None:
-        self._folder = folder
-        self._interface = interface
-        self._languages = languages
+    def __init__(self, folder: Path, shown: Shown) -> None:
+        self._folder, self._shown = folder, shown
         self._operator, self._last = Operator(), LastStatus()
         self._spanish = read_translations(FOLDER / "es.po")
         self.untranslated: List[str] = []
@@ -113,19 +104,19 @@ class FaultPictures:
         # Other settings than before, so that there is one to refuse.
         points = {"frequency_points": 52} if case.at_start else {}
         self._operator.start(**{**PARAMETERS, **points})
-        run_until(partial(self._last.is_new, former), "a survey runs", LIMIT_S)
+        wait(partial(self._last.is_new, former), "a survey runs")
         survey = self._last.status.survey_id
         if not case.at_start:
             run_events(1.0)
             self._set_fault(case.device, case.fault)
         if case.drops:
             self._set_fault(case.device, "DROP", 1)
-        run_until(self._last.has_halted, f"{case} halts the survey", LIMIT_S)
+        wait(self._last.has_halted, f"{case} halts the survey")
         self._take(case)
         self._set_fault(case.device, "NONE")
         if self._last.status.code == ControlStatus.PAUSED:
             self._operator.stop()
-        run_until(partial(self._last.ended, survey), "the survey ends", LIMIT_S)
+        wait(partial(self._last.ended, survey), "the survey ends")
 
     def _take(self, case: Case) -> None:
         run_events(1.0)
@@ -134,13 +125,8 @@ class FaultPictures:
             one.template for one in message.nested() if one.template not in self._spanish
         ]
         print(f"{case.device} {case.fault}: {message}", flush=True)
-        for language in catalogue_file.languages():
-            self._languages.use(language)
-            self._interface.window.show_tab(TabName.STATUS)
-            run_events(1.0)
-            name = f"{case.device}_{case.fault.lower()}_{language.value}.png"
-            if not self._interface.window.grab().save(str(self._folder / name)):
-                raise SystemExit(f"{self._folder / name} cannot be written")
+        self._shown.window.show_tab(TabName.STATUS)
+        self._shown.take(self._folder, f"{case.device}_{case.fault.lower()}")
 
     def _set_fault(self, device: str, fault: str, count: int = 0) -> None:
         self._operator.call(
@@ -148,25 +134,11 @@ class FaultPictures:
         )
 
 
-def main() -> None:
-    """Take the pictures into the folder that is named."""
-    folder = Path(sys.argv[1])
-    folder.mkdir(parents=True, exist_ok=True)
-    with virtual_screen(), simulated_robot("time_scale:=20") as robot:
-        application = QApplication([])
-        rospy.init_node("fault_screenshots", disable_signals=True)
-        languages = Languages(application, Language.ENGLISH)
-        interface = new_window(languages, robot.data)
-        interface.begin()
-        pictures = FaultPictures(folder, interface, languages)
+def make(folder: Path) -> None:
+    """Meet every fault and take the pictures."""
+    with simulated_robot("time_scale:=20") as robot, shown_window(robot.data) as shown:
+        pictures = FaultPictures(folder, shown)
         for case in CASES:
             pictures.meet(case)
-        interface.end()
-        languages.close()
-        rospy.signal_shutdown("the pictures are taken")
     if pictures.untranslated:
-        sys.exit(f"without a Spanish entry: {sorted(set(pictures.untranslated))}")
-
-
-if __name__ == "__main__":
-    main()
+        raise SystemExit(f"without a Spanish entry: {sorted(set(pictures.untranslated))}")

@@ -1,9 +1,8 @@
-"""Pictures of a report of the sample survey; started by report_pictures.sh."""
+"""The first page and the map of a report of the sample survey."""
 
 from __future__ import annotations
 
 import io
-import sys
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -21,9 +20,8 @@ PERMITTIVITY = 5.0
 RESOLUTION_DPI = 90
 
 
-def main() -> None:
-    """Write report_en.png and report_es.png into the folder that is named."""
-    folder = Path(sys.argv[1])
+def make(folder: Path) -> None:
+    """Write a picture in each language."""
     survey = load_survey(sample_survey())
     steps = [step_from_text(DEFAULT_STEPS[0])]
     for language in catalogue_file.languages():
@@ -53,7 +51,3 @@ def beside(left: Figure, right: Figure) -> Figure:
         both.figimage(picture, xo=left_px, yo=max(heights) - height)
         left_px += width
     return both
-
-
-if __name__ == "__main__":
-    main()

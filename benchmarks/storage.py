@@ -4,7 +4,7 @@ Starts its own master and its own vna_processing on loopback, drives `store_data
 it answers, and prints a table. The survey is then stopped, opened again by a new node, and
 verified. Everything lies in a temporary folder that is removed afterwards.
 
-    scripts/bench.sh storage_25000 [--x-points 125 --y-points 100] [--folder DIR]
+    scripts/bench.sh storage [--x-points 125 --y-points 100] [--folder DIR]
 """
 
 from __future__ import annotations

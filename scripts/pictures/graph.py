@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Dict, Iterator, List, Tuple
 
-from svg import Picture
+from pictures.svg import Picture
 
 WIDTH = 250.0
 GAP = 28.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Dict, Tuple
 
-from svg import Picture
+from pictures.svg import Picture
 
 SIZE = (138.0, 32.0)
 COLUMN, ROW, MARGIN = 216.0, 58.0, 8.0
