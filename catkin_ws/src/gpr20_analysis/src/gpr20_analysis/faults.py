@@ -159,6 +159,10 @@ OWN_STEP = Fault(
     "analysis.own_step",
     Message("Correct the program of the step that the message names, or leave the step out."),
 )
+OWN_COMMAND = Fault(
+    "analysis.own_command",
+    Message("Correct or remove the installed package that the message names."),
+)
 PICK = Fault("viewer.pick", Message("Correct the pick, or choose another place."))
 PICKS_FILE = Fault("viewer.picks_file", Message("Choose another file for the picks with --picks."))
 PICKS_CHANGED = Fault(

@@ -7,7 +7,11 @@ import importlib
 from dataclasses import dataclass
 from typing import Callable, Dict
 
+from gpr20_analysis import faults
+from gpr20_analysis.entry_points import Addition, additions
+from gpr20_analysis.errors import AnalysisError
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 
 DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3
 EXIT_STATUS = (
@@ -18,7 +22,7 @@ EXIT_STATUS = (
 
 @dataclass(frozen=True)
 class Command:
-    """One subcommand; its module defines it as COMMAND."""
+    """One subcommand."""
 
     description: str
     """Description for --help."""
@@ -52,9 +56,62 @@ SUMMARIES: Dict[str, str] = {
     "doctor": "find what is wrong with the robot and this computer",
     "replay": "publish a recorded survey on its ROS topics",
 }
-"""Name and summary of each subcommand; its module is `<name>_command`."""
+"""Name and summary of each subcommand of this package; its module is `<name>_command`."""
+
+ENTRY_POINTS = "gpr20.commands"
+"""Group of the entry points by which other packages add subcommands, each a `Command`."""
+
+
+def summaries() -> Dict[str, str]:
+    """Return name and summary of every subcommand; nothing of other packages is imported."""
+    added = {one.name: one.summary for one in additions(ENTRY_POINTS)}
+    # In this order: no package replaces a subcommand of this one.
+    return {**SUMMARIES, **added, **SUMMARIES}
 
 
 def load(name: str) -> Command:
-    """Return the subcommand with a name of `SUMMARIES`."""
-    return importlib.import_module(f"{MODULES}.{name}_command").COMMAND
+    """Return the subcommand with a name of `summaries()`.
+
+    Raises:
+        AnalysisError: Its package cannot be used, or another one has the same name.
+    """
+    if name in SUMMARIES:
+        return importlib.import_module(f"{MODULES}.{name}_command").COMMAND
+    found = [one for one in additions(ENTRY_POINTS) if one.name == name]
+    if len(found) > 1:
+        raise AnalysisError(
+            Message(
+                "several installed packages have the command '{command}': {origins}",
+                command=name,
+                origins="; ".join(one.origin for one in found),
+            ),
+            fault=faults.OWN_COMMAND,
+        )
+    return _added(found[0])
+
+
+def _added(addition: Addition) -> Command:
+    try:
+        loaded = addition.load()
+    except Exception as error:  # the package is not ours: it may raise anything
+        raise AnalysisError(
+            Message(
+                "the command '{command}' ({origin}) cannot be loaded: {reason}",
+                command=addition.name,
+                origin=addition.origin,
+                reason=f"{type(error).__name__}: {error}",
+            ),
+            fault=faults.OWN_COMMAND,
+        ) from error
+    if not isinstance(loaded, Command):
+        raise AnalysisError(
+            Message(
+                "the command '{command}' ({origin}) is a {type}; it must be a {expected}",
+                command=addition.name,
+                origin=addition.origin,
+                type=type(loaded).__name__,
+                expected=f"{Command.__module__}.{Command.__name__}",
+            ),
+            fault=faults.OWN_COMMAND,
+        )
+    return loaded
