@@ -33,7 +33,7 @@ KEYS = {
 ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
 # Imported by others on behalf of a package: h5netcdf by xarray, OpenGL by pyqtgraph.
 INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-pyopengl-pip"}
-# Needed by the window, which a machine without a screen does not start, and by the analysis.
+# Needed by the window, which a machine without a screen does not start, and by the viewer.
 NOT_EVERYWHERE = {"PyQt5"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
 # in noetic/distribution.yaml). Look a key up there before you add it here.
@@ -182,7 +182,7 @@ def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
 
 
 def test_the_check_before_a_launch_knows_what_the_nodes_import():
-    launched = set(PACKAGES) - {"gpr20_analysis"}
+    launched = set(PACKAGES) - {"gpr20_analysis", "gpr20_viewer"}
     imported = set().union(*(foreign_modules(name) for name in launched))
     known = {*needed_modules.FROM_ROS, *needed_modules.FROM_SYSTEM, *needed_modules.FROM_PIP}
     assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE

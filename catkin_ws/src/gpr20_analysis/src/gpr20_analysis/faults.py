@@ -143,7 +143,6 @@ CLUSTER = Fault(
     "analysis.cluster",
     Message("Start the dask scheduler and its workers, or leave --scheduler out."),
 )
-NO_SCREEN = Fault("analysis.no_screen", Message("Run the command on a computer with a desktop."))
 SURVEY_RUNS = Fault(
     "analysis.survey_runs", Message("End the survey on the robot first, or use its window.")
 )
@@ -162,11 +161,6 @@ OWN_STEP = Fault(
 OWN_COMMAND = Fault(
     "analysis.own_command",
     Message("Correct or remove the installed package that the message names."),
-)
-PICK = Fault("viewer.pick", Message("Correct the pick, or choose another place."))
-PICKS_FILE = Fault("viewer.picks_file", Message("Choose another file for the picks with --picks."))
-PICKS_CHANGED = Fault(
-    "viewer.picks_changed", Message("Export the picks now, then open the survey again.")
 )
 INTERRUPTED = Fault(
     "analysis.interrupted",

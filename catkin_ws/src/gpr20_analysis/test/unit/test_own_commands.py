@@ -29,6 +29,12 @@ def site(tmp_path, monkeypatch):
     sys.modules.pop("my_commands", None)
 
 
+@pytest.fixture
+def without_others(monkeypatch):
+    """Nothing is installed that adds a command."""
+    monkeypatch.setattr(command, "additions", lambda group: [])
+
+
 def refused(arguments, capsys, *shown):
     """Call gpr20, which refuses; check the names in the one or two lines that it prints."""
     assert main(arguments) == command.REFUSED
@@ -91,6 +97,15 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
     assert refusals == [faults.OWN_COMMAND.code]
     # The others are not touched by it.
     assert main(["info", "--help"]) == main(["--help"]) == command.DONE
+
+
+@pytest.mark.parametrize("name", command.WINGS)
+def test_a_command_of_an_absent_package_names_the_package(without_others, refusals, capsys, name):
+    package = command.WINGS[name]
+    refused([name, "x"], capsys, f"pip install 'catkin_ws/src/{package}'")
+    assert refusals == [faults.LIBRARY.code]
+    assert main(["--help"]) == command.DONE
+    assert re.search(rf"{name} +.*{package}", capsys.readouterr().out)
 
 
 def test_an_unknown_command_is_refused(site):
