@@ -75,7 +75,7 @@ install_python_packages() {
     fi
     [ "$robot" = no ] || arguments+=(-r "$GPR20_ROOT/requirements/robot.in")
     if [ "$robot" = no ] || [ "$analysis" = yes ]; then
-        arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]")
+        arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]" "$GPR20_WORKSPACE/src/gpr20_viewer")
     fi
     echo "installing the Python packages in $folder/venv (typically 1 min)"
     "$PYTHON" -m venv --system-site-packages "$folder/venv"
@@ -87,9 +87,9 @@ install_python_packages() {
     esac
     run_quietly "the installation of Python packages" \
         "${pip[@]}" install --constraint "$pins" "${arguments[@]}"
-    # Only what it needs: the analysis itself is in the workspace.
-    if run_clean "${pip[@]}" show gpr20_analysis >/dev/null 2>&1; then
-        run_quietly "pip" "${pip[@]}" uninstall --yes gpr20_analysis
+    # Only what they need: they themselves are in the workspace.
+    if run_clean "${pip[@]}" show gpr20_analysis gpr20_viewer >/dev/null 2>&1; then
+        run_quietly "pip" "${pip[@]}" uninstall --yes gpr20_analysis gpr20_viewer
     fi
 }
 

@@ -119,7 +119,7 @@ install_debian_packages() {
 
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
-    local lists=(nodes.in) arguments=() inputs=() version list venv_is_new=no
+    local lists=(nodes.in) arguments=() inputs=() names=() version list source venv_is_new=no
     [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
@@ -144,18 +144,22 @@ install_python_packages() {
         if [ "$venv_is_new" = yes ] || ! is_installed "$list"; then
             arguments+=(-r "$list")
             inputs+=("$list")
+            names+=("${list##*/}")
         fi
     done
     # Most surveys are analysed elsewhere than on the robot. gpr20 runs from its sources.
-    list="$GPR20_WORKSPACE/src/gpr20_analysis/pyproject.toml"
     if [ "$robot" = no ] || [ "$analysis" = yes ]; then
-        if [ "$venv_is_new" = yes ] || ! is_installed "$list"; then
-            arguments+=(--editable "$(dirname "$list")[all]")
-            inputs+=("$list")
-        fi
+        for source in "gpr20_analysis[all]" gpr20_viewer; do
+            list="$GPR20_WORKSPACE/src/${source%[*}/pyproject.toml"
+            if [ "$venv_is_new" = yes ] || ! is_installed "$list"; then
+                arguments+=(--editable "$GPR20_WORKSPACE/src/$source")
+                inputs+=("$list")
+                names+=("$source")
+            fi
+        done
     fi
     [ ${#arguments[@]} -gt 0 ] || return 0
-    may_change "missing Python packages of: ${inputs[*]##*/} (pinned in ${pins##*/})" || return 0
+    may_change "missing Python packages of: ${names[*]} (pinned in ${pins##*/})" || return 0
     step "installing Python packages in .venv (typically 1 min)"
     run_logged "the installation of Python packages" \
         "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --progress-bar off \
@@ -174,7 +178,8 @@ update_old_pip() {
 
 # What was installed last because of a list.
 stamp_of() {
-    echo "$GPR20_VENV/installed-$(basename "$1")"
+    local name="${1#"$GPR20_ROOT"/}"
+    echo "$GPR20_VENV/installed-${name//\//-}"
 }
 
 is_installed() {

@@ -14,16 +14,16 @@ from gpr20_analysis import sample_survey
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.viewer.identity import SurveyIdentity
-from gpr20_analysis.viewer.picks_file import PicksFile
-from gpr20_analysis.viewer.positions import Place
-from gpr20_analysis.viewer.session import ViewSession
-from gpr20_analysis.viewer.views.application import utc_now
-from gpr20_analysis.viewer.views.main_window import SIZE_PX, MainWindow
-from gpr20_analysis.viewer.views.pick_desk import PickDesk
 from gpr20_common.catalogue import Language
 from gpr20_common.low import catalogue_file
 from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_viewer.identity import SurveyIdentity
+from gpr20_viewer.picks_file import PicksFile
+from gpr20_viewer.positions import Place
+from gpr20_viewer.session import ViewSession
+from gpr20_viewer.views.application import utc_now
+from gpr20_viewer.views.main_window import SIZE_PX, MainWindow
+from gpr20_viewer.views.pick_desk import PickDesk
 from pictures.kit import save, wait
 
 MOST_PICKS = 3

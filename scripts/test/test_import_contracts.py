@@ -87,15 +87,21 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
             "do it there and pass plain values or a function to the other code",
         ),
         (
-            "gpr20_analysis/viewer/session.py",
+            "gpr20_viewer/session.py",
             "import pyqtgraph",
             "do it there and pass plain values or a function to the other code",
         ),
         (
-            "gpr20_analysis/viewer/session.py",
-            "import gpr20_analysis.viewer.views.main_window",
+            "gpr20_viewer/session.py",
+            "import gpr20_viewer.views.main_window",
             "pass plain values or a function in",
         ),
+        (
+            "gpr20_viewer/session.py",
+            "import gpr20_imaging.errors",
+            "let gpr20_analysis offer what it needs",
+        ),
+        ("gpr20_analysis/errors.py", "import gpr20_viewer.picks", SHARE),
     ],
 )
 def test_an_import_that_is_not_allowed_is_refused_with_what_to_do(copy, file, line, remedy):

@@ -107,6 +107,15 @@ def test_a_copy_runs_a_whole_survey_that_the_installed_command_verifies(installe
     run(sourced(folder, f"gpr20-verify {stored}"), environment)
 
 
+def test_it_has_the_commands_that_packages_add(installed):
+    folder, _revision = installed
+    environment = user_environment(folder)
+    assert "--picks FILE" in run(sourced(folder, "gpr20 view --help"), environment)
+    # The environment of this checkout, which the copy uses here, has the entry point too.
+    (entries,) = folder.glob("lib/python3/dist-packages/gpr20_viewer-*.egg-info/entry_points.txt")
+    assert "[gpr20.commands]\nview = " in entries.read_text()
+
+
 def test_its_window_and_its_nodes_start_once_and_report_no_error(survey):
     _stored, log = survey
     assert "process[user_interface-" in log

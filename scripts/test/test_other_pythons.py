@@ -68,7 +68,7 @@ LONG_TESTS = [
     *("test_large_surveys", "test_lazy_steps", "test_many_surveys", "test_notebook"),
     *("test_permittivity_estimate", "test_report_in_own_language", "test_survey_report"),
     *("test_texts_of_figures", "test_varying_heights", "test_verify"),
-    *("test_view_model", "test_view_picks", "test_view_window", "test_work_in_parts"),
+    "test_work_in_parts",
 ]
 # What these compute does not depend on the Python, and two others repeat it.
 NOT_ON_THE_ROBOT = ["test_power_cuts", "test_many_surveys", "test_report_in_own_language"]

@@ -1,4 +1,7 @@
-"""The wheel of the analysis holds all of this project that it needs: no ROS, no checkout."""
+"""The wheel of the analysis holds all of this project that it needs: no ROS, no checkout.
+
+That of the viewer holds the viewer alone, and adds its command.
+"""
 
 import os
 import shlex
@@ -12,7 +15,7 @@ import pytest
 pytestmark = pytest.mark.takes(60)
 
 ROOT = Path(__file__).resolve().parents[2]
-PROJECT = ROOT / "catkin_ws/src/gpr20_analysis"
+SOURCES = ROOT / "catkin_ws/src"
 SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
 VENVS = [".venv38", ".venv313"]
@@ -20,13 +23,22 @@ PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
 LIMIT_S = 300
 
 
+def wheel_of(package, folder):
+    """Make the wheel of a package; return its path."""
+    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder)]
+    subprocess.run([*pip, str(SOURCES / package)], check=True, timeout=LIMIT_S)
+    (path,) = folder.glob(f"{package}-*.whl")
+    return path
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("wheel")
-    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder)]
-    subprocess.run([*pip, str(PROJECT)], check=True, timeout=LIMIT_S)
-    (path,) = folder.glob("*.whl")
-    return path
+    return wheel_of("gpr20_analysis", tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="module")
+def viewer(tmp_path_factory):
+    return wheel_of("gpr20_viewer", tmp_path_factory.mktemp("viewer"))
 
 
 def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
@@ -38,15 +50,22 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
     assert "gpr20_analysis/sample/survey.mcap" in names
 
 
+def test_the_wheel_of_the_viewer_holds_the_viewer_alone(viewer):
+    with zipfile.ZipFile(viewer) as archive:
+        names = {name.split("/")[0] for name in archive.namelist()}
+    assert {name for name in names if not name.endswith(".dist-info")} == {"gpr20_viewer"}
+
+
 @pytest.fixture(params=VENVS)
-def gpr20(request, wheel, tmp_path):
-    """A function that runs gpr20 from the wheel, under a Python without ROS."""
+def gpr20(request, wheel, viewer, tmp_path):
+    """A function that runs gpr20 from the wheels, under a Python without ROS."""
     python = ROOT / request.param / "bin/python"
     if not python.exists():
         pytest.skip(f"no {request.param} here")
     # As pip installs it: the catalogue is a file.
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(tmp_path / "installed")
+    for path in (wheel, viewer):
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(tmp_path / "installed")
 
     def run(*arguments):
         ended = subprocess.run(
@@ -69,6 +88,11 @@ def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
     report = ["report", str(survey), "-o", "report.html", "--permittivity", "4"]
     gpr20(*report, "--language", "es")
     assert (tmp_path / "report.html").stat().st_size > 10_000
+
+
+def test_the_wheel_of_the_viewer_adds_its_command(gpr20):
+    assert "look at a survey in a window" in gpr20("--help")
+    assert "--picks FILE" in gpr20("view", "--help")
 
 
 def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path):

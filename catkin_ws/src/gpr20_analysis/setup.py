@@ -15,8 +15,6 @@ setup(
             "gpr20_analysis.read",
             "gpr20_analysis.report",
             "gpr20_analysis.sample",
-            "gpr20_analysis.viewer",
-            "gpr20_analysis.viewer.views",
         ],
         package_data={"gpr20_analysis.sample": ["survey.mcap"]},
         package_dir={"": "src"},

@@ -34,7 +34,7 @@ ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
 # Imported by others on behalf of a package: h5netcdf by xarray, OpenGL by pyqtgraph, PyVISA-py by
 # PyVISA.
 INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-pyopengl-pip", "python3-pyvisa-py-pip"}
-# Needed by the window, which a machine without a screen does not start, and by the analysis.
+# Needed by the window, which a machine without a screen does not start, and by the viewer.
 NOT_EVERYWHERE = {"PyQt5"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
 # in noetic/distribution.yaml). Look a key up there before you add it here.
@@ -184,7 +184,7 @@ def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
 
 def test_the_check_before_a_launch_knows_what_the_nodes_import():
     # What gpr20_scikit_rf imports, it asks for itself.
-    launched = set(PACKAGES) - {"gpr20_analysis", "gpr20_scikit_rf"}
+    launched = set(PACKAGES) - {"gpr20_analysis", "gpr20_scikit_rf", "gpr20_viewer"}
     imported = set().union(*(foreign_modules(name) for name in launched))
     known = {*needed_modules.FROM_ROS, *needed_modules.FROM_SYSTEM, *needed_modules.FROM_PIP}
     assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE

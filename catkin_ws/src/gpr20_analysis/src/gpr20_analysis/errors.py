@@ -58,14 +58,15 @@ class RecipeError(AnalysisError, ValueError):
     fault = faults.RECIPE
 
 
-def library_missing(library: str, extra: str = "") -> Message:
+def library_missing(library: str, extra: str = "", package: str = "gpr20_analysis") -> Message:
     """Return the message for a library that is not installed.
 
     Args:
         library: Its name.
-        extra: The extra of this package that brings it; empty: this package itself.
+        extra: The extra that brings it; empty: the package itself.
+        package: The package.
     """
-    package = f"gpr20_analysis[{extra}]" if extra else "gpr20_analysis"
+    package = f"{package}[{extra}]" if extra else package
     return Message(
         "{library} is not installed; install it with: pip install '{package}'",
         library=library,

@@ -143,7 +143,6 @@ CLUSTER = Fault(
     "analysis.cluster",
     Message("Start the dask scheduler and its workers, or leave --scheduler out."),
 )
-NO_SCREEN = Fault("analysis.no_screen", Message("Run the command on a computer with a desktop."))
 SURVEY_RUNS = Fault(
     "analysis.survey_runs", Message("End the survey on the robot first, or use its window.")
 )
@@ -159,10 +158,9 @@ OWN_STEP = Fault(
     "analysis.own_step",
     Message("Correct the program of the step that the message names, or leave the step out."),
 )
-PICK = Fault("viewer.pick", Message("Correct the pick, or choose another place."))
-PICKS_FILE = Fault("viewer.picks_file", Message("Choose another file for the picks with --picks."))
-PICKS_CHANGED = Fault(
-    "viewer.picks_changed", Message("Export the picks now, then open the survey again.")
+OWN_COMMAND = Fault(
+    "analysis.own_command",
+    Message("Correct or remove the installed package that the message names."),
 )
 INTERRUPTED = Fault(
     "analysis.interrupted",

@@ -5,10 +5,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_kit import refusals  # noqa: F401
 from matplotlib.figure import Figure
-
-from gpr20_analysis.commands import main
-from gpr20_analysis.commands.failure import message_of
 
 # The example candidates of gpr20_survey's tests.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/unit"))
@@ -29,17 +27,3 @@ def blank_figures(monkeypatch):
             target.write(ONE_PIXEL_PNG)
 
     monkeypatch.setattr(Figure, "savefig", savefig)
-
-
-@pytest.fixture
-def refusals(monkeypatch):
-    """Codes of the faults with which commands of this process ended, the last one last."""
-    codes = []
-
-    def noted(error, command):
-        message = message_of(error, command)
-        codes.append(message.fault_code)
-        return message
-
-    monkeypatch.setattr(main, "message_of", noted)
-    return codes

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from command_kit import install
 from fault_kit import raises_fault
 from tutorial_code import code_blocks
 
@@ -38,18 +39,9 @@ sys.path.insert(0, _folder.name)
 from test_my_steps import *  # noqa: E402, F403
 
 
-def install(folder, version="1.0", entries=ENTRY, name="my-steps"):
-    """Write what pip writes beside an installed package."""
-    information = folder / f"{name.replace('-', '_')}-{version}.dist-info"
-    information.mkdir()
-    (information / "METADATA").write_text(f"Name: {name}\nVersion: {version}\n")
-    (information / "entry_points.txt").write_text(entries)
-
-
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
-    (tmp_path / "site").mkdir()
-    install(tmp_path / "site")
+    install(tmp_path / "site", ENTRY, "my-steps")
     monkeypatch.syspath_prepend(tmp_path / "site")
     return tmp_path / "site"
 
@@ -108,8 +100,8 @@ def test_the_steps_that_exist_are_listed_with_those_installed(installed):
 
 
 def test_no_step_replaces_another(installed, tmp_path):
-    install(installed, entries="[gpr20_analysis.steps]\nnotch = other:notch\n", name="other")
-    with raises_fault(faults.OWN_STEP):
+    install(installed, "[gpr20_analysis.steps]\nnotch = other:notch\n", "other")
+    with raises_fault(faults.OWN_STEP, "my-steps 1.0, my_steps:notch", "other 1.0, other:notch"):
         step_from_text(NOTCH)
     own = tmp_path / "own.py"
     own.write_text("def background(survey): return survey")

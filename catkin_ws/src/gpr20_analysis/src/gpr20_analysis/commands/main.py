@@ -101,7 +101,10 @@ def _parser(given: List[str]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gpr20 {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
-    for name, summary in command.SUMMARIES.items():
+    # Other packages are looked for only for help and for a command that may be theirs.
+    of_gpr20 = given and given[0] in command.SUMMARIES
+    for name, text in (command.SUMMARIES if of_gpr20 else command.summaries()).items():
+        summary = text.replace("%", "%%")
         # Help lists every command, but only the libraries of the chosen one are loaded.
         if given[:1] == [name]:
             chosen = command.load(name)

@@ -12,7 +12,6 @@ import hashlib
 import importlib.util
 import inspect
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple, get_type_hints
 
@@ -20,6 +19,7 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
+from gpr20_analysis.entry_points import Addition, additions
 from gpr20_analysis.errors import AnalysisError, RecipeError
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
@@ -162,7 +162,7 @@ class StepLibrary:
     @property
     def names(self) -> List[str]:
         """Names of all steps."""
-        return [*FUNCTIONS, *self._own, *sorted({one.name for one in _entry_points()})]
+        return [*FUNCTIONS, *self._own, *sorted({one.name for one in additions(ENTRY_POINTS)})]
 
     def find(self, name: str) -> StepFunction:
         """Return the function of a step.
@@ -174,9 +174,9 @@ class StepLibrary:
             return StepFunction(name, FUNCTIONS[name])
         if name in self._own:
             return self._own[name]
-        found = [one for one in _entry_points() if one.name == name]
+        found = [one for one in additions(ENTRY_POINTS) if one.name == name]
         if len(found) > 1:
-            places = ", ".join(one.value for one in found)
+            places = "; ".join(one.origin for one in found)
             raise _exists(name, places)
         if found:
             return _installed(found[0])
@@ -203,35 +203,20 @@ def _exists(name: str, origin: str) -> RecipeError:
     )
 
 
-def _entry_points() -> List[metadata.EntryPoint]:
-    found: Any = metadata.entry_points()
-    if hasattr(found, "select"):
-        return list({one.value: one for one in found.select(group=ENTRY_POINTS)}.values())
-    # Python 3.8 and 3.9.
-    return list({one.value: one for one in found.get(ENTRY_POINTS, ())}.values())
-
-
-def _installed(entry: metadata.EntryPoint) -> StepFunction:
+def _installed(addition: Addition) -> StepFunction:
     try:
-        function = entry.load()
+        function = addition.load()
     except Exception as error:  # the package is not ours: it may raise anything
         raise RecipeError(
             Message(
                 "step '{step}' ({origin}) cannot be loaded: {reason}",
-                step=entry.name,
-                origin=entry.value,
+                step=addition.name,
+                origin=addition.origin,
                 reason=f"{type(error).__name__}: {error}",
             ),
             fault=faults.OWN_STEP,
         ) from error
-    return _checked(entry.name, function, f"{_distribution(entry)}, {entry.value}")
-
-
-def _distribution(entry: metadata.EntryPoint) -> str:
-    for one in metadata.distributions():
-        if any(own.group == ENTRY_POINTS and own == entry for own in one.entry_points):
-            return f"{one.metadata['Name']} {one.version}"
-    return "-"
+    return _checked(addition.name, function, addition.origin)
 
 
 def _steps_of_file(path: Path) -> Dict[str, StepFunction]:

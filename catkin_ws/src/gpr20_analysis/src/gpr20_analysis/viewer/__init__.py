@@ -1,1 +1,0 @@
-"""The interactive viewer: a model without Qt, and `views/`, which alone import Qt."""

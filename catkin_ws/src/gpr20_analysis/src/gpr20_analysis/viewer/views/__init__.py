@@ -1,1 +1,0 @@
-"""The window of the viewer: only this folder of the analysis imports Qt."""

@@ -1,0 +1,204 @@
+"""The file of picks beside a survey."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
+
+from gpr20_analysis import faults as analysis_faults
+from gpr20_analysis.errors import AnalysisError
+from gpr20_common.message import Message
+from gpr20_survey.files.durable_files import replace_file, sync_path, write_new_file
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.manifest import MANIFEST_FILE
+from gpr20_viewer import faults
+from gpr20_viewer.identity import SurveyIdentity
+from gpr20_viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, PickEditor
+from gpr20_viewer.picks_export import export_picks
+
+FORMAT = "gpr20-picks/1"
+SUFFIX = ".picks.json"
+MOST_BYTES = 64 << 20
+
+
+class PicksFileError(AnalysisError, ValueError):
+    """A file of picks cannot be used for this survey."""
+
+    fault = faults.PICKS_FILE
+
+
+def picks_path(survey: Path) -> Path:
+    """Return the file beside a survey, never inside its folder, which is sealed."""
+    whole = sealed_folder(survey) or survey.expanduser().resolve()
+    return whole.with_name(f"{whole.name}{SUFFIX}")
+
+
+def sealed_folder(path: Path) -> Optional[Path]:
+    """Return the outermost folder of a survey that is or contains a path; None: there is none."""
+    found = path.expanduser().resolve()
+    return next(filter(_is_survey, reversed([found, *found.parents])), None)
+
+
+def _is_survey(folder: Path) -> bool:
+    names = [survey_folder.SURVEY_FILE, MANIFEST_FILE]
+    # A recording alone may have been copied anywhere.
+    if (folder / survey_folder.TRACES_FOLDER).is_dir():
+        names += [survey_folder.BAG_FILE, survey_folder.MCAP_FILE]
+    return any((folder / name).exists() for name in names)
+
+
+class PicksFile:
+    """Keeps the picks of one survey in a file.
+
+    Args:
+        path: The file.
+        identity: The survey.
+
+    Raises:
+        PicksFileError: The file would be inside a survey's folder.
+    """
+
+    def __init__(self, path: Path, identity: SurveyIdentity) -> None:
+        self.path = path.expanduser().resolve()
+        self._identity = identity
+        self._known: Optional[bytes] = None
+        inside = sealed_folder(self.path.parent)
+        if inside is not None:
+            raise PicksFileError(
+                Message(
+                    "{path} is inside the survey {folder}, which is evidence and stays as it is; "
+                    "choose another place with --picks",
+                    path=self.path,
+                    folder=inside,
+                )
+            )
+
+    def load(self) -> Tuple[PickEditor, List[Message]]:
+        """Return the stored picks, and notes on them; no picks if there is no file.
+
+        Raises:
+            PicksFileError: The file is damaged or belongs to another survey.
+            OSError: It cannot be read.
+        """
+        self._known = self._content()
+        if self._known is None:
+            return PickEditor(), []
+        try:
+            stored = json.loads(self._known.decode("utf-8"))
+            if stored["format"] != FORMAT:
+                raise ValueError(f"format {stored['format']}")
+            picks = tuple(_pick(one) for one in stored["picks"])
+            if len({one.id for one in picks}) != len(picks):
+                raise ValueError("two picks of one name")
+            survey_id, sha256 = str(stored["survey_id"]), str(stored["survey_sha256"])
+            editor = PickEditor(picks, int(stored["next_number"]))
+        except (LookupError, TypeError, ValueError, RecursionError) as error:
+            raise PicksFileError(
+                Message(
+                    "{path} is damaged or no file of picks; move it away, or choose another file "
+                    "with --picks",
+                    path=self.path,
+                    details=repr(error),
+                )
+            ) from error
+        return editor, self._compare(survey_id, sha256)
+
+    def save(self, editor: PickEditor) -> None:
+        """Write the picks; return when they are durable.
+
+        Raises:
+            PicksFileError: Another program has changed the file since it was read.
+            OSError: It cannot be written; the former file is unchanged.
+        """
+        if self._content() != self._known:
+            raise PicksFileError(
+                Message(
+                    "{path} was changed by another program, so the picks are not saved; export "
+                    "them, then open the survey again",
+                    path=self.path,
+                ),
+                fault=faults.PICKS_CHANGED,
+            )
+        data = _json(self._record(editor))
+        if self._known is None:
+            write_new_file(self.path, data)
+            sync_path(self.path.parent)
+        else:
+            replace_file(self.path, data)
+        self._known = data
+
+    def export(self, editor: PickEditor, path: Path) -> None:
+        """Write the picks as .csv or .json for other programs.
+
+        Raises:
+            PicksFileError: It would be inside a survey's folder, or replace the picks.
+            ExportError: The name has another ending, or the file cannot be written.
+        """
+        inside = sealed_folder(path.expanduser().resolve().parent)
+        if inside is not None or path.expanduser().resolve() == self.path:
+            raise PicksFileError(
+                Message("{path} is kept for the survey; export to another place", path=path),
+                fault=analysis_faults.OUTPUT,
+            )
+        export_picks(editor.picks, self._identity, path)
+
+    def _content(self) -> Optional[bytes]:
+        if not self.path.exists():
+            return None
+        with self.path.open("rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+        if len(data) > MOST_BYTES:
+            raise PicksFileError(Message("{path} is too large for a file of picks", path=self.path))
+        return data
+
+    def _compare(self, survey_id: str, sha256: str) -> List[Message]:
+        same_data = sha256 == self._identity.sha256
+        if survey_id != self._identity.survey_id or not (survey_id or same_data):
+            raise PicksFileError(
+                Message(
+                    "{path} belongs to another survey ({other}, this one is {own}); choose "
+                    "another file with --picks",
+                    path=self.path,
+                    other=survey_id or sha256[:12],
+                    own=self._identity.survey_id or self._identity.sha256[:12],
+                )
+            )
+        if same_data:
+            return []
+        return [
+            Message(
+                "the picks were made on other data of this survey, for example before it was "
+                "continued or with other steps; check each of them"
+            )
+        ]
+
+    def _record(self, editor: PickEditor) -> Dict[str, Any]:
+        return {
+            "format": FORMAT,
+            "notice": str(NO_CLEARANCE_BY_PICKS),
+            "simulated": self._identity.simulated,
+            "survey_id": self._identity.survey_id,
+            "survey_sha256": self._identity.sha256,
+            "next_number": editor.next_number,
+            "picks": [asdict(one) for one in editor.picks],
+        }
+
+
+def _pick(stored: Dict[str, Any]) -> Pick:
+    values = {}
+    for field in fields(Pick):
+        value = stored[field.name]
+        if str(field.type) == "str":
+            if not isinstance(value, str):
+                raise ValueError(f"{field.name} is no text")
+        elif value is not None or "Optional" not in str(field.type):
+            value = float(value)
+        values[field.name] = value
+    return Pick(**values)
+
+
+def _json(record: Dict[str, Any]) -> bytes:
+    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    return f"{text}\n".encode("utf-8", "replace")

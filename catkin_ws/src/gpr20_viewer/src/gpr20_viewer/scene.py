@@ -1,0 +1,213 @@
+"""What the views show together: one place, one image, one line of traces, and the marks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from gpr20_analysis.dataset import MM_PER_M, X, Y
+from gpr20_common.message import Message
+from gpr20_survey.results.candidates import Candidate
+from gpr20_viewer.live_image import NS_PER_S, LiveImage
+from gpr20_viewer.picks import Pick
+from gpr20_viewer.positions import Line, Place
+from gpr20_viewer.session import ViewSession
+
+SINGLE_STEP_M = 0.005
+"""Step of the cursor along an axis with one position."""
+
+
+@dataclass(frozen=True)
+class Display:
+    """Settings that change how the image is drawn, not the image.
+
+    Attributes:
+        turn: Index of the polarization.
+        along: Direction of B-scan and section, "x" or "y".
+        range_db: Difference between the brightest and the darkest colour [dB].
+        db_per_ns: Display gain over the delay.
+    """
+
+    turn: int
+    along: str
+    range_db: float
+    db_per_ns: float
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A named place in a picture [mm, mm or ns]."""
+
+    across: float
+    down: float
+    name: str = ""
+
+
+class Scene:
+    """A place of a survey as all views show it.
+
+    Args:
+        session: The survey.
+        image: The image that is shown; None: there is none.
+        place: Where the cursor is.
+        display: How it is drawn.
+        permittivity: Relative permittivity that is set; the image may still have another one.
+        deepest_m: Depth of the deepest layer [m].
+
+    Attributes:
+        line: The line of traces through the place.
+    """
+
+    def __init__(
+        self,
+        session: ViewSession,
+        image: Optional[LiveImage],
+        place: Place,
+        display: Display,
+        permittivity: float,
+        deepest_m: float,
+    ) -> None:
+        self.session, self.image, self.place, self.display = session, image, place, display
+        self.permittivity, self.deepest_m = permittivity, deepest_m
+        self.separation_m = session.options.separation_m
+        self.line: Line = session.line(display.turn, display.along, self.other_of(place))
+
+    @property
+    def polarization_deg(self) -> Optional[float]:
+        """Rotation of the antennas [deg]; None: a combination of several."""
+        turn_deg = self.session.rotations_deg[self.display.turn]
+        return None if math.isnan(turn_deg) else turn_deg
+
+    def along_of(self, place: Place) -> float:
+        """Return where a place is along the line [m]."""
+        return place.x_m if self.display.along == X else place.y_m
+
+    def other_of(self, place: Place) -> float:
+        """Return where a place is on the other axis [m]."""
+        return place.y_m if self.display.along == X else place.x_m
+
+    def moved(self, columns: int, rows: int, layers: int) -> Place:
+        """Return the place some steps away: of the survey, and of the image downwards."""
+        layer_m = SINGLE_STEP_M
+        if self.image is not None:
+            layer_m = float(self.image.depth_m[1] - self.image.depth_m[0])
+        return Place(
+            self.place.x_m + columns * self._step_m(X),
+            self.place.y_m + rows * self._step_m(Y),
+            self.place.depth_m + layers * layer_m,
+        )
+
+    def inside(self, place: Place) -> Place:
+        """Return the nearest place inside the survey and the layers of the image."""
+        x_m, y_m = (self.session.axis_m(axis) for axis in (X, Y))
+        return Place(
+            float(np.clip(place.x_m, x_m.min(), x_m.max())),
+            float(np.clip(place.y_m, y_m.min(), y_m.max())),
+            float(np.clip(place.depth_m, 0.0, self.deepest_m)),
+        )
+
+    def delay_ns(self, place: Place, permittivity: Optional[float] = None) -> float:
+        """Return the two-way delay of a place where the line passes it [ns]."""
+        delays_s = self.line.delays_s(place, permittivity or self.permittivity, self.separation_m)
+        return NS_PER_S * float(np.interp(self.along_of(place), self.line.position_m, delays_s))
+
+    def level_db(self, place: Place) -> Optional[float]:
+        """Return the level of the image that is shown at a place [dB]; None: no image."""
+        if self.image is None:
+            return None
+        return self.image.level_at_db(self.display.turn, place.x_m, place.y_m, place.depth_m)
+
+    def read_out(self, place: Place) -> Message:
+        """Return position, delay and level of a place."""
+        level_db = self.level_db(place)
+        return Message(
+            "x {x_mm:.0f} mm, y {y_mm:.0f} mm, depth {depth_mm:.0f} mm, delay {delay_ns:.2f} ns, "
+            "level {level} dB",
+            x_mm=place.x_m * MM_PER_M,
+            y_mm=place.y_m * MM_PER_M,
+            depth_mm=place.depth_m * MM_PER_M,
+            delay_ns=self.delay_ns(place),
+            level="-" if level_db is None else f"{round(level_db, 1) + 0.0:.1f}",
+        )
+
+    def in_traces(self, across_mm: float, delay_ns: float) -> Place:
+        """Return the place straight below a point of the B-scan."""
+        depth_m = self.line.depth_m(
+            across_mm / MM_PER_M,
+            delay_ns / NS_PER_S,
+            self.permittivity,
+            self.separation_m,
+            self.deepest_m,
+        )
+        return self.in_section(across_mm, depth_m * MM_PER_M)
+
+    def in_section(self, across_mm: float, depth_mm: float) -> Place:
+        """Return the place of a point of the section."""
+        along_m, other_m = across_mm / MM_PER_M, self.other_of(self.place)
+        x_m, y_m = (along_m, other_m) if self.display.along == X else (other_m, along_m)
+        return Place(x_m, y_m, depth_mm / MM_PER_M)
+
+    def in_slice(self, x_mm: float, y_mm: float) -> Place:
+        """Return the place of a point of the slice."""
+        return Place(x_mm / MM_PER_M, y_mm / MM_PER_M, self.place.depth_m)
+
+    def pick_marks(self, picks: Sequence[Pick]) -> Tuple[List[Mark], List[Mark], List[Mark]]:
+        """Return the marks of picks in B-scan, section and slice.
+
+        Those of another polarization are left out; B-scan and section show those near the line.
+        """
+        in_traces, in_section, in_slice = [], [], []
+        near_m = self._step_m(Y if self.display.along == X else X)
+        now = self.permittivity if self.image is None else self.image.permittivity
+        for one in picks:
+            if one.polarization_deg != self.polarization_deg:
+                continue
+            place = Place(one.x_m, one.y_m, one.depth_m)
+            in_slice.append(Mark(one.x_m * MM_PER_M, one.y_m * MM_PER_M, one.id))
+            if abs(self.other_of(place) - self.line.other_m) > near_m:
+                continue
+            across_mm = self.along_of(place) * MM_PER_M
+            # The same delay is another depth at another permittivity.
+            depth_mm = one.depth_m * math.sqrt(one.permittivity / now) * MM_PER_M
+            in_section.append(Mark(across_mm, depth_mm, one.id))
+            in_traces.append(Mark(across_mm, self.delay_ns(place, one.permittivity), one.id))
+        return in_traces, in_section, in_slice
+
+    def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
+        """Return the marks of candidates in section and slice.
+
+        All that are not doubtful, and those doubtful ones that tables show; these have no name.
+        """
+        near_m = self._step_m(Y if self.display.along == X else X)
+        places = [
+            (Place(one.x_m, one.y_m, one.depth_m), "" if one.is_doubtful else one.id)
+            for one in self._marked()
+        ]
+        in_section = [
+            Mark(self.along_of(place) * MM_PER_M, place.depth_m * MM_PER_M, name)
+            for place, name in places
+            if abs(self.other_of(place) - self.other_of(self.place)) <= near_m
+        ]
+        in_slice = [
+            Mark(place.x_m * MM_PER_M, place.y_m * MM_PER_M, name) for place, name in places
+        ]
+        return in_section, in_slice
+
+    @property
+    def candidates(self) -> Tuple[Candidate, ...]:
+        """The candidates in the image that is shown."""
+        if self.image is None or self.image.candidates is None:
+            return ()
+        return self.image.candidates.candidates
+
+    def _marked(self) -> Tuple[Candidate, ...]:
+        if self.image is None or self.image.candidates is None:
+            return ()
+        return self.image.candidates.shown()
+
+    def _step_m(self, axis: str) -> float:
+        places_m = self.session.axis_m(axis)
+        return float(np.min(np.diff(places_m))) if len(places_m) > 1 else SINGLE_STEP_M

@@ -1,0 +1,224 @@
+"""A survey that is being looked at: its data, its images, and what is said about them."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Callable, Dict, Iterable, List, Optional, Tuple
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import lazy
+from gpr20_analysis.dataset import (
+    HEIGHT,
+    POLARIZATION,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    X,
+    Y,
+    require,
+    usable,
+)
+from gpr20_analysis.errors import AnalysisError, WrongDatasetError
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_traces import COPIES, traces_of
+from gpr20_analysis.imaging.phase_shift import grid_step_m
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.chain import process_survey, recipe_of
+from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
+from gpr20_common.message import Message
+from gpr20_survey.results.candidates import CandidateList
+from gpr20_viewer.live_image import ImageRequest, LiveImage, PermittivitySource
+from gpr20_viewer.positions import Line, Place, line_of
+
+BACKGROUND = "background:method=surface"
+ASSUMED_PERMITTIVITY = 4.0
+MOST_DEPTHS = 200
+
+FindCandidates = Callable[[xr.Dataset], CandidateList]
+Loop = Callable[..., Iterable]
+Remarks = List[Message]
+Computed = Tuple[xr.Dataset, PermittivitySource, Remarks]
+
+
+class ViewSession:
+    """A survey in memory, its steps and its images.
+
+    Args:
+        survey: The survey after the steps that were chosen.
+        options: How images are made; the permittivity and the last depth are the first shown.
+        find_candidates: Finds candidates in an image; None: there is no search.
+        background: The step that removes the background where that is switched on.
+
+    Attributes:
+        survey: The survey in memory.
+        options: How images are made.
+        remarks: What is said about the session itself.
+
+    Raises:
+        AnalysisError: It cannot be imaged, such as for missing samples, or does not fit.
+    """
+
+    def __init__(
+        self,
+        survey: xr.Dataset,
+        options: ImageOptions,
+        find_candidates: Optional[FindCandidates] = None,
+        background: str = BACKGROUND,
+    ) -> None:
+        spectra = require(survey, S21, S21_DIMS)
+        _require_room(spectra, options)
+        self.survey = survey.compute()
+        self.find_candidates = find_candidates
+        self._background = background
+        self.remarks: List[Message] = []
+        self.options = self._suitable(options)
+        traces_of(self.survey, self.options)
+        self._data: Dict[bool, xr.Dataset] = {False: self.survey}
+        # Only `compute` uses these, in one thread: the last image, and value, lowest and highest of
+        # the estimate.
+        self._last: Optional[Tuple[ImageRequest, xr.Dataset, PermittivitySource, Remarks]] = None
+        self._estimate: Optional[Tuple[float, ...]] = None
+        self._usable = usable(self.survey).transpose(*SAMPLE_DIMS).values
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the survey was made by the simulated robot."""
+        return bool(self.survey.attrs.get("simulated"))
+
+    @property
+    def rotations_deg(self) -> Tuple[float, ...]:
+        """Rotation of each polarization [deg]; NaN: a combination."""
+        return tuple(float(one) for one in self.survey[POLARIZATION].values)
+
+    @property
+    def notes(self) -> List[Message]:
+        """What is missing, damaged or noted, and remarks on the session."""
+        found = [one for name in LIST_ATTRIBUTES for one in sentences_of(self.survey, name)]
+        return [*found, *self.remarks]
+
+    @property
+    def first_request(self) -> ImageRequest:
+        """The image that is shown first.
+
+        The background is subtracted unless earlier steps were chosen.
+        """
+        given = self.options.permittivity
+        return ImageRequest(
+            given,
+            PermittivitySource.ESTIMATED if given is None else PermittivitySource.GIVEN,
+            background=not recipe_of(self.survey),
+            deepest_m=float(self.options.depth_m[-1]),
+        )
+
+    def axis_m(self, axis: str) -> np.ndarray:
+        """Return the positions of the survey along "x" or "y" [m]."""
+        return self.survey[axis].values.astype(np.float64)
+
+    def middle(self) -> Place:
+        """Return the place that is shown first: the middle of the area."""
+        x_m, y_m = (self.axis_m(axis) for axis in (X, Y))
+        depth_m = float(self.options.depth_m[-1]) / 3.0
+        return Place(float(x_m[len(x_m) // 2]), float(y_m[len(y_m) // 2]), depth_m)
+
+    def without_data(self, turn: int) -> np.ndarray:
+        """Return the places (x, y) of a polarization without data [m]."""
+        rows, columns = np.nonzero(~self._usable[turn])
+        return np.column_stack((self.axis_m(X)[columns], self.axis_m(Y)[rows]))
+
+    def data(self, background: bool) -> xr.Dataset:
+        """Return the survey, with its background or without it."""
+        if background not in self._data:
+            self._data[background] = process_survey(self.survey, self._background)
+        return self._data[background]
+
+    def compute(self, request: ImageRequest, loop: Loop) -> LiveImage:
+        """Return the image of a request.
+
+        If the permittivity is to be estimated and the data do not determine it, the image is made
+        with an assumed one and says so.
+
+        Raises:
+            AnalysisError: The image cannot be made.
+        """
+        plain = dataclasses.replace(request, candidates=False)
+        if self._last is None or self._last[0] != plain:
+            self._last = (plain, *self._computed(plain, loop))
+        _request, image, source, remarks = self._last
+        found = None
+        if request.candidates and self.find_candidates is not None:
+            found = self.find_candidates(image)
+        added = sentences_of(image, NOTES)[
+            len(sentences_of(self.data(request.background), NOTES)) :
+        ]
+        return LiveImage(request, image.assign_attrs(notes=[]), source, (*added, *remarks), found)
+
+    def _computed(self, request: ImageRequest, loop: Loop) -> Computed:
+        survey = self.data(request.background)
+        try:
+            image = image_survey(survey, self._options(request, request.permittivity), loop)
+        except AnalysisError as error:
+            if request.permittivity is not None:
+                raise
+            image = image_survey(survey, self._options(request, ASSUMED_PERMITTIVITY), loop)
+            remark = Message(
+                "the permittivity cannot be estimated ({reason}); {permittivity:g} is ASSUMED, so "
+                "depths are uncertain: set it with the slider",
+                reason=error.message,
+                permittivity=ASSUMED_PERMITTIVITY,
+            )
+            return image, PermittivitySource.ASSUMED, [remark]
+        return self._with_range(image, request.source), request.source, []
+
+    def _with_range(self, image: xr.Dataset, source: PermittivitySource) -> xr.Dataset:
+        # The estimate is kept with other settings, and so is what is said about it.
+        value, names = image.attrs["permittivity"], ("permittivity_lowest", "permittivity_highest")
+        if names[0] in image.attrs:
+            self._estimate = (value, *(image.attrs[name] for name in names))
+        elif source is PermittivitySource.ESTIMATED and self._estimate is not None:
+            return image.assign_attrs(dict(zip(names, self._estimate[1:])))
+        return image
+
+    def line(self, turn: int, along: str, at_m: float) -> Line:
+        """Return the line of a polarization that is nearest to a position."""
+        height_m = self.options.height_m
+        if height_m is None:
+            known_m = self.survey[HEIGHT].values
+            height_m = float(np.mean(known_m[known_m > 0.0]))
+        delay_s = delay_to_remove_s(self.survey, self.options.delay_s)
+        line = line_of(self.survey, turn, along, at_m, height_m, delay_s)
+        if self.options.height_m is not None:
+            heights_m = np.full_like(line.height_m, self.options.height_m)
+            line = dataclasses.replace(line, height_m=heights_m)
+        return line
+
+    def _options(self, request: ImageRequest, permittivity: Optional[float]) -> ImageOptions:
+        first_m, second_m = self.options.depth_m[:2]
+        step_m = max(second_m - first_m, (request.deepest_m - first_m) / (MOST_DEPTHS - 1))
+        count = max(2, int(np.floor((request.deepest_m - first_m) / step_m + 1e-6)) + 1)
+        depth_m = tuple(np.round(first_m + step_m * np.arange(count), 9))
+        return dataclasses.replace(self.options, permittivity=permittivity, depth_m=depth_m)
+
+    def _suitable(self, options: ImageOptions) -> ImageOptions:
+        if options.method is not Method.PHASE_SHIFT:
+            return options
+        try:
+            for axis in (X, Y):
+                grid_step_m(self.axis_m(axis), axis)
+        except WrongDatasetError as error:
+            self.remarks.append(
+                Message("imaged by back-projection, because {reason}", reason=error.message)
+            )
+            return dataclasses.replace(options, method=Method.BACK_PROJECTION)
+        return options
+
+
+def _require_room(spectra: xr.DataArray, options: ImageOptions) -> None:
+    # The survey, the same without background, and what an image needs of it.
+    voxels = spectra.size // spectra.shape[-1] * max(len(options.depth_m), MOST_DEPTHS)
+    image_bytes = 4.0 * voxels * np.dtype(np.complex64).itemsize
+    held = 1.0 if spectra.chunks is None else 2.0
+    purpose = Message("the viewer, which keeps the whole survey in memory,")
+    lazy.require_bytes((held + COPIES) * spectra.nbytes + image_bytes, purpose)

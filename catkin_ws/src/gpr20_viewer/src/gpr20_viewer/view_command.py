@@ -1,0 +1,86 @@
+"""gpr20 view: a window with B-scan, slices and 3D of a survey."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import xarray as xr
+
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.commands import image_command, inputs
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
+from gpr20_survey.results.candidates import CandidateList
+from gpr20_viewer import faults
+from gpr20_viewer.picks_file import picks_path
+from gpr20_viewer.session import ViewSession
+
+PACKAGE, EXTRA = "gpr20_viewer", "qt"
+LIBRARIES = {"PyQt5": "PyQt5", "pyqtgraph": "pyqtgraph"}
+"""Libraries that the window needs; without them nothing is loaded first."""
+SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    inputs.add_survey(parser)
+    inputs.add_steps(parser)
+    image_command.add_image_options(parser)
+    image_command.add_candidate_options(parser)
+    add = parser.add_argument
+    add("--picks", type=Path, metavar="FILE",
+        help="file of the picks; default SURVEY.picks.json beside the survey")  # fmt: skip
+    add("--author", default="", metavar="NAME", help="who picks; stored with each pick")
+    add("--flat", action="store_true", help="projections instead of 3D, without OpenGL")
+
+
+def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    """Show the window; return the exit status when it was closed."""
+    _check_libraries()
+    _check_screen()
+    options = image_command.options_of(chosen)
+    listed = image_command.candidate_options_of(chosen)
+    steps = inputs.steps_of(chosen)
+    survey = inputs.load(chosen, catalogue)
+    processed, status = inputs.process(survey, steps, catalogue)
+
+    def find(image: xr.Dataset) -> CandidateList:
+        return find_candidates(image, listed)
+
+    session = ViewSession(processed, options, find, image_command.DEFAULT_STEPS[0])
+    from gpr20_viewer.views.application import show
+
+    picks = chosen.picks or picks_path(chosen.survey)
+    name = chosen.survey.expanduser().resolve().name
+    show(session, picks, chosen.author, name, catalogue, chosen.flat)
+    return status
+
+
+def _check_libraries() -> None:
+    for module, library in LIBRARIES.items():
+        try:
+            __import__(module)
+        except ImportError as error:
+            raise MissingLibraryError(library_missing(library, EXTRA, PACKAGE)) from error
+
+
+def _check_screen() -> None:
+    # Qt ends the whole program where it finds no screen.
+    if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in SCREENS):
+        raise AnalysisError(
+            Message("there is no screen here"),
+            fault=faults.NO_SCREEN,
+        )
+
+
+COMMAND = Command(
+    "Look at a survey in a window: B-scan, sections, slices and 3D, with a permittivity slider. "
+    "Picks are stored beside the survey, never in its folder.",
+    add_arguments,
+    run,
+)

@@ -1,0 +1,1 @@
+"""The window of the viewer: only this folder imports Qt."""

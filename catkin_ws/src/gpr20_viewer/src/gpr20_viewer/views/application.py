@@ -1,0 +1,72 @@
+"""Opens the window."""
+
+from __future__ import annotations
+
+import datetime
+import signal
+import sys
+from pathlib import Path
+
+import pyqtgraph
+from PyQt5 import sip
+from PyQt5.QtCore import QTimer
+from PyQt5.QtWidgets import QApplication
+
+from gpr20_common.catalogue import Catalogue
+from gpr20_viewer.identity import SurveyIdentity
+from gpr20_viewer.picks_file import PicksFile
+from gpr20_viewer.session import ViewSession
+from gpr20_viewer.views.main_window import MainWindow
+from gpr20_viewer.views.pick_desk import PickDesk
+
+# Python handles Ctrl-C only between its own instructions.
+SIGNALS_PERIOD_MS = 200
+
+
+def utc_now() -> str:
+    """Return the time, ISO 8601, UTC, in seconds."""
+    now = datetime.datetime.now(datetime.timezone.utc)
+    return now.isoformat(timespec="seconds").replace("+00:00", "Z")
+
+
+def show(
+    session: ViewSession,
+    picks: Path,
+    author: str,
+    name: str,
+    catalogue: Catalogue,
+    flat: bool,
+) -> None:
+    """Show the window; return when it was closed.
+
+    Raises:
+        PicksFileError: The stored picks are damaged or of another survey.
+        KeyboardInterrupt: It was ended with Ctrl-C.
+    """
+    file = PicksFile(picks, SurveyIdentity.of(session.survey))
+    application = QApplication.instance() or QApplication(sys.argv[:1])
+    pyqtgraph.setConfigOptions(antialias=True)
+    desk = PickDesk(file, author, utc_now, catalogue)
+    window = MainWindow(session, desk, name, catalogue, flat)
+    interrupted = []
+
+    def interrupt(*_: object) -> None:
+        interrupted.append(True)
+        application.quit()
+
+    former = {one: signal.signal(one, interrupt) for one in (signal.SIGINT, signal.SIGTERM)}
+    ticks = QTimer()
+    ticks.timeout.connect(lambda: None)
+    ticks.start(SIGNALS_PERIOD_MS)
+    try:
+        window.show()
+        application.exec_()
+    finally:
+        window.bridge.close()
+        # Ctrl-C leaves it open.
+        window.hide()
+        sip.delete(window)
+        for number, handler in former.items():
+            signal.signal(number, handler)
+    if interrupted:
+        raise KeyboardInterrupt

@@ -1,0 +1,250 @@
+"""The viewer's model: delays, images, the worker. Nothing here needs Qt."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+from fault_kit import raises_fault
+from ground_kit import point, scene, survey_of
+
+import gpr20_analysis.imaging.image as image_module
+from gpr20_analysis import faults, lazy
+from gpr20_analysis.dataset import Quality
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate
+from gpr20_analysis.processing.chain import process_survey
+from gpr20_viewer.latest_worker import LatestWorker
+from gpr20_viewer.live_image import ImageRequest, PermittivitySource
+from gpr20_viewer.pictures import (
+    Picture,
+    longest_delay_s,
+    section_picture,
+    slice_picture,
+    traces_picture,
+)
+from gpr20_viewer.positions import Place
+from gpr20_viewer.scene import Display, Scene
+from gpr20_viewer.session import ViewSession
+
+pytestmark = pytest.mark.takes(20)
+
+PLACES_MM = np.linspace(140.0, 340.0, 11)
+TARGET = point(240.0, 240.0, 0.083)
+PLACE = Place(0.24, 0.24, 0.083)
+FIXED = ImageOptions(permittivity=4.0)
+
+
+def at_once(items, total=None):
+    return items
+
+
+def small(**changes):
+    values = {"x_mm": PLACES_MM, "y_mm": PLACES_MM, "rotations_deg": (0.0,), **changes}
+    return survey_of(scene([TARGET]), **values)
+
+
+@pytest.fixture(scope="module")
+def session():
+    return ViewSession(small(), FIXED)
+
+
+@pytest.fixture(scope="module")
+def image(session):
+    return session.compute(session.first_request, at_once)
+
+
+def ridge_ns(picture):
+    rows = np.argmax(picture.levels_db, axis=0)
+    return np.linspace(*picture.down, len(picture.levels_db))[rows]
+
+
+@pytest.mark.parametrize("separation_m", [0.0, 0.12])
+@pytest.mark.parametrize("along", ["x", "y"])
+def test_the_hyperbola_lies_on_the_echo_of_the_target(separation_m, along):
+    # The simulator finds its paths by itself.
+    ground = scene([TARGET], separation_m=separation_m)
+    session = ViewSession(survey_of(ground, PLACES_MM, PLACES_MM, rotations_deg=(0.0,)), FIXED)
+    line = session.line(0, along, 0.24)
+    until_s = longest_delay_s(line, 0.15, 4.0, separation_m)
+    picture = traces_picture(session, line, 0, True, until_s, 0.0)
+    expected_ns = line.delays_s(PLACE, 4.0, separation_m) * 1e9
+    sample_ns = picture.down[1] / (len(picture.levels_db) - 1)
+    assert np.abs(ridge_ns(picture) - expected_ns).max() < max(sample_ns, 0.06)
+
+
+def test_the_hyperbola_follows_data_whose_time_zero_was_set():
+    raw, shifted = (
+        ViewSession(one, FIXED) for one in (small(), process_survey(small(), "time_zero"))
+    )
+    delays = [one.line(0, "x", 0.24).delays_s(PLACE, 4.0, 0.0) for one in (raw, shifted)]
+    height_m = float(raw.survey.height.values[0, 0, 0])
+    assert np.allclose(delays[0] - delays[1], 2.0 * height_m / 299792458.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_depth_of_a_delay_is_that_of_the_place(session, seed):
+    draw = np.random.default_rng(seed)
+    permittivity, separation_m = draw.uniform(1.0, 30.0), draw.choice([0.0, 0.1])
+    line = session.line(0, draw.choice(["x", "y"]), 0.2)
+    at_m, depth_m = draw.choice(line.position_m), draw.uniform(0.0, 0.3)
+    place = Place(at_m, 0.2, depth_m) if line.along == "x" else Place(0.2, at_m, depth_m)
+    delay_s = float(
+        np.min(line.delays_s(place, permittivity, separation_m)[line.position_m == at_m])
+    )
+    found_m = line.depth_m(at_m, delay_s, permittivity, separation_m, 0.3)
+    assert abs(found_m - depth_m) < 1e-6
+
+
+def test_the_image_has_the_target_where_it_is(image):
+    level = slice_picture(image, 0, 0.083, 0.0).levels_db
+    assert np.unravel_index(np.argmax(level), level.shape) == (5, 5)
+    assert -1.0 < float(level.max()) <= 0.0
+    assert abs(image.level_at_db(0, 0.24, 0.24, 0.083)) < 1.0
+    assert "as given" in str(image.caption) and "permittivity 4" in str(image.caption)
+
+
+def test_a_display_gain_changes_the_picture_and_not_the_level_that_is_read(image):
+    plain, lifted = (section_picture(image, 0, "x", 0.24, gain).levels_db for gain in (0.0, 5.0))
+    assert float(np.max(lifted)) <= 1e-3
+    assert np.argmax(lifted.max(axis=1)) >= np.argmax(plain.max(axis=1))
+    assert not np.allclose(plain, lifted)
+    assert abs(image.level_at_db(0, 0.24, 0.24, 0.083)) < 1.0
+
+
+def test_an_estimate_is_said_to_be_one_with_its_range_and_keeps_it(monkeypatch):
+    found = PermittivityEstimate(4.1, 3.5, 4.9, 3)
+    monkeypatch.setattr(image_module, "estimate_permittivity", lambda *_: found)
+    session = ViewSession(small(), ImageOptions())
+    first = session.compute(session.first_request, at_once)
+    assert first.source is PermittivitySource.ESTIMATED
+    assert "ESTIMATED" in str(first.caption) and " to " in str(first.caption)
+    again = ImageRequest(first.permittivity, first.source, False, 0.3)
+    assert " to " in str(session.compute(again, at_once).caption)
+    chosen = ImageRequest(5.0, PermittivitySource.SLIDER, False, 0.3)
+    assert " to " not in str(session.compute(chosen, at_once).caption)
+
+
+def test_a_refused_estimate_is_replaced_by_an_assumption_that_says_so():
+    session = ViewSession(small(x_mm=PLACES_MM[:2], y_mm=PLACES_MM[:2]), ImageOptions())
+    image = session.compute(session.first_request, at_once)
+    assert image.source is PermittivitySource.ASSUMED and image.permittivity == 4.0
+    said = " ".join(str(one) for one in image.remarks)
+    assert "cannot be estimated" in said and "slider" in said
+    assert "ASSUMED" in str(image.caption)
+
+
+@pytest.mark.parametrize("axis", ["x_mm", "y_mm"])
+def test_a_single_line_is_imaged_by_back_projection(axis):
+    pytest.importorskip("numba")
+    session = ViewSession(small(**{axis: np.array([240.0])}), FIXED)
+    assert session.options.method is Method.BACK_PROJECTION
+    assert "back-projection" in " ".join(map(str, session.notes))
+    image = session.compute(session.first_request, at_once)
+    along = "y" if axis == "x_mm" else "x"
+    picture = section_picture(image, 0, along, 0.24, 0.0)
+    assert picture.levels_db.shape[1] == 11
+    assert slice_picture(image, 0, 0.083, 0.0).levels_db.size == 11
+
+
+def test_missing_samples_are_refused_unless_left_out_and_marked():
+    survey = small()
+    survey.s21[0, 4, 4] = np.nan
+    survey.quality[0, 4, 4] = int(Quality.MISSING)
+    with raises_fault(faults.SAMPLES_MISSING):
+        ViewSession(survey, FIXED)
+    session = ViewSession(survey, ImageOptions(permittivity=4.0, leave_out_missing=True))
+    assert session.without_data(0).tolist() == [[PLACES_MM[4] / 1e3, PLACES_MM[4] / 1e3]]
+    image = session.compute(session.first_request, at_once)
+    assert "left out" in " ".join(map(str, image.remarks))
+    line = session.line(0, "x", PLACES_MM[4] / 1e3)
+    picture = traces_picture(session, line, 0, True, 5e-9, 0.0)
+    assert np.isnan(picture.levels_db[:, 4]).all()
+    assert np.isfinite(np.delete(picture.levels_db, 4, axis=1)).all()
+
+
+def test_a_survey_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
+    monkeypatch.setattr(lazy, "available_bytes", lambda: 1 << 20)
+    with raises_fault(faults.TOO_LARGE):
+        ViewSession(small(), FIXED)
+
+
+def test_data_without_spectra_are_refused():
+    with raises_fault(faults.STEPS, "'s21'"):
+        ViewSession(process_survey(small(), "time"), FIXED)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_picture_of_uneven_places_shows_the_nearest_one(seed):
+    draw = np.random.default_rng(seed)
+    across = np.cumsum(draw.integers(1, 4, 8)).astype(float)
+    picture = Picture.of(np.arange(8.0)[None, :].repeat(2, 0), across, np.array([0.0, 1.0]))
+    even = np.linspace(across[0], across[-1], picture.levels_db.shape[1])
+    nearest = np.abs(across[None, :] - even[:, None]).min(axis=1)
+    drawn = np.abs(across[picture.levels_db[0].astype(int)] - even)
+    assert np.allclose(drawn, nearest)
+
+
+def test_a_scene_moves_by_steps_and_stays_inside(session, image):
+    display = Display(0, "x", 40.0, 0.0)
+    scene = Scene(session, image, PLACE, display, 4.0, 0.3)
+    moved = scene.moved(1, -1, 1)
+    assert np.allclose((moved.x_m, moved.y_m), (0.26, 0.22)) and moved.depth_m > PLACE.depth_m
+    assert scene.inside(Place(9.0, -1.0, 2.0)) == Place(0.34, 0.14, 0.3)
+    said = str(scene.read_out(PLACE))
+    assert said.startswith("x 240 mm, y 240 mm, depth 83 mm, delay ") and said.endswith(" dB")
+    below = scene.in_traces(240.0, scene.delay_ns(PLACE))
+    assert abs(below.depth_m - PLACE.depth_m) < 1e-6
+
+
+class Gate:
+    """A computation that the test holds up."""
+
+    def __init__(self):
+        self.begun, self.free = threading.Event(), threading.Event()
+        self.computed, self.delivered, self.failures = [], [], []
+
+    def compute(self, wanted, loop):
+        self.computed.append(wanted)
+        self.begun.set()
+        assert self.free.wait(20.0)
+        if wanted == "fault":
+            raise ValueError("as the test wants it")
+        return [wanted for _ in loop(range(2))]
+
+    def worker(self, done):
+        return LatestWorker(
+            self.compute,
+            lambda wanted, result: (self.delivered.append(result), done(wanted)),
+            lambda wanted, error: (self.failures.append(str(error)), done(wanted)),
+        )
+
+
+def test_only_the_latest_waiting_request_is_computed_and_a_fault_ends_nothing():
+    gate, last = Gate(), threading.Event()
+    worker = gate.worker(lambda wanted: last.set() if wanted == 99 else None)
+    worker.request("fault")
+    assert gate.begun.wait(20.0)
+    for wanted in range(100):
+        worker.request(wanted)
+    gate.free.set()
+    assert last.wait(20.0)
+    worker.close()
+    assert gate.computed == ["fault", 99]
+    assert gate.failures == ["as the test wants it"] and gate.delivered == [[99, 99]]
+
+
+def test_a_closed_worker_ends_its_computation_and_delivers_nothing():
+    gate = Gate()
+    worker = gate.worker(lambda wanted: None)
+    worker.request(1)
+    assert gate.begun.wait(20.0)
+    closing = threading.Thread(target=worker.close)
+    closing.start()
+    while not worker._is_closed:
+        closing.join(0.001)
+    gate.free.set()
+    closing.join(20.0)
+    assert not closing.is_alive() and gate.delivered == [] and gate.failures == []
+    worker.close()
