@@ -7,7 +7,7 @@ in a template, a sentence, the text of a message or of an error, and the values 
 from __future__ import annotations
 
 import ast
-from typing import Iterator, Set
+from typing import Iterator, Optional, Set
 
 from literal_templates import EXCEPT, check_files
 
@@ -17,8 +17,10 @@ WORDS = frozenset(
         "details",
         "failure",
         "message",
+        "message_json",
         "problem",
         "reason",
+        "reason_json",
         "refusal",
         "remark",
         "sentence",
@@ -33,9 +35,10 @@ WORDS = frozenset(
 ERRORS = frozenset({"err", "error", "exc", "exception", "failed", "failure", "fault", "refused"})
 SEARCHES = frozenset(
     {"startswith", "endswith", "find", "rfind", "index", "count", "partition", "split"}
+    | {"__contains__"}
 )
 CASES = frozenset({"lower", "upper", "strip", "casefold"})
-PATTERNS = frozenset({"match", "search", "fullmatch", "findall", "finditer"})
+PATTERNS = frozenset({"match", "search", "fullmatch", "findall", "finditer", "contains"})
 
 
 class _Words(ast.NodeVisitor):
@@ -50,22 +53,46 @@ class _Words(ast.NodeVisitor):
             for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
             if isinstance(target, ast.Name)
         }
-        # Variables of the present function that hold words, or values of diagnostics.
+        # Variables of the present function: words themselves, what holds words, caught errors, and
+        # values of diagnostics.
         self._texts: Set[str] = set()
+        self._words: Set[str] = set()
+        self._errors: Set[str] = set()
         self._values: Set[str] = set()
         self.visit(tree)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
-        outer = self._texts, self._values
-        self._texts, self._values = set(self._texts), set(self._values)
+        outer = self._texts, self._words, self._errors, self._values
+        self._texts, self._words = set(self._texts), set(self._words)
+        self._errors, self._values = set(self._errors), set(self._values)
         for one in ast.walk(node):
-            if isinstance(one, ast.Assign) and isinstance(one.targets[0], ast.Name):
-                if self._is_text(one.value):
-                    self._texts.add(one.targets[0].id)
-                elif _is_diagnostics(one.value):
-                    self._values.add(one.targets[0].id)
+            self._note_variables(one)
         self.generic_visit(node)
-        self._texts, self._values = outer
+        self._texts, self._words, self._errors, self._values = outer
+
+    def _note_variables(self, node: ast.AST) -> None:
+        if isinstance(node, ast.ExceptHandler) and node.name:
+            self._errors.add(node.name)
+        elif isinstance(node, ast.arg) and _is_message_type(node.annotation):
+            self._words.add(node.arg)
+        elif isinstance(node, ast.Assign):
+            self._note_variable(node.targets[0], node.value)
+        elif isinstance(node, ast.NamedExpr):
+            self._note_variable(node.target, node.value)
+        elif isinstance(node, ast.For) and isinstance(node.target, ast.Tuple):
+            items = getattr(node.iter, "func", None)
+            if isinstance(items, ast.Attribute) and self._is_diagnostics(items.value):
+                self._words.add(_named(node.target.elts[-1]))
+
+    def _note_variable(self, target: ast.AST, value: ast.AST) -> None:
+        if not isinstance(target, ast.Name):
+            return
+        if self._is_text(value):
+            self._texts.add(target.id)
+        elif _is_diagnostics(value):
+            self._values.add(target.id)
+        elif self._holds_words(value):
+            self._words.add(target.id)
 
     def visit_Compare(self, node: ast.Compare) -> None:
         operands = [node.left, *node.comparators]
@@ -84,7 +111,8 @@ class _Words(ast.NodeVisitor):
             name, owner = node.func.attr, node.func.value
             searched = [owner] if name in SEARCHES else node.args if name in PATTERNS else []
             # A table of what is done about which sentence.
-            looked_up = node.args[:1] if name == "get" and _named(owner).isupper() else []
+            is_table = _named(owner).isupper() or isinstance(owner, ast.Dict)
+            looked_up = node.args[:1] if name == "get" and is_table else []
             if any(self._holds_words(one) or self._is_text(one) for one in [*searched, *looked_up]):
                 self.lines.add(node.lineno)
         self.generic_visit(node)
@@ -121,15 +149,20 @@ class _Words(ast.NodeVisitor):
             return self._is_text(node.value) or _is_arguments(node.value)
         if isinstance(node, ast.JoinedStr):
             shown = [one.value for one in node.values if isinstance(one, ast.FormattedValue)]
-            return len(node.values) == 1 and any(_named(one) in WORDS | ERRORS for one in shown)
+            return len(node.values) == 1 and any(self._is_shown(one) for one in shown)
         if not isinstance(node, ast.Call):
             return False
         if isinstance(node.func, ast.Attribute):
             if node.func.attr == "sentence":
                 return True
             return node.func.attr in CASES and self._is_text(node.func.value)
-        shown_name = _named(node.args[0]) if node.args else ""
-        return _named(node.func) in ("str", "repr") and shown_name in WORDS | ERRORS
+        return _named(node.func) in ("str", "repr") and any(map(self._is_shown, node.args[:1]))
+
+    def _is_shown(self, node: ast.AST) -> bool:
+        """Return whether the text of an expression is words for people."""
+        return _named(node) in WORDS | ERRORS or (
+            isinstance(node, ast.Name) and node.id in self._words | self._errors
+        )
 
     def _holds_words(self, node: ast.AST) -> bool:
         """Return whether an expression is a message, a text for people or one of diagnostics."""
@@ -142,7 +175,10 @@ class _Words(ast.NodeVisitor):
             if node.func.attr in CASES:
                 return self._holds_words(node.func.value)
             return node.func.attr == "get" and self._is_diagnostics(node.func.value)
-        return _named(node) in WORDS
+        if isinstance(node, ast.JoinedStr):
+            parts = [one.value for one in node.values if isinstance(one, ast.FormattedValue)]
+            return any(self._is_shown(one) for one in parts)
+        return _named(node) in WORDS or (isinstance(node, ast.Name) and node.id in self._words)
 
     def _is_diagnostics(self, node: ast.AST) -> bool:
         return _is_diagnostics(node) or (isinstance(node, ast.Name) and node.id in self._values)
@@ -150,9 +186,18 @@ class _Words(ast.NodeVisitor):
 
 def _is_diagnostics(node: ast.AST) -> bool:
     """Return whether an expression is the values of diagnostics; those of a message are not."""
+    if isinstance(node, ast.Call) and _named(node.func) == "dict" and node.args:
+        node = node.args[0]
     if not isinstance(node, ast.Attribute) or node.attr != "values":
         return False
     return _named(node.value) not in WORDS
+
+
+def _is_message_type(node: Optional[ast.AST]) -> bool:
+    """Return whether an annotation is that of a message, or of one that may be missing."""
+    if isinstance(node, ast.Subscript):
+        return _named(node.value) == "Optional" and _is_message_type(node.slice)
+    return _named(node) == "Message"
 
 
 def _is_arguments(node: ast.AST) -> bool:

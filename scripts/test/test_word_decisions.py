@@ -33,6 +33,12 @@ DECISIONS = [
     "ADVICE[reason]",
     "ADVICE.get(message)",
     "KNOWN.issuperset([one.template])",
+    "'not_calibrated' in answer.message_json",
+    "dict(health.values)['homed'] == 'True'",
+    "{'busy': 1}.get(answer.message)",
+    "'moving' in f'{message}!'",
+    "operator.contains(str(error), 'busy')",
+    "str(error).__contains__('busy')",
 ]
 NO_DECISIONS = [
     "message.fault_code == faults.DISK_FULL.code",
@@ -65,10 +71,24 @@ def test_codes_types_and_shown_sentences_are_no_decision_by_words(expression):
 
 @pytest.mark.parametrize(
     "body",
-    ["text = str(error)\n    return 'busy' in text", "v = n.values\n    return v['a'] == 'b'"],
+    [
+        "text = str(error)\n    return 'busy' in text",
+        "v = n.values\n    return v['a'] == 'b'",
+        "text = n.message\n    return text == 'no'",
+        "text = n.message\n    return text[:4] == 'VNA '",
+        "return (text := n.message) and text == 'no'",
+        "try: n()\n    except OSError as e: return 'busy' in str(e)",
+        "for key, value in n.values.items():\n        if value == 'True': return key",
+    ],
 )
 def test_words_are_followed_into_a_variable(body):
     assert len(list(complaints(f"def busy(error, n):\n    {body}\n"))) == 1
+
+
+def test_a_message_is_known_by_its_type():
+    body = "return str(trouble).startswith('AN AXIS')"
+    for kind in ("Message", "Optional[Message]"):
+        assert len(list(complaints(f"def busy(trouble: {kind}):\n    {body}\n"))) == 1
 
 
 def test_a_complaint_names_the_line_and_what_to_use_instead():
