@@ -7,6 +7,7 @@ import threading
 import pytest
 from driver_bench import ADDRESS, SWEEP, Bench
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError, VnaNotReadyError
@@ -36,6 +37,18 @@ def test_an_instrument_in_use_is_not_disturbed(bench):
     bench.vna.sent.clear()
     check_after(bench, CHECK_S - 1.0)
     assert bench.vna.sent == []
+
+
+@pytest.mark.parametrize("address", ["x\ny", "", "vna.local", "1.2.3"])
+def test_an_address_that_nothing_can_have_does_not_end_the_checks(bench, address):
+    with pytest.raises(InvalidValueError):
+        bench.driver.connect_to_vna(address)
+    assert not bench.driver.vna_ip
+    check_after(bench, CHECK_S)
+    assert bench.driver.connect_to_vna(ADDRESS)
+    bench.vna.sent.clear()
+    check_after(bench, CHECK_S)
+    assert bench.vna.sent == [":SENS:CORR:COLL:STAT:ACC?"]
 
 
 def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):

@@ -6,6 +6,7 @@ import contextlib
 from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -118,6 +119,7 @@ class VnaLink:
         """Make the first link to an address and return the instrument's identification.
 
         Raises:
+            InvalidValueError: The address is not one of this kind of instrument.
             VnaError: Nothing, or another instrument, answers there.
         """
         self.drop()
@@ -127,6 +129,10 @@ class VnaLink:
             identity = self._open(address)
         except VnaError as error:
             self.note(last_error=error.message)
+            raise
+        except InvalidValueError:
+            # Nothing can ever answer there.
+            self._state = VnaState()
             raise
         self._state = VnaState(address, identity, linked=True)
         return identity
