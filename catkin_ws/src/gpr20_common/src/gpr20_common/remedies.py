@@ -5,6 +5,8 @@ A remedy is one or two sentences for somebody who stands beside the robot.
 
 from __future__ import annotations
 
+from typing import Optional
+
 from gpr20_common.message import Message
 
 MOTORS_OFF = Message("Switch off the motors' power now. Keep your hands clear.")
@@ -40,7 +42,7 @@ CHECK_VNA_CABLE = Message(
     "Check that the VNA is switched on and that its network cable is plugged in at both ends."
 )
 SET_CLOCK = Message("Set the clock of the robot's computer.")
-OTHER_SURVEY = Message("End the other survey first: wait for its end, or press STOP.")
+OTHER_SURVEY = Message("Wait until the survey that is in progress has ended, or press STOP.")
 NOTHING_TO_DO = Message("Nothing to do: no survey is in progress.")
 RESUME_SURVEY = Message("Resume the survey: that checks and repairs what is stored.")
 NEW_SURVEY = Message("Plan a new survey: this one cannot be continued.")
@@ -59,3 +61,14 @@ REPORT = Message(
     "the same version."
 )
 CHECK_STATUS = Message("Look on STATUS for the part with a FAULT and touch its line.")
+
+
+def first_step(message: Message) -> Optional[Message]:
+    """Return what to do first about what a message reports; None if nobody knows it.
+
+    The motors come first if something may move, unless the fault that decides knows better.
+    """
+    cause = message.cause
+    if message.may_move and not (cause and cause.may_move and cause.remedy):
+        return MOTORS_OFF
+    return message.remedy

@@ -16,8 +16,8 @@ from gpr20_common.message import CODE_FORMAT, Fault, Message, Severity, in_a_row
 # A template from elsewhere may neither look into its values nor ask for a gigabyte of blanks.
 FIELD_FORMAT = re.compile(r"[<>+]?0?\d?\d?(\.\d\d?)?[defgs%]?")
 
-# More than any message of the robot has; the text of a received one is bounded by it.
-MAX_JSON_CHARACTERS = 16_384
+# More than any message of the robot has, as JSON and as text: a window shows a longer one slowly.
+MAX_CHARACTERS = 16_384
 # The fault of a longer one is read, but not its sentence.
 MAX_READ_CHARACTERS = 1_000_000
 # Far deeper ones are read, but exceed the recursion limit where they are shown.
@@ -70,21 +70,35 @@ def received_message(text: str, message_json: str, fault_code: str = "") -> Mess
 
 def _read(text: str, message_json: str) -> Message:
     if len(message_json) > MAX_READ_CHARACTERS:
-        return verbatim(text)
+        return _short(text)
     try:
         record = json.loads(message_json)
-        if len(message_json) > MAX_JSON_CHARACTERS:
+        if len(message_json) > MAX_CHARACTERS:
             raise ValueError("it is too long to be shown")
         message = _message(record)
-        # Half of a character, which JSON can hold, can be neither sent nor shown.
-        f"{message}{message.to_json()}".encode()
+        _check_shown(message)
         return message
     except UNREADABLE:
         pass
     try:
-        return verbatim(text).with_fault(_fault_without_sentence(json.loads(message_json)))
+        return _short(text).with_fault(_fault_without_sentence(json.loads(message_json)))
     except UNREADABLE:
-        return verbatim(text)
+        return _short(text)
+
+
+def _short(text: str) -> Message:
+    """Return text as a message; the end of a very long one is left out."""
+    return verbatim(text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}…")
+
+
+def _check_shown(message: Message) -> None:
+    """Raise a ValueError if a message cannot be shown or sent."""
+    text = str(message)
+    # A template can repeat a value.
+    if len(text) > MAX_CHARACTERS:
+        raise ValueError("it is too long to be shown")
+    # Half of a character, which JSON can hold, can be neither sent nor shown.
+    f"{text}{message.to_json()}".encode()
 
 
 def _fault_without_sentence(record: Any) -> Optional[Fault]:
@@ -150,7 +164,7 @@ def _fault(record: Any, depth: int) -> Fault:
 def _remedy(record: Any, depth: int) -> Optional[Message]:
     try:
         remedy = _message(record, depth + 1)
-        f"{remedy}{remedy.to_json()}".encode()
+        _check_shown(remedy)
         return remedy
     except UNREADABLE:
         return None

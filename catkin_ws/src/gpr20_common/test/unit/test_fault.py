@@ -21,8 +21,8 @@ from gpr20_common.message import (
     verbatim,
 )
 from gpr20_common.sent_message import (
+    MAX_CHARACTERS,
     MAX_DEPTH,
-    MAX_JSON_CHARACTERS,
     message_fields,
     message_from,
     received_message,
@@ -179,7 +179,7 @@ def test_a_code_has_the_form_area_what(code):
 @given(any_message)
 def test_a_message_keeps_its_faults_on_the_graph_and_in_a_file(message):
     sent = message.to_json()
-    if len(sent) > MAX_JSON_CHARACTERS:
+    if len(sent) > MAX_CHARACTERS:
         return
     back = received_message(str(message), sent)
     assert as_data(back) == as_data(message)
@@ -303,10 +303,25 @@ def test_remedies_inside_remedies_are_read_to_a_depth():
 
 def test_a_huge_message_leaves_the_text_and_the_fault():
     moving = Fault("axis.moving", LOOK, may_move=True)
-    huge = Message("{x}", x="a" * MAX_JSON_CHARACTERS).with_fault(moving)
+    huge = Message("{x}", x="a" * MAX_CHARACTERS).with_fault(moving)
     message = message_from(SimpleNamespace(**message_fields(huge)))
     assert message == verbatim(str(huge)) and message.may_move
     assert (message.fault_code, message.remedy) == (moving.code, LOOK)
+
+
+@pytest.mark.parametrize(
+    ("text", "sent"),
+    [
+        ("x" * 1_000_000, ""),
+        ("as sent", json.dumps({"template": "{a}" * 3000, "values": {"a": "y" * 5000}})),
+        ("y" * 1_000_000, json.dumps({"template": "x" * 20_000, "values": {}})),
+    ],
+)
+def test_a_text_that_no_window_could_show_is_cut_and_its_fault_is_kept(text, sent):
+    record = {**json.loads(sent or "{}"), "fault": {"code": "axis.moving", "may_move": True}}
+    message = received_message(text, json.dumps(record) if sent else "", "axis.moving")
+    assert len(str(message)) <= MAX_CHARACTERS + 1 and str(message)[:7] == text[:7]
+    assert message.fault_code == "axis.moving" and message.may_move == bool(sent)
 
 
 hostile = st.recursive(

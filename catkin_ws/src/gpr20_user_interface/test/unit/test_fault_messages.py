@@ -101,6 +101,27 @@ def test_an_axis_that_moves_comes_before_everything():
     assert notice.text == in_a_row([FULL, MOVING])
 
 
+@pytest.mark.parametrize(
+    "message",
+    [
+        verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True)),
+        in_a_row([verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True)), FULL]),
+        Message("{inner}", inner=MOVING).with_fault(
+            Fault("later.outer", remedies.NEW_SURVEY, replaces=True)
+        ),
+    ],
+)
+def test_an_axis_that_moves_comes_first_whatever_else_is_known(message):
+    for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED):
+        assert fault_notice(state(code, message)).first == remedies.MOTORS_OFF
+    assert refusal_notice(Refused.START, message).first == remedies.MOTORS_OFF
+
+
+def test_a_fault_that_moves_something_and_knows_what_to_do_keeps_its_remedy():
+    fault = Fault("later.move", remedies.CHECK_ENDSTOP, may_move=True)
+    assert remedies.first_step(verbatim("x").with_fault(fault)) == remedies.CHECK_ENDSTOP
+
+
 def test_the_words_around_a_fault_are_left_out():
     notice = fault_notice(state(SurveyState.PAUSED, warned(Message(PAUSED, reason=FULL))))
     assert notice.text == FULL and notice.first == remedies.MAKE_SPACE

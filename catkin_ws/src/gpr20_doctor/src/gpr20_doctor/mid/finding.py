@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Dict, Optional
 
 from gpr20_common.message import Message, Severity
+from gpr20_common.remedies import first_step
 
 
 class Level(enum.IntEnum):
@@ -62,7 +63,7 @@ class Finding:
         """
         cause = text.cause
         assert cause is not None
-        return cls(check, _LEVELS[cause.severity], text, remedy or cause.remedy)
+        return cls(check, _LEVELS[cause.severity], text, remedy or first_step(text))
 
 
 _LEVELS: Dict[Severity, Level] = {

@@ -10,6 +10,7 @@ from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.faults import DISK_FULL, NODE_SILENT
 from gpr20_common.message import Message, Severity
+from gpr20_common.remedies import first_step
 from gpr20_doctor import faults
 from gpr20_doctor.mid.analyzer_checks import check_analyzer
 from gpr20_doctor.mid.finding import Finding, Level
@@ -201,7 +202,8 @@ def _part(node: NodeHealth, listening_s: float) -> Finding:
     cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
-        return Finding.of_fault(node.name, text.with_fault(faults.PART_FAILED), node.message.remedy)
+        known = first_step(node.message)
+        return Finding.of_fault(node.name, text.with_fault(faults.PART_FAILED), known)
     if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
         return Finding(node.name, Level.NOTE, text, cause.remedy or faults.PART_WARNS.remedy)
     return Finding.of_fault(node.name, text.with_fault(faults.PART_WARNS).as_warning())

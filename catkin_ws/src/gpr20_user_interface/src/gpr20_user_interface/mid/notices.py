@@ -119,7 +119,7 @@ def fault_notice(state: ControlState) -> Notice:
 
 def remedy(reason: Message) -> Message:
     """Return what to do first about a fault, whatever it is."""
-    return reason.remedy or remedies.CHECK_STATUS
+    return remedies.first_step(reason) or remedies.CHECK_STATUS
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:
@@ -143,7 +143,8 @@ def analyzer_notice(reason: Message, identity: str) -> Notice:
 def state_notice(state: ControlState) -> Notice:
     """Return the whole status message of the main control."""
     message = state.message
-    return Notice(state.title, message, message.remedy, details=_details(message))
+    first = remedies.first_step(message)
+    return Notice(state.title, message, first, details=_details(message))
 
 
 def node_notice(node: NodeHealth) -> Notice:
@@ -152,7 +153,7 @@ def node_notice(node: NodeHealth) -> Notice:
     first = None
     if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
         failed = node.level is HealthLevel.ERROR
-        first = remedy(node.message) if failed else node.message.remedy
+        first = remedy(node.message) if failed else remedies.first_step(node.message)
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*_details(node.message), f"node: {node.name}", *values)
     return Notice(title, node_text(node), first, details=details)

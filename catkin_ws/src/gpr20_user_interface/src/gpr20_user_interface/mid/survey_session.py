@@ -182,7 +182,7 @@ def first_step(message: Message) -> Message:
     reason = reason_of(message)
     return Message(
         "Do this first: {remedy}",
-        remedy=reason.remedy or remedies.CHECK_STATUS,
+        remedy=remedies.first_step(reason) or remedies.CHECK_STATUS,
         details=reason.fault_code,
     )
 
