@@ -24,13 +24,14 @@ WIDTH = 94
 
 INTRODUCTION = """# Faults and what to do first
 
-The window's card, `gpr20` and the doctor show a sentence, its fault's code and what to do first.
-The code has the form `area.what` and stays when a sentence is reworded: it is in `fault_code` of
-services, `control_status`, results and diagnostics, and in survey.json. Below stand all codes, with
-the first step in English and Spanish.
+The window's card, `gpr20` and the doctor show a sentence and what to do first. The fault's code has
+the form `area.what` and stays when a sentence is reworded: it is in the card's details, in the
+outputs `--json`, in `fault_code` of services, `control_status`, results and diagnostics, and in
+survey.json. Below stand all codes, with the first step in English and Spanish.
 
-*La ventana, `gpr20` y el doctor muestran una frase, el código del fallo y lo primero que se debe
-hacer. Abajo están todos los códigos, con el primer paso en inglés y en español.*
+*La ventana, `gpr20` y el doctor muestran una frase y lo primero que se debe hacer; el código del
+fallo está en los detalles. Abajo están todos los códigos, con el primer paso en inglés y en
+español.*
 
 `scripts/messages_page.py` writes this page from the modules `faults` of the packages.
 """

@@ -12,6 +12,7 @@ NO_INPUT = Fault(
     "analysis.no_input",
     Message("Check the path: give the survey's folder, its recording, or files to import."),
 )
+NO_TRACES = Fault("analysis.no_traces", Message("Resume the survey, or choose another one."))
 IMPORT_FIRST = Fault(
     "analysis.import_first", Message("Import the files with gpr20 import, then use the result.")
 )
@@ -95,7 +96,10 @@ REFERENCE = Fault(
 )
 NO_SAMPLES = Fault(
     "analysis.no_samples",
-    Message("Look with gpr20 info at what is stored, then check the steps."),
+    Message("Measure more points, or look with gpr20 info and check the steps."),
+)
+TOO_DEEP = Fault(
+    "analysis.too_deep", Message("Choose a smaller depth, or measure with more frequencies.")
 )
 TOO_FEW_LINES = Fault(
     "analysis.too_few_lines",

@@ -99,8 +99,10 @@ def test_the_report_is_written_in_the_language(stopped, tmp_path):
 def test_reason_and_calibration_are_translated_where_their_template_is_known(stopped):
     verdict = Message("complete: all {planned} planned traces are stored", planned=4)
     calibration = CalibrationStatus.HIGH.meaning
-    report = {"verdict": str(verdict), "verdict_message": json.loads(verdict.to_json())}
-    described = {"report": report, "instrument": {"calibration": str(calibration)}}
+    described = {
+        "reason_message": json.loads(verdict.to_json()),
+        "instrument": {"calibration": str(calibration)},
+    }
     survey = load_survey(stopped).assign_attrs(
         survey_json=json.dumps(described), reason=str(verdict)
     )

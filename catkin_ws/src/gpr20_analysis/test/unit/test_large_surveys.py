@@ -64,7 +64,7 @@ def test_the_temporary_file_goes_with_the_survey(folder, tmp_path, monkeypatch):
 
 def test_an_image_deeper_than_the_frequencies_can_tell_is_refused(folder, refusals):
     assert main(["image", str(folder), "--permittivity", "4"]) == 3
-    assert refusals[-1:] == [faults.OPTION.code]
+    assert refusals[-1:] == [faults.TOO_DEEP.code]
 
 
 @pytest.mark.parametrize("steps", [["window"], ["window", "time", "gain:method=agc"]])

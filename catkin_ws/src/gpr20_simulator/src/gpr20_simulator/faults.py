@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Fault, Message, Severity
 
+FAULTS_SET = Fault(
+    "simulator.faults_set",
+    Message("When the test is over, end the fault with simulator/set_fault."),
+    Severity.WARNING,
+)
+NETWORK_LOST = Fault("simulator.network_lost", Message("Launch the simulated robot again."))
 NO_CAPTURE_FOLDER = Fault(
     "simulator.no_capture_folder", Message("Give another folder with capture_dir:=.")
 )

@@ -22,6 +22,7 @@ STEP_IS_SAID = frozenset(
         *(faults.OPTION, faults.IMPORT_FIRST, faults.FILE_CONTENT, faults.METHOD, faults.FORMAT),
         *(faults.NO_PERMITTIVITY, faults.NO_HEIGHT, faults.NO_GRID, faults.TOO_LARGE),
         *(faults.OUTPUT, faults.NO_POSITION, faults.LIBRARY, faults.NO_WORKSPACE),
+        *(faults.TOO_DEEP,),
         *(faults.NO_ROS_MASTER, faults.ROBOT_RUNS, faults.SURVEY_RUNS),
         *(faults.NOT_CLOSED, faults.STEP_VERSION, faults.PROGRAM, faults.INTERRUPTED),
     )

@@ -151,7 +151,7 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
                 step_hz=traces[0].sweep.step_hz,
                 unambiguous_s=unambiguous_s,
             ),
-            fault=faults.OPTION,
+            fault=faults.TOO_DEEP,
         )
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
     if longest_s * band_hz < 1.0:

@@ -175,6 +175,11 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
             description = survey_metadata.read_description(described)
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
+    if not files and described.exists():
+        raise AnalysisError(
+            Message("{folder} holds a survey without traces", folder=folder),
+            fault=faults.NO_TRACES,
+        )
     if not files:
         raise AnalysisError(
             Message(

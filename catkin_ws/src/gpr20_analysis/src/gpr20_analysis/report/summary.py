@@ -20,6 +20,7 @@ from gpr20_analysis.read.annotation_attributes import (
 )
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
+from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.trace.calibration import MEANINGS
@@ -110,8 +111,8 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
 
 def _recorded(name: str, value: object, described: Mapping[str, Any]) -> Message:
     text = verbatim(str(value))
-    if name == "reason" and value == _mapping(described, "report").get("verdict"):
-        return _verdict(described) or text
+    if name == "reason":
+        return received_message(str(value), json.dumps(described.get(REASON_MESSAGE)))
     return OUTCOMES.get(str(value), text) if name == "outcome" else text
 
 

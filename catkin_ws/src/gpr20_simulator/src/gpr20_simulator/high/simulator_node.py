@@ -15,6 +15,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import message_fields
 from gpr20_simulator.errors import SimulatorError
+from gpr20_simulator.faults import FAULTS_SET, NETWORK_LOST
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
@@ -68,9 +69,10 @@ class SimulatorNode:
         }
         if self._vna.instrument.network_lost:
             lost = Message("The SIMULATED VNA was reset and lost its network settings")
-            return ERROR, lost, values
+            return ERROR, lost.with_fault(NETWORK_LOST), values
         if faults:
-            return WARN, Message("The SIMULATED robot has faults: {faults}", faults=faults), values
+            text = Message("The SIMULATED robot has faults: {faults}", faults=faults)
+            return WARN, text.with_fault(FAULTS_SET), values
         return OK, Message("The SIMULATED robot works"), values
 
     def _stop(self) -> None:
