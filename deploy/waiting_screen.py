@@ -64,7 +64,7 @@ def missing(
 
 
 def _is_exported(environment: Mapping[str, str]) -> bool:
-    """Return whether somebody has chosen where ROS listens; launch/env-hooks sets it otherwise."""
+    """Return whether somebody has chosen where ROS listens; gpr20's env-hooks set it otherwise."""
     if environment.get("ROS_HOSTNAME"):
         return True
     return environment.get("ROS_IP", "") != environment.get("GPR20_SET_ROS_IP", "")

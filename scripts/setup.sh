@@ -81,9 +81,6 @@ check_place() {
             fail "the path '$GPR20_ROOT' has a space, which catkin cannot build in;" \
                 "move the checkout" ;;
     esac
-    [ -e "$GPR20_WORKSPACE/src/gpr20/package.xml" ] ||
-        fail "$GPR20_WORKSPACE/src/gpr20 is no link to the folder launch: this copy has lost its" \
-            "symbolic links; clone the repository with git on a file system that has them"
     [ -e /proc/self ] || fail "/proc is not mounted; run as root: mount -t proc proc /proc"
     { [ -d /dev/shm ] && [ -w /dev/shm ]; } ||
         fail "/dev/shm, memory that the nodes share, is not there or not writable; run as root:" \

@@ -10,7 +10,7 @@ import yaml
 
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs/wiring.md").read_text(encoding="utf-8")
 PICTURE = (ROOT / "docs/images/wiring.svg").read_text(encoding="utf-8")
 AXES = yaml.safe_load((ROOT / "catkin_ws/src/gpr20_launch/config/axes.yaml").read_text())

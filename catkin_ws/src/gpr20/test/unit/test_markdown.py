@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[5]
 LONGEST_LINE = 100
 # Files of a robot's configuration, which users create outside the project.
 ROBOT_FILES = {

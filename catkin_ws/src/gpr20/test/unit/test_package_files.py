@@ -13,7 +13,7 @@ import yaml
 
 from gpr20_launch.low import needed_modules
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[5]
 SOURCES = ROOT / "catkin_ws" / "src"
 PACKAGES = {
     re.search("<name>(.*)</name>", path.read_text()).group(1): path.parent.resolve()
@@ -180,6 +180,13 @@ def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
         assert systems["debian"] == systems["ubuntu"], key
         (package,) = systems["debian"]["pip"]["packages"]
         assert re.search(rf"^{re.escape(package.lower())}==", pinned, re.MULTILINE), package
+
+
+def test_a_clone_in_another_workspace_holds_each_package_once():
+    packages = pytest.importorskip("catkin_pkg.packages")
+    # As catkin_make looks for them, which also follows links; it refuses two of one name.
+    found = packages.find_packages(str(ROOT), exclude_subspaces=True)
+    assert sorted(one.name for one in found.values()) == sorted(PACKAGES)
 
 
 def test_the_check_before_a_launch_knows_what_the_nodes_import():
