@@ -15,6 +15,4 @@ pytest_plugins = [
     "pytest_gpr20.rostest_items",
     "pytest_gpr20.abilities",
     "pytest_gpr20.real_time",
-    "pytest_gpr20.time_limit",
-    "pytest_gpr20.order",
 ]

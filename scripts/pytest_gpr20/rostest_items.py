@@ -72,12 +72,10 @@ class RostestFile(pytest.File):
     """A file `*.test`."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Yield its only item, which depends on real time and takes a part of its limits."""
+        """Yield its only item, which depends on real time."""
         item = RostestItem.from_parent(self, name="rostest")
         item.add_marker("real_time")
         described = ElementTree.parse(self.path).getroot()
-        limits_s = [float(one.get("time-limit", "60")) for one in described.iter("test")]
-        item.add_marker(pytest.mark.takes(sum(limits_s) / 4))
         needs = [str(one.get("value")) for one in described.iter("arg") if is_need(one)]
         item.add_marker(pytest.mark.needs(*needs))
         yield item

@@ -43,7 +43,6 @@ SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
 
 pytestmark = [
     pytest.mark.real_time,
-    pytest.mark.takes(150),
     pytest.mark.needs("network namespaces", "tun"),
 ]
 

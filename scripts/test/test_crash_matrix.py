@@ -19,8 +19,8 @@ NOT_POSSIBLE = 77
 @pytest.mark.parametrize(
     ("name", "kills", "cuts"),
     [
-        pytest.param("process kills", 20, 0, marks=pytest.mark.takes(150)),
-        pytest.param("power cuts", 0, 1, marks=pytest.mark.takes(30)),
+        pytest.param("process kills", 20, 0),
+        pytest.param("power cuts", 0, 1),
     ],
 )
 def test_kills_and_cuts_lose_double_and_falsify_nothing(name, kills, cuts):

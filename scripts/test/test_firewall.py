@@ -115,7 +115,6 @@ def open_ports(machine):
     return {port for address, port in machine.listening() if not is_loopback(address)}
 
 
-@pytest.mark.takes(60)
 def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_ports(tmp_path):
     with two_machines() as (server, robot):
         for machine in (server, robot):

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.takes(60)
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "catkin_ws/src").glob("*/src/*/__init__.py"))

@@ -82,7 +82,6 @@ RUNS = [
 ]
 
 
-@pytest.mark.takes(60)
 # As a whole: in each of them some tests depend on real time.
 @pytest.mark.real_time
 @pytest.mark.parametrize("python, package", RUNS)

@@ -8,7 +8,7 @@ import pytest
 from pytest_gpr20.workspace import ROOT
 
 pytest_plugins = ["pytester"]
-pytestmark = [pytest.mark.real_time, pytest.mark.takes(40)]
+pytestmark = pytest.mark.real_time
 
 PACKAGE = """
 <package format="2"><name>trial</name><version>0.1.0</version><description>trial</description>
@@ -38,7 +38,7 @@ def run(pytester, monkeypatch):
         script.write_text(SCRIPT.format(body=body))
         script.chmod(0o755)
         (pytester.path / "trial.test").write_text(launch)
-        plugins = "last_line", "rostest_items", "abilities", "real_time", "order"
+        plugins = "last_line", "rostest_items", "abilities", "real_time"
         loaded = [word for one in plugins for word in ("-p", f"pytest_gpr20.{one}")]
         return pytester.runpytest_subprocess(*loaded, *options, "trial.test")
 

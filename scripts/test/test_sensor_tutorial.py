@@ -13,7 +13,7 @@ import pytest
 from robot_kit import LaunchedRobot, end
 from tutorial_code import code_blocks
 
-pytestmark = [pytest.mark.real_time, pytest.mark.takes(25)]
+pytestmark = pytest.mark.real_time
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/extend/sensor.md"

@@ -15,7 +15,7 @@ import pytest
 from robot_kit import free_port
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
-pytestmark = [pytest.mark.real_time, pytest.mark.takes(60)]
+pytestmark = pytest.mark.real_time
 
 CLIENT = "rosrun gpr20_user_interface run_survey --wait 60"
 UNIT = "gpr20-robot"

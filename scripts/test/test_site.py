@@ -20,7 +20,6 @@ from pictures.architecture import pictures
 from pictures.graph import nodes_of
 from site_markdown import heading_anchor, indent_lists
 
-pytestmark = pytest.mark.takes(20)
 
 LIMIT_S = 300.0
 DOCS = ROOT / "docs"

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.takes(60)
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "catkin_ws/src"

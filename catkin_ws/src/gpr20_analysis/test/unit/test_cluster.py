@@ -15,7 +15,7 @@ from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
-pytestmark = [pytest.mark.real_time, pytest.mark.takes(60)]
+pytestmark = pytest.mark.real_time
 
 ALL = len(POINTS)
 CHAIN = ["background:method=median", "time_zero", "fill", "window"]

@@ -17,7 +17,7 @@ from gpr20_analysis.formats import group_csv, merged_hdf5, original_json
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
-pytestmark = [pytest.mark.takes(60), pytest.mark.usefixtures("blank_figures")]
+pytestmark = pytest.mark.usefixtures("blank_figures")
 
 ALL = len(POINTS)
 VICTIM = 7

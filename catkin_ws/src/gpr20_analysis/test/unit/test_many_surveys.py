@@ -11,7 +11,7 @@ from tutorial_code import code_blocks
 
 from gpr20_analysis import load_survey, sample_survey
 
-pytestmark = [pytest.mark.real_time, pytest.mark.takes(30)]
+pytestmark = pytest.mark.real_time
 PAGE = Path(__file__).resolve().parents[5] / "docs" / "several_robots.md"
 
 

@@ -28,7 +28,6 @@ from gpr20_viewer.positions import Place
 from gpr20_viewer.scene import Display, Scene
 from gpr20_viewer.session import ViewSession
 
-pytestmark = pytest.mark.takes(20)
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)

@@ -40,7 +40,6 @@ from gpr20_viewer.views.main_window import MainWindow
 from gpr20_viewer.views.pick_desk import PickDesk
 from gpr20_viewer.views.volume_view import ProjectionsView
 
-pytestmark = pytest.mark.takes(30)
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.takes(15)
 
 HERE = Path(__file__).resolve().parent
 CUTS = int(os.environ.get("GPR20_POWER_CUTS", "20"))
