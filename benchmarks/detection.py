@@ -29,7 +29,7 @@ from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import Background, remove_background
-from gpr20_simulator.mid.refraction import refracted_path
+from gpr20_simulator.mid.world.refraction import refracted_path
 from gpr20_survey.results.candidates import CandidateList
 
 PLACE_M = 0.015 * np.arange(25)

@@ -21,9 +21,9 @@ COMMANDS=(
     "scripts/survey.sh"
     "scripts/setup.sh --check"
     "scripts/install_space.sh ~/space"
-    "scripts/bare_debian_steps.sh copied_space"
-    "scripts/bare_debian_steps.sh doctor"
-    "scripts/bare_debian_steps.sh services"
+    "scripts/steps/bare_debian_steps.sh copied_space"
+    "scripts/steps/bare_debian_steps.sh doctor"
+    "scripts/steps/bare_debian_steps.sh services"
 )
 
 folder="$(realpath -ms "${GPR20_BARE_DEBIAN:-/var/tmp/gpr20_bare_debian}")"

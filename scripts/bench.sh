@@ -16,4 +16,4 @@ gpr20_use_workspace
 name="$1"
 shift
 cd "$GPR20_ROOT"
-PYTHONPATH="$GPR20_ROOT/scripts:$PYTHONPATH" exec python "benchmarks/$name.py" "$@"
+PYTHONPATH="$GPR20_TOOLS:$PYTHONPATH" exec python "benchmarks/$name.py" "$@"

@@ -12,8 +12,8 @@
 #   --dry-run                   print every change, make none
 #   --root FOLDER               write below this folder; run nothing
 set -euo pipefail
-# shellcheck source=scripts/installation.sh
-source "$(dirname "${BASH_SOURCE[0]}")/installation.sh"
+# shellcheck source=scripts/steps/installation.sh
+source "$(dirname "${BASH_SOURCE[0]}")/steps/installation.sh"
 
 parse_arguments "" "$@"
 check_system

@@ -14,22 +14,22 @@ ruff format --check . "${nodes[@]}"
 # The messages are those that the build made.
 messages=catkin_ws/devel/lib/python3/dist-packages
 packages=(catkin_ws/src/*/src)
-MYPYPATH="$(printf '%s:' "${packages[@]}" scripts benchmarks)$messages"
+MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits,pages} benchmarks)$messages"
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
-"${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py scripts/*.py \
-    scripts/pictures scripts/crash_matrix scripts/pytest_gpr20
+"${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py tools/*.py \
+    tools/{checks,kits,pages}/*.py tools/pictures tools/crash_matrix tools/pytest_gpr20
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py
 
 PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
 mapfile -t programs < <(git ls-files 'catkin_ws/src/*/src/*.py' 'deploy/*.py')
-python3 scripts/word_decisions.py "${programs[@]}" "${nodes[@]}"
+python3 tools/checks/word_decisions.py "${programs[@]}" "${nodes[@]}"
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
-if grep -nE '^.{101}' deploy/*.sh scripts/*.sh .ci/run >&2; then
+if grep -nE '^.{101}' deploy/*.sh scripts/*.sh scripts/steps/*.sh .ci/run >&2; then
     echo "lint.sh: break these lines after at most 100 characters" >&2
     exit 1
 fi
-for script in deploy/*.sh scripts/*.sh .ci/run; do bash -n "$script"; done
+for script in deploy/*.sh scripts/*.sh scripts/steps/*.sh .ci/run; do bash -n "$script"; done
 echo "lint: nothing to complain about"

@@ -8,5 +8,5 @@ if [ $# -gt 0 ]; then
     "$GPR20_ROOT/scripts/setup.sh" --dev
     gpr20_use_workspace
 fi
-export ROS_IP=127.0.0.1 PYTHONPATH="$GPR20_ROOT/scripts:${PYTHONPATH:-}"
+export ROS_IP=127.0.0.1 PYTHONPATH="$GPR20_TOOLS:${PYTHONPATH:-}"
 exec python3 -m pictures "$@"

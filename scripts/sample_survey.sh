@@ -8,5 +8,5 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 "$GPR20_ROOT/scripts/setup.sh"
 gpr20_use_workspace
 export ROS_IP=127.0.0.1
-exec python "$GPR20_ROOT/scripts/sample_survey.py" \
+PYTHONPATH="$GPR20_TOOLS:$PYTHONPATH" exec python "$GPR20_ROOT/tools/sample_survey.py" \
     "${1:-$GPR20_WORKSPACE/src/gpr20_analysis/src/gpr20_analysis/sample/survey.mcap}"

@@ -86,7 +86,7 @@ write_report() {
         return 1
     fi
     echo "writing the report (about 6 s)"
-    permittivity="$(python "$GPR20_ROOT/scripts/scene_targets.py" "$scene" --permittivity)"
+    permittivity="$(python "$GPR20_ROOT/tools/scene_targets.py" "$scene" --permittivity)"
     if ! gpr20 report "$survey" --permittivity "$permittivity" --overwrite -o "$report" \
         >"$logs/report.log" 2>&1; then
         echo "No report:"
@@ -96,7 +96,7 @@ write_report() {
     # Without an image, for too few stops, there are no candidates either.
     gpr20 candidates "$survey" --permittivity "$permittivity" --json \
         >"$logs/candidates.json" 2>/dev/null || return 0
-    found="$(python "$GPR20_ROOT/scripts/scene_targets.py" "$scene" <"$logs/candidates.json")"
+    found="$(python "$GPR20_ROOT/tools/scene_targets.py" "$scene" <"$logs/candidates.json")"
 }
 found="" has_report=yes
 write_report || has_report=no

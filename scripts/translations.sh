@@ -32,12 +32,12 @@ trap 'rm -rf "$scratch"' EXIT
 # docs/messages.md, from the catalogue.
 messages_page() {
     PYTHONPATH="$(printf '%s:' "$GPR20_WORKSPACE"/src/gpr20_*/src)" \
-        "$GPR20_VENV/bin/python" scripts/messages_page.py "$@"
+        "$GPR20_VENV/bin/python" tools/pages/messages_page.py "$@"
 }
 
 mapfile -d '' -t sources < <(git ls-files --cached --others --exclude-standard -z \
     'catkin_ws/src/*/src/*.py' 'catkin_ws/src/*/nodes/*' 'deploy/*.py')
-/usr/bin/python3 scripts/literal_templates.py "${sources[@]}"
+/usr/bin/python3 tools/checks/literal_templates.py "${sources[@]}"
 
 # Templates are the first argument of Message(...) and of tr(...).
 xgettext --language=Python --from-code=UTF-8 --keyword --keyword=Message:1 --keyword=tr:1 \

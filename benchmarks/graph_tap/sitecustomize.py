@@ -123,7 +123,7 @@ TAPS: Dict[str, Callable[[Tap, ModuleType], None]] = {
     "actionlib.action_client": tap_action_client,
     "gpr20_axis_driver.mid.axis_driver": tap_axis,
     "gpr20_vna_processing.mid.open_survey": tap_storage,
-    "gpr20_simulator.mid.instrument": tap_instrument,
+    "gpr20_simulator.mid.analyzer.instrument": tap_instrument,
 }
 
 

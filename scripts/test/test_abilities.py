@@ -32,7 +32,7 @@ def run(pytester, monkeypatch):
     """Run two tests that need an ability; return how pytest ended."""
 
     def made(ability):
-        monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ['PYTHONPATH']}")
+        monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'tools'}:{os.environ['PYTHONPATH']}")
         pytester.makepyfile(TEST.format(ability=ability))
         loaded = ["-p", "pytest_gpr20.abilities", "-p", "pytest_gpr20.last_line"]
         return pytester.runpytest_subprocess(*loaded)
@@ -62,7 +62,7 @@ def test_what_is_not_allowed_is_tried_once_and_the_reason_is_in_the_last_line(
 
 
 def test_the_last_line_is_one_line_whatever_the_reason_is(pytester, monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ['PYTHONPATH']}")
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'tools'}:{os.environ['PYTHONPATH']}")
     pytester.makepyfile("import pytest\ndef test_no(): pytest.skip('not\\n    here')")
     ended = pytester.runpytest_subprocess("-p", "pytest_gpr20.last_line")
     assert ended.outlines[-1] == "0 passed, 0 failed, 1 skipped (1 x not here), 0 rerun"

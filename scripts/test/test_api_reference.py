@@ -12,7 +12,6 @@ import pytest
 
 import gpr20_analysis
 
-
 PUBLIC = {name: getattr(gpr20_analysis, name) for name in gpr20_analysis.__all__}
 FUNCTIONS = {name: one for name, one in PUBLIC.items() if inspect.isfunction(one)}
 RECORDS = {name: one for name, one in PUBLIC.items() if dataclasses.is_dataclass(one)}

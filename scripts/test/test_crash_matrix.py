@@ -11,7 +11,7 @@ import pytest
 
 pytestmark = pytest.mark.real_time
 
-MATRIX = Path(__file__).resolve().parents[1] / "crash_matrix"
+MATRIX = Path(__file__).resolve().parents[2] / "tools/crash_matrix"
 LIMIT_S = 600.0
 NOT_POSSIBLE = 77
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "catkin_ws/src").glob("*/src/*/__init__.py"))
 
@@ -60,7 +59,11 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
         ("gpr20_common/low/clock.py", "import gpr20_common.mid.checks", PASS_IN),
         ("gpr20_common/errors.py", "import gpr20_survey.errors", SHARE),
         ("gpr20_survey/errors.py", "import rospy", ROS_IN_HIGH),
-        ("gpr20_main_control/mid/robot.py", "from sensor_msgs.msg import Range", ROS_IN_HIGH),
+        (
+            "gpr20_main_control/mid/devices/robot.py",
+            "from sensor_msgs.msg import Range",
+            ROS_IN_HIGH,
+        ),
         ("gpr20_main_control/high/__init__.py", "import gpr20_axis_driver.errors", SHARE),
         ("gpr20_axis_driver/high/__init__.py", "import gpr20_simulator.errors", SHARE),
         ("gpr20_vna_acquisition/mid/analyzers.py", "import gpr20_scikit_rf", SHARE),
@@ -76,7 +79,7 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
             "use the topics and services of the other nodes",
         ),
         (
-            "gpr20_simulator/mid/ground.py",
+            "gpr20_simulator/mid/world/ground.py",
             "import gpr20_survey.radar.refraction",
             "solve it in gpr20_simulator, by another method",
         ),

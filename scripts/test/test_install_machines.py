@@ -186,7 +186,7 @@ def test_one_machine_has_one_role(tmp_path):
 
 def shell(*commands, **variables):
     """Run commands of bash with the functions of the scripts; return the process."""
-    sources = [f"source {ROOT}/scripts/{name}.sh" for name in NEEDED]
+    sources = [f"source {ROOT}/scripts/steps/{name}.sh" for name in NEEDED]
     text = "\n".join(["root=''", *sources, *commands])
     return subprocess.run(
         ["bash", "-c", text],

@@ -3,7 +3,6 @@
 import os
 import subprocess
 
-import pytest
 from user_shell import ROOT
 
 LIMIT_S = 600.0

@@ -29,7 +29,7 @@ def run(pytester, monkeypatch):
 
     def made(body, *options, limit_s=60, launch=LAUNCH):
         monkeypatch.setenv("ROS_PACKAGE_PATH", f"{pytester.path}:{os.environ['ROS_PACKAGE_PATH']}")
-        monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ['PYTHONPATH']}")
+        monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'tools'}:{os.environ['PYTHONPATH']}")
         # Of a failed rostest the logs are kept.
         monkeypatch.setenv("TMPDIR", str(pytester.path))
         pytester.makeini(f"[pytest]\nrostest_limit_s = {limit_s}\n")

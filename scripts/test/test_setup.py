@@ -93,9 +93,8 @@ def computer(tmp_path):
     for program in Path("/usr/bin").iterdir():
         if program.name not in STUBBED:
             (tmp_path / "bin" / program.name).symlink_to(program)
-    (made.checkout / "scripts").mkdir(parents=True)
-    for script in ROOT.glob("scripts/*.sh"):
-        shutil.copy(script, made.checkout / "scripts")
+    scripts = made.checkout / "scripts"
+    shutil.copytree(ROOT / "scripts", scripts, ignore=shutil.ignore_patterns("test"))
     shutil.copytree(ROOT / "requirements", made.checkout / "requirements")
     for package in ("gpr20", "gpr20_analysis", "gpr20_viewer"):
         folder = made.checkout / "catkin_ws/src" / package

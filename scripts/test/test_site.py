@@ -12,7 +12,7 @@ from html import escape
 import pytest
 from user_shell import ROOT
 
-sys.path.insert(0, str(ROOT / "scripts/site"))
+sys.path.insert(0, str(ROOT / "tools/site"))
 
 from fault_table import fault_table
 from messages_page import page as messages_page
@@ -20,14 +20,13 @@ from pictures.architecture import pictures
 from pictures.graph import nodes_of
 from site_markdown import heading_anchor, indent_lists
 
-
 LIMIT_S = 300.0
 DOCS = ROOT / "docs"
 
 
 def build(config, folder):
     """Build a site as scripts/site.sh does; return how it ended."""
-    paths = [str(ROOT / "scripts"), str(ROOT / "scripts/site"), os.environ.get("PYTHONPATH", "")]
+    paths = [str(ROOT / "tools/pages"), str(ROOT / "tools/site"), os.environ.get("PYTHONPATH", "")]
     return subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", config, "-d", folder],
         env={**os.environ, "PYTHONPATH": ":".join(paths), "NO_MKDOCS_2_WARNING": "1"},
@@ -96,7 +95,7 @@ def test_a_dead_link_fails_the_build(tmp_path, link):
     shutil.copytree(DOCS, tmp_path / "docs")
     with (tmp_path / "docs/maintain.md").open("a") as page:
         page.write(f"\n[dead]({link})\n")
-    (tmp_path / "scripts").symlink_to(ROOT / "scripts")
+    (tmp_path / "tools").symlink_to(ROOT / "tools")
     shutil.copy(ROOT / "mkdocs.yml", tmp_path)
     ended = build(tmp_path / "mkdocs.yml", tmp_path / "site")
     assert ended.returncode != 0

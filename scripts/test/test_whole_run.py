@@ -22,7 +22,7 @@ LOADED = [word for one in PLUGINS for word in ("-p", f"pytest_gpr20.{one}")]
 @pytest.fixture
 def own(pytester, monkeypatch):
     """Yield a folder for tests that the plugins run on; they leave nothing behind."""
-    monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'scripts'}:{os.environ.get('PYTHONPATH', '')}")
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'tools'}:{os.environ.get('PYTHONPATH', '')}")
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
     monkeypatch.setenv("TMPDIR", str(pytester.path))
     yield pytester
@@ -150,7 +150,7 @@ def test_a_test_that_hangs_or_ends_its_worker_has_failed_and_the_others_run(own)
         test_b="def test_b(): pass",
         test_c="def test_c(): pass",
     )
-    limits = ["--timeout=3", "--max-worker-restart=1"]
+    limits = ["--timeout=3", "--max-worker-restart=0"]
     ended = own.runpytest_subprocess(*LOADED, "-n2", "--dist=loadfile", *limits)
     assert ended.ret == pytest.ExitCode.TESTS_FAILED
     said = ended.stdout.str()
@@ -203,7 +203,7 @@ def test_the_environment_of_rostests_finds_generated_modules_from_any_shell(tmp_
 
 @pytest.mark.parametrize("workers", [[], ["-n1"]])
 def test_unit_tests_find_generated_modules_from_any_shell(own, monkeypatch, workers):
-    monkeypatch.setenv("PYTHONPATH", str(ROOT / "scripts"))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "tools"))
     own.makepyfile("def test_one(): import gpr20_msgs.msg")
     assert own.runpytest_subprocess(*LOADED, *workers).ret == 0
 
@@ -211,13 +211,18 @@ def test_unit_tests_find_generated_modules_from_any_shell(own, monkeypatch, work
 def test_every_package_is_found_without_a_workspace():
     setting = (ROOT / "pyproject.toml").read_text().split("pythonpath = [")[1].split("]")[0]
     listed = {line.strip().strip('",') for line in setting.splitlines() if line.strip()}
-    assert listed == {"scripts", *(os.path.relpath(one, ROOT) for one in SOURCES)}
+    tools = {"tools", "tools/checks", "tools/kits", "tools/pages"}
+    assert listed == {*tools, *(os.path.relpath(one, ROOT) for one in SOURCES)}
     assert set(SOURCES) == {str(one) for one in ROOT.glob("catkin_ws/src/*/src")}
 
 
 def test_no_two_modules_of_the_tests_have_the_same_name():
     # All of them are imported into one process.
-    folders = [*ROOT.glob("catkin_ws/src/*/test/unit"), ROOT / "scripts/test", ROOT / "scripts"]
+    folders = [
+        *ROOT.glob("catkin_ws/src/*/test/unit"),
+        ROOT / "scripts/test",
+        *(ROOT / "tools" / one for one in ("checks", "kits", "pages")),
+    ]
     names = Counter(path.name for folder in folders for path in folder.glob("*.py"))
     assert {name for name, number in names.items() if number > 1} - {"conftest.py"} == set()
 

@@ -1,14 +1,9 @@
 from catkin_pkg.python_setup import generate_distutils_setup
-from setuptools import setup
+from setuptools import find_packages, setup
 
 setup(
     **generate_distutils_setup(
-        packages=[
-            "gpr20_launch",
-            "gpr20_launch.high",
-            "gpr20_launch.low",
-            "gpr20_launch.mid",
-        ],
+        packages=find_packages("src"),
         package_dir={"": "src"},
     )
 )

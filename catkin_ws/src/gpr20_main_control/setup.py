@@ -1,13 +1,9 @@
 from catkin_pkg.python_setup import generate_distutils_setup
-from setuptools import setup
+from setuptools import find_packages, setup
 
 setup(
     **generate_distutils_setup(
-        packages=[
-            "gpr20_main_control",
-            "gpr20_main_control.high",
-            "gpr20_main_control.mid",
-        ],
+        packages=find_packages("src"),
         package_dir={"": "src"},
     )
 )

@@ -15,7 +15,7 @@ from survey_client import SurveyClient, bits, described, json_traces
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.mid.medium import probed_rotation_deg
+from gpr20_simulator.mid.world.medium import probed_rotation_deg
 
 # Between two presses of a key [s]; a survey takes a few seconds.
 PRESS_S = 0.4

@@ -13,7 +13,7 @@ import rostest
 from survey_client import SurveyClient, described
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_simulator.mid.scene import read_scene
+from gpr20_simulator.mid.world.scene import read_scene
 
 SURVEY_LIMIT_S = 1000.0
 LARGEST_ERROR_MM = 5.0

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from setuptools import find_packages
 
 from gpr20_launch.low import needed_modules
 
@@ -215,16 +216,18 @@ def test_every_file_of_a_package_is_installed(name):
 
 
 @pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
-def test_setup_py_names_every_python_package_and_every_data_file(name):
+def test_setup_py_finds_every_python_package_and_names_every_data_file(name):
     (call,) = (
         node
         for node in ast.walk(ast.parse((PACKAGES[name] / "setup.py").read_text()))
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "generate_distutils_setup"
     )
-    given = {one.arg: ast.literal_eval(one.value) for one in call.keywords}
+    written = {one.arg: one.value for one in call.keywords}
+    assert ast.unparse(written.pop("packages")) == "find_packages('src')"
+    given = {key: ast.literal_eval(value) for key, value in written.items()}
     inside = [path for path in files_of(name) if path.parts[0] == "src"]
     modules = {".".join(path.parts[1:-1]) for path in inside if path.suffix == ".py"}
-    assert set(given["packages"]) == modules
+    assert set(find_packages(str(PACKAGES[name] / "src"))) == modules, "an __init__.py is missing"
     named = {
         path
         for package, patterns in given.get("package_data", {}).items()

@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.dataset import ATTRIBUTES, S21_DIMS, SAMPLE_DIMS
-from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.medium import AntennaPosition
-from gpr20_simulator.mid.scene import Antennas, Noise, Scene, Shape, Soil, Target, read_scene
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.medium import AntennaPosition
+from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target, read_scene
 
 SCENES = Path(__file__).resolve().parents[3] / "gpr20_simulator" / "scenes"
 IMAGING_SCENE = read_scene(str(SCENES / "imaging_targets.yaml"))

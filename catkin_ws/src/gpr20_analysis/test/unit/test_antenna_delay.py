@@ -23,7 +23,7 @@ from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
 from gpr20_analysis.processing.surface_echo import fit_delay
 from gpr20_analysis.read.load import load_survey
-from gpr20_simulator.mid.scene import Noise
+from gpr20_simulator.mid.world.scene import Noise
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(243.7, 236.2, 0.083)

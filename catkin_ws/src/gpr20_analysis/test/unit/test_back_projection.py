@@ -13,13 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gpr20_analysis import cluster
-from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
-from gpr20_analysis.imaging.lattice import combs_of, even_step_m, paths_of
-from gpr20_analysis.imaging.lattice_projection import lattice_image
-from gpr20_analysis.imaging.pair_projection import pair_image
-from gpr20_analysis.imaging.projection_scene import scene_of
+from gpr20_analysis.imaging.projection.back_projection import back_projection_image
+from gpr20_analysis.imaging.projection.lattice import combs_of, even_step_m, paths_of
+from gpr20_analysis.imaging.projection.lattice_projection import lattice_image
+from gpr20_analysis.imaging.projection.pair_projection import pair_image
+from gpr20_analysis.imaging.projection.projection_scene import scene_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import in_stages, no_progress

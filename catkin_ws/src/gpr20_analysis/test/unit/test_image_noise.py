@@ -17,7 +17,6 @@ from gpr20_analysis.processing.background import remove_background
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.candidates import Flag
 
-
 HEIGHT_M = 0.2
 DEPTH_M = tuple(np.arange(0.0, 0.2001, 0.008))
 # More surveys for the table in docs/imaging.md: scripts/bench.sh detection.

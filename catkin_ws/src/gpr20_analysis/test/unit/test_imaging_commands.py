@@ -17,7 +17,6 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 
-
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(243.7, 236.2, 0.083)
 

@@ -18,8 +18,8 @@ from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_simulator.mid.ground import Ground as SimulatedGround
-from gpr20_simulator.mid.scene import Surface
+from gpr20_simulator.mid.world.ground import Ground as SimulatedGround
+from gpr20_simulator.mid.world.scene import Surface
 from gpr20_survey.radar.refraction import one_way_delay_s
 
 TARGETS = (point(173.3, 181.7, 0.1134), point(318.9, 307.4, 0.0711))

@@ -21,7 +21,7 @@ TARGETS_MM = [(173.3, 181.7, 113.0), (318.9, 207.4, 71.0)]
 @pytest.fixture(scope="module")
 def runner():
     specification = importlib.util.spec_from_file_location(
-        "run_notebook", ROOT / "scripts" / "run_notebook.py"
+        "run_notebook", ROOT / "tools/pages/run_notebook.py"
     )
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
@@ -52,7 +52,7 @@ def test_it_shows_its_figures_and_what_a_run_prints_today(ran, stored):
     notebook, _ = ran
     for made, kept in zip(notebook["cells"], stored["cells"]):
         new, old = printed(made), printed(kept)
-        assert NUMBER.sub("#", new) == NUMBER.sub("#", old), "run scripts/run_notebook.py"
+        assert NUMBER.sub("#", new) == NUMBER.sub("#", old), "run tools/pages/run_notebook.py"
         numbers = [[float(one) for one in NUMBER.findall(text)] for text in (new, old)]
         # The last digit may be another one with other versions of the libraries.
         assert numbers[0] == pytest.approx(numbers[1], rel=0.01, abs=0.2)

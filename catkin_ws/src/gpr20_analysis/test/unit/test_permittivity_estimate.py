@@ -19,12 +19,12 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.permittivity_estimate import (
+from gpr20_analysis.imaging.permittivity.permittivity_estimate import (
     PermittivityEstimate,
     estimate_permittivity,
 )
+from gpr20_analysis.imaging.permittivity.wavefront import Stops, wavefront
 from gpr20_analysis.imaging.records import Focus
-from gpr20_analysis.imaging.wavefront import Stops, wavefront
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.sentences import sentences_of
 

@@ -13,11 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.imaging.wavefront import Stops, wavefront
-from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.medium import AntennaPosition
-from gpr20_simulator.mid.refraction import refracted_path
-from gpr20_simulator.mid.scene import Antennas, Scene, Shape, Soil, Target
+from gpr20_analysis.imaging.permittivity.wavefront import Stops, wavefront
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.medium import AntennaPosition
+from gpr20_simulator.mid.world.refraction import refracted_path
+from gpr20_simulator.mid.world.scene import Antennas, Scene, Shape, Soil, Target
 from gpr20_survey.radar.refraction import one_way_delay_s
 
 HEIGHTS_M = st.floats(0.02, 0.6)

@@ -18,7 +18,6 @@ from gpr20_analysis.report import pdf_text, pictures
 from gpr20_analysis.report.page import page
 from gpr20_analysis.report.records import Report, Section
 
-
 ALL = len(POINTS)
 OPTIONS = ["--permittivity", "4", "--depth", "0", "0.02", "0.005"]
 LOW = ["--height", "0.03"]  # the sweep of these surveys shows short delays only

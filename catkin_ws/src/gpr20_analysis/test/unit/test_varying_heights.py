@@ -17,7 +17,7 @@ from gpr20_analysis.imaging.one_height import TOLERANCE, points_needed, transfor
 from gpr20_analysis.imaging.records import Focus, Ground
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero
-from gpr20_simulator.mid.scene import Surface
+from gpr20_simulator.mid.world.scene import Surface
 
 # Echoes 14 dB weaker than those of the other imaging tests, 25 dB below that of the surface.
 TARGETS = (point(173.3, 181.7, 0.1134, 0.01), point(318.9, 307.4, 0.0711, 0.01))

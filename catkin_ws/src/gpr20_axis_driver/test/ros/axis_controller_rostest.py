@@ -16,7 +16,7 @@ from actionlib_msgs.msg import GoalStatus
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[4]
-sys.path += [str(HERE.parent / "unit"), str(ROOT / "scripts")]
+sys.path += [str(HERE.parent / "unit"), str(ROOT / "tools/kits")]
 
 from axis_under_test import Axis, wait_until  # noqa: E402
 from grbl_board import GrblBoard  # noqa: E402

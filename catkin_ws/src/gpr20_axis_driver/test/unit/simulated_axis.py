@@ -11,7 +11,7 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
-from gpr20_simulator.mid.scene import X_AXIS, Z_AXIS
+from gpr20_simulator.mid.world.scene import X_AXIS, Z_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 
 LIMIT_S = 10.0

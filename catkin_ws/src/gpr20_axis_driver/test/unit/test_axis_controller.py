@@ -33,7 +33,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
-from gpr20_simulator.mid.scene import X_AXIS
+from gpr20_simulator.mid.world.scene import X_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NOT_HOMED

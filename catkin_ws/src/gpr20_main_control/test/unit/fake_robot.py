@@ -14,11 +14,10 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.aux_sensors import AuxSensors
-from gpr20_main_control.mid.described_robot import DescribedRobot, TimeLimits
-from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_liveness import NodeLiveness, WatchedNode
-from gpr20_main_control.mid.robot import (
+from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
+from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
+from gpr20_main_control.mid.devices.robot import (
     AnalyzerSetup,
     AxisReading,
     MoveOutcome,
@@ -26,7 +25,8 @@ from gpr20_main_control.mid.robot import (
     Robot,
     UnconfirmedSweep,
 )
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.main_control import MainControl
+from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.robot_description import NodeDescription

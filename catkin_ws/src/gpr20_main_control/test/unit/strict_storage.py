@@ -7,7 +7,7 @@ from collections import defaultdict
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import OpenedSurvey
+from gpr20_main_control.mid.devices.robot import OpenedSurvey
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 

@@ -13,7 +13,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Fault, Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.aux_sensors import KEPT, LONGEST_LAG_S, AuxSensors, SensorInput
+from gpr20_main_control.mid.devices.aux_sensors import KEPT, LONGEST_LAG_S, AuxSensors, SensorInput
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.aux_value import AuxValue

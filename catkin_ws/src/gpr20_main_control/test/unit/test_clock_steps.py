@@ -9,7 +9,7 @@ from fake_robot import warning_of
 from trace_examples import make_trace
 
 from gpr20_main_control import faults
-from gpr20_main_control.mid.running_survey import LARGEST_CORRECTION_S, ClockSteps
+from gpr20_main_control.mid.survey.running_survey import LARGEST_CORRECTION_S, ClockSteps
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 DRAWS = 200

@@ -13,7 +13,7 @@ from gpr20_common.message import Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.survey_report import AnalyzerRecord, SurveyReport, compare
+from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport, compare
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

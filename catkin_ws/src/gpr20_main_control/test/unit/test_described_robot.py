@@ -15,7 +15,7 @@ from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.described_robot import DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import PLAIN_NAMES, NodeDescription
 from gpr20_survey.plan.site import Site

@@ -14,7 +14,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control import faults
 from gpr20_main_control.errors import NodeLostError
-from gpr20_main_control.mid.node_liveness import (
+from gpr20_main_control.mid.devices.node_liveness import (
     SILENCE_LIMIT_S,
     START_LIMIT_S,
     NodeLiveness,
@@ -131,7 +131,7 @@ def test_a_refresh_returns_when_every_node_was_asked_after_it():
 
 
 def test_a_node_that_hangs_delays_no_other(monkeypatch):
-    monkeypatch.setattr("gpr20_main_control.mid.node_liveness.REFRESH_LIMIT_S", 0.1)
+    monkeypatch.setattr("gpr20_main_control.mid.devices.node_liveness.REFRESH_LIMIT_S", 0.1)
     probes = {"x": FakeProbe(), "y": FakeProbe()}
     probes["x"].answering.clear()
     nodes = liveness_of(probes)

@@ -11,7 +11,7 @@ from survey_examples import AXES, PARAMETERS
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
-from gpr20_main_control.mid.survey_report import AnalyzerRecord, recorded_analyzers
+from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 

@@ -15,7 +15,7 @@ from survey_examples import PARAMETERS, TRAVEL
 
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, UnconfirmedError
-from gpr20_main_control.mid.robot import MoveOutcome
+from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.plan.survey_state import SurveyState as State
 

@@ -10,7 +10,7 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.sent_message import message_fields
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor
-from gpr20_main_control.mid.described_robot import TimeLimits
+from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_msgs.srv import GetCalibrationStatusResponse, GetHeightResponse
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 

@@ -12,7 +12,7 @@ from survey_examples import AXES, PARAMETERS
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.survey_plan import plan_survey
+from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State

@@ -9,7 +9,7 @@ from fake_robot import Bench, reports
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.robot import MoveOutcome
+from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 STOPPED_BY_OTHERS = Fault("axis.stopped", Message("Nothing to do"), Severity.NOTE)

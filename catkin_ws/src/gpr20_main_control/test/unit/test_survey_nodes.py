@@ -9,7 +9,7 @@ from fault_kit import raises_fault
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.robot import MoveOutcome
+from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"

@@ -3,7 +3,7 @@
 import pytest
 
 from gpr20_common.message import Message
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_survey.plan.survey_state import (
     RUNNING,
     TRANSITIONS,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from survey_examples import AXES, PARAMETERS
 
-from gpr20_main_control.mid.survey_plan import plan_resumption, plan_survey
-from gpr20_main_control.mid.survey_steps import (
+from gpr20_main_control.mid.survey.survey_plan import plan_resumption, plan_survey
+from gpr20_main_control.mid.survey.survey_steps import (
     Check,
     Checkpoint,
     Confirm,

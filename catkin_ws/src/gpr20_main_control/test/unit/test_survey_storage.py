@@ -13,8 +13,8 @@ from gpr20_common.faults import INTERNAL
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid import sampling, survey_ending
-from gpr20_main_control.mid.storage_queue import StorageQueue
+from gpr20_main_control.mid.survey import sampling, survey_ending
+from gpr20_main_control.mid.survey.storage_queue import StorageQueue
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.refines import refines_of

@@ -14,8 +14,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
-from gpr20_simulator.mid.medium import probed_position_mm, probed_rotation_deg, probed_sweep
-from gpr20_simulator.mid.vna_faults import VnaFault
+from gpr20_simulator.mid.analyzer.vna_faults import VnaFault
+from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg, probed_sweep
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 

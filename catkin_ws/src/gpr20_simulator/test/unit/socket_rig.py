@@ -7,9 +7,9 @@ from rpc_wire import wait_until
 from vna_bench import Carriage, block_content, complex_numbers, real_numbers
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.medium import PositionProbe
-from gpr20_simulator.mid.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_simulator.mid.world.medium import PositionProbe
 
 POINT_S = 350e-6
 POINTS = 401

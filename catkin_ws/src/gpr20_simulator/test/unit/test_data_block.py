@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_simulator.mid.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.scpi import short_form
-from gpr20_simulator.mid.trace_formats import display_data, interleaved
-from gpr20_simulator.mid.trace_reader import INTEGER_STEPS_PER_UNIT, block_header, payload
-from gpr20_simulator.mid.vna_settings import GRAPH_TYPES, DataFormat
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.scpi import short_form
+from gpr20_simulator.mid.analyzer.trace_formats import display_data, interleaved
+from gpr20_simulator.mid.analyzer.trace_reader import INTEGER_STEPS_PER_UNIT, block_header, payload
+from gpr20_simulator.mid.analyzer.vna_settings import GRAPH_TYPES, DataFormat
 
 STYLE = InstrumentScene()
 FLOATS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), min_size=1)

@@ -7,8 +7,8 @@ from gpr20_simulator.errors import FaultError
 from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
+from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.faults import FaultSwitch
-from gpr20_simulator.mid.vna_faults import FaultBoard, VnaFault
 from gpr20_survey.axes.axis_id import AxisId
 
 

@@ -11,17 +11,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
 
-from gpr20_simulator.mid.ground import Ground, sum_of_exponentials
-from gpr20_simulator.mid.medium import (
+from gpr20_simulator.mid.world.ground import Ground, sum_of_exponentials
+from gpr20_simulator.mid.world.medium import (
     AntennaPosition,
     PositionProbe,
     probed_position_mm,
     probed_rotation_deg,
     probed_sweep,
 )
-from gpr20_simulator.mid.refraction import refracted_path
-from gpr20_simulator.mid.scatterers import scatterers_of
-from gpr20_simulator.mid.scene import Antennas, Noise, Scene, Shape, Soil, Surface, Target
+from gpr20_simulator.mid.world.refraction import refracted_path
+from gpr20_simulator.mid.world.scatterers import scatterers_of
+from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Surface, Target
 
 C = 299_792_458.0
 FREQUENCY_HZ = np.linspace(0.6e9, 6e9, 501)

@@ -18,9 +18,9 @@ from vna_bench import (
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.low.message_device import NetworkFault
-from gpr20_simulator.mid.scpi import HeaderPattern
-from gpr20_simulator.mid.vna_commands import SETTINGS
-from gpr20_simulator.mid.vna_faults import FaultBoard
+from gpr20_simulator.mid.analyzer.scpi import HeaderPattern
+from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
+from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
 
 
 def test_hang_gets_no_reply_for_as_many_messages_as_counted(bench):

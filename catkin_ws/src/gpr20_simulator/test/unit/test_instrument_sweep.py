@@ -16,7 +16,7 @@ from vna_bench import (
 )
 
 from gpr20_simulator.low.message_device import NetworkFault
-from gpr20_simulator.mid.medium import PositionProbe, probed_sweep
+from gpr20_simulator.mid.world.medium import PositionProbe, probed_sweep
 
 
 def test_triggered_sweep_gives_points_of_one_new_sweep(bench):

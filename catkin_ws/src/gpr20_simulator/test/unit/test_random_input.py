@@ -16,9 +16,9 @@ from vna_bench import Bench
 from vxi11_wire import CORE, CoreLink
 
 from gpr20_simulator.low.message_device import NetworkFault
-from gpr20_simulator.mid import scpi
-from gpr20_simulator.mid.scpi import MOST_COMMANDS, ScpiError, split_message
-from gpr20_simulator.mid.vna_commands import SETTINGS
+from gpr20_simulator.mid.analyzer import scpi
+from gpr20_simulator.mid.analyzer.scpi import MOST_COMMANDS, ScpiError, split_message
+from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
 
 pytestmark = pytest.mark.real_time
 

@@ -12,8 +12,8 @@ from gpr20_height_sensor.mid.height_driver import HeightDriver
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.low.spi import SimulatedSpi
-from gpr20_simulator.mid.range_sensor import RangeSensor, sensor_voltage_v
-from gpr20_simulator.mid.scene import Adc
+from gpr20_simulator.mid.world.range_sensor import RangeSensor, sensor_voltage_v
+from gpr20_simulator.mid.world.scene import Adc
 
 
 class NoClock(Clock):

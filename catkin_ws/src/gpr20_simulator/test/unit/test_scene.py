@@ -8,9 +8,9 @@ from fault_kit import raises_fault
 
 from gpr20_simulator.errors import SceneError
 from gpr20_simulator.faults import WRONG_SCENE
-from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.medium import AntennaPosition
-from gpr20_simulator.mid.scene import Scene, Shape, read_scene
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.medium import AntennaPosition
+from gpr20_simulator.mid.world.scene import Scene, Shape, read_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FREQUENCY_HZ = np.linspace(0.6e9, 6e9, 501)

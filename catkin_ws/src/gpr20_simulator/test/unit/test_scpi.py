@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_simulator.mid.scpi import (
+from gpr20_simulator.mid.analyzer.scpi import (
     HeaderPattern,
     ScpiError,
     chosen_keyword,

@@ -11,9 +11,9 @@ from rpc_wire import wait_until
 from vna_bench import Carriage, HandClock
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
-from gpr20_simulator.mid.sweep_plan import SweepFaults, SweepPace, SweepPlan
-from gpr20_simulator.mid.sweeper import Sweeper
+from gpr20_simulator.mid.analyzer.sweep_plan import SweepFaults, SweepPace, SweepPlan
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper
+from gpr20_simulator.mid.world.medium import PositionProbe, probed_position_mm, probed_sweep
 
 pytestmark = pytest.mark.real_time
 

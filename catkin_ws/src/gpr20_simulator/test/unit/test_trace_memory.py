@@ -8,8 +8,8 @@ import random
 import numpy as np
 import pytest
 
-from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
-from gpr20_simulator.mid.trace_memory import MOST_WAITING_SWEEPS, SweepPart, TraceMemory
+from gpr20_simulator.mid.analyzer.trace_memory import MOST_WAITING_SWEEPS, SweepPart, TraceMemory
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 
 DRAWS = int(os.environ.get("GPR20_TRACE_MEMORY_DRAWS", "40"))
 POINTS = 24

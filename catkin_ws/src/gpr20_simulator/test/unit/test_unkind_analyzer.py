@@ -12,8 +12,8 @@ from vxi11_wire import CORE, CoreLink
 
 from gpr20_simulator.errors import SceneError
 from gpr20_simulator.low.scaled_clock import ScaledClock
-from gpr20_simulator.mid.instrument_scene import Averaging, InstrumentScene, Power
-from gpr20_simulator.mid.medium import probed_sweep
+from gpr20_simulator.mid.analyzer.instrument_scene import Averaging, InstrumentScene, Power
+from gpr20_simulator.mid.world.medium import probed_sweep
 
 pytestmark = pytest.mark.real_time
 

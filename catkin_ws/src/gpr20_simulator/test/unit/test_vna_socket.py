@@ -16,13 +16,13 @@ from vna_bench import ascii_numbers
 from gpr20_common.errors import InvalidValueError
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.scaled_clock import ScaledClock
-from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
-from gpr20_simulator.mid.scene import Scene
-from gpr20_simulator.mid.simulated_analyzer import (
+from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,
     medium_by_name,
 )
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.medium import PositionProbe, probed_position_mm, probed_sweep
+from gpr20_simulator.mid.world.scene import Scene
 
 pytestmark = pytest.mark.real_time
 

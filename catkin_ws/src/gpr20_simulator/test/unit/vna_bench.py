@@ -8,13 +8,13 @@ import numpy as np
 from rpc_wire import wait_until
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.instrument import SimulatedVna
-from gpr20_simulator.mid.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
-from gpr20_simulator.mid.sweep_plan import SweepPace
-from gpr20_simulator.mid.sweeper import Sweeper
-from gpr20_simulator.mid.vna_faults import FaultBoard
-from gpr20_simulator.mid.vna_settings import VnaSettings
+from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper
+from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
+from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 
 
 class HandClock(Clock):

@@ -13,7 +13,7 @@ import gpr20_analysis.imaging.image as image_module
 from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
-from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate
+from gpr20_analysis.imaging.permittivity.permittivity_estimate import PermittivityEstimate
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_viewer.latest_worker import LatestWorker
 from gpr20_viewer.live_image import ImageRequest, PermittivitySource
@@ -27,7 +27,6 @@ from gpr20_viewer.pictures import (
 from gpr20_viewer.positions import Place
 from gpr20_viewer.scene import Display, Scene
 from gpr20_viewer.session import ViewSession
-
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)

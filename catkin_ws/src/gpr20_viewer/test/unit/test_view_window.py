@@ -40,7 +40,6 @@ from gpr20_viewer.views.main_window import MainWindow
 from gpr20_viewer.views.pick_desk import PickDesk
 from gpr20_viewer.views.volume_view import ProjectionsView
 
-
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)
 PLACE = Place(0.24, 0.24, 0.083)

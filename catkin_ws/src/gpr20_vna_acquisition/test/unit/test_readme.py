@@ -6,13 +6,13 @@ import doctest
 from pathlib import Path
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.medium import AntennaPosition
-from gpr20_simulator.mid.scene import Scene
-from gpr20_simulator.mid.simulated_analyzer import (
+from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,
     medium_by_name,
 )
+from gpr20_simulator.mid.world.medium import AntennaPosition
+from gpr20_simulator.mid.world.scene import Scene
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 

@@ -13,9 +13,9 @@ from typing import Callable, Iterator, List, Tuple
 import pytest
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
-from gpr20_simulator.mid.scene import InstrumentScene
-from gpr20_simulator.mid.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
+from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect

@@ -15,7 +15,6 @@ from gpr20_survey.recording.bag_format import MAGIC, chunk_record, file_header
 from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
 
-
 __all__ = ["data"]
 
 STORED = 4

@@ -16,7 +16,6 @@ from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_survey.trace import trace_json
 
-
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}
 

@@ -23,14 +23,17 @@ from gpr20_analysis.dataset import (
     Y,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
 from gpr20_analysis.imaging.noise import law_of, measured_noise
-from gpr20_analysis.imaging.permittivity_estimate import PermittivityEstimate, estimate_permittivity
+from gpr20_analysis.imaging.permittivity.permittivity_estimate import (
+    PermittivityEstimate,
+    estimate_permittivity,
+)
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
+from gpr20_analysis.imaging.projection.back_projection import back_projection_image
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.progress import Progress, in_stages, no_progress

@@ -18,8 +18,8 @@ from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
 from gpr20_launch.low.data_folder import try_to_write
 from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configuration
-from gpr20_simulator.mid.scene import read_scene
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_simulator.mid.world.scene import read_scene
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer

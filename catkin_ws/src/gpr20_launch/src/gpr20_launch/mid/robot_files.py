@@ -14,7 +14,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
-from gpr20_main_control.mid.described_robot import TimeLimits
+from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.sensors import SENSORS, Sensors

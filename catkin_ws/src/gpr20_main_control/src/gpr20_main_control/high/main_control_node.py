@@ -26,17 +26,17 @@ from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
 from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.mid.described_robot import DescribedRobot, TimeLimits
-from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.node_liveness import (
+from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.node_liveness import (
     CONNECTIONS,
     SILENCE_LIMIT_S,
     NodeLiveness,
     WatchedNode,
 )
-from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.devices.robot import Robot
+from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.service import axis_move
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
     Command,
     CommandResponse,

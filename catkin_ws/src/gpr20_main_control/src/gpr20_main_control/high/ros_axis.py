@@ -16,7 +16,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.robot import AxisReading, MoveOutcome
+from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import Command
 from gpr20_survey.axes.axis_id import AxisId
@@ -33,7 +33,7 @@ DRIVER = "axis_driver"
 
 
 class RosAxis:
-    """Action, topic and services of one axis; implements `gpr20_main_control.mid.robot.Axis`."""
+    """Action, topic and services of one axis; implements `Axis` of `mid.devices.robot`."""
 
     def __init__(self, axis_id: AxisId, clock: Clock) -> None:
         """Connect to the axis in its namespace, such as x_axis.

@@ -18,8 +18,8 @@ from gpr20_main_control.high.survey_topics import (
     coverage_message,
     progress_message,
 )
-from gpr20_main_control.mid.described_robot import TimeLimits
-from gpr20_main_control.mid.robot import (
+from gpr20_main_control.mid.devices.described_robot import TimeLimits
+from gpr20_main_control.mid.devices.robot import (
     AnalyzerSetup,
     OpenedSurvey,
     SurveyEnd,
@@ -135,7 +135,7 @@ class DeviceService:
 
 
 class RosAnalyzer:
-    """Implements `gpr20_main_control.mid.robot.Analyzer`."""
+    """Implements `gpr20_main_control.mid.devices.robot.Analyzer`."""
 
     def __init__(self, limits: TimeLimits) -> None:
         def service(name: str, service_class: Any) -> DeviceService:
@@ -215,7 +215,7 @@ class RosAnalyzer:
 
 
 class RosHeightSensor:
-    """Implements `gpr20_main_control.mid.robot.HeightSensor`."""
+    """Implements `gpr20_main_control.mid.devices.robot.HeightSensor`."""
 
     def __init__(self, time_limit_s: float) -> None:
         device = PLAIN_NAMES[HEIGHT_SENSOR]
@@ -227,7 +227,7 @@ class RosHeightSensor:
 
 
 class RosStorage:
-    """Implements `gpr20_main_control.mid.robot.Storage`."""
+    """Implements `gpr20_main_control.mid.devices.robot.Storage`."""
 
     def __init__(self, time_limit_s: float, topics: SurveyTopics) -> None:
         """Prepare the calls.

@@ -14,7 +14,7 @@ from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control import faults
-from gpr20_main_control.mid.aux_sensors import AuxSensors, Measured, SensorInput
+from gpr20_main_control.mid.devices.aux_sensors import AuxSensors, Measured, SensorInput
 from gpr20_survey.plan.sensors import Sensor
 
 # Below the robot's namespace, as the names of its nodes.

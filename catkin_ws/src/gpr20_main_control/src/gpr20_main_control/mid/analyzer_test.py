@@ -11,7 +11,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import StopRequested
-from gpr20_main_control.mid.robot import Robot
+from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.waits import StopInterruption
 from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.radar.frequency_to_delay import decibels

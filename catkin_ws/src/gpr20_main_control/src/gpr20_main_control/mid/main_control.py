@@ -14,13 +14,13 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
-from gpr20_main_control.mid.engine import SurveyEngine
-from gpr20_main_control.mid.robot import Robot, SurveyEnd
-from gpr20_main_control.mid.running_survey import RunningSurvey
+from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
 from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
-from gpr20_main_control.mid.survey_archive import interruption_remark
-from gpr20_main_control.mid.survey_plan import SurveyPlan, plan_resumption, plan_survey
-from gpr20_main_control.mid.survey_status import Status, SurveyStatus
+from gpr20_main_control.mid.survey.engine import SurveyEngine
+from gpr20_main_control.mid.survey.running_survey import RunningSurvey
+from gpr20_main_control.mid.survey.survey_archive import interruption_remark
+from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
+from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.refines import check_refines

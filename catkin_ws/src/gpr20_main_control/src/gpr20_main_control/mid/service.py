@@ -12,8 +12,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
-from gpr20_main_control.mid.positioner import Positioner
-from gpr20_main_control.mid.robot import Axis, Robot
+from gpr20_main_control.mid.devices.positioner import Positioner
+from gpr20_main_control.mid.devices.robot import Axis, Robot
 from gpr20_main_control.mid.waits import StopInterruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters

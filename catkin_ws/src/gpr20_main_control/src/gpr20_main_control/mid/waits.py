@@ -15,8 +15,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, ShutDownRequested, StopRequested
-from gpr20_main_control.mid.node_liveness import NodeLiveness
-from gpr20_main_control.mid.survey_status import SurveyStatus
+from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
+from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 
 # Called repeatedly during a wait; an error that it raises ends the wait.
 Check = Callable[[], None]

@@ -10,8 +10,8 @@ from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_simulator.high.simulated_robot import open_simulated_part
 from gpr20_simulator.low.spi import SimulatedSpi
 from gpr20_simulator.mid.carriage import carriage_position
-from gpr20_simulator.mid.ground import Ground
-from gpr20_simulator.mid.range_sensor import RangeSensor
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.range_sensor import RangeSensor
 
 
 def build_simulated_height(parameters: HeightParameters) -> HeightNode:

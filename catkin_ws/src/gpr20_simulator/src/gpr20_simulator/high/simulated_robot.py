@@ -15,8 +15,8 @@ from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import SharedState, open_shared_state
 from gpr20_simulator.low.stale_states import remove_stale_states
 from gpr20_simulator.mid.carriage import start_steps
-from gpr20_simulator.mid.scene import Scene, read_scene
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_simulator.mid.world.scene import Scene, read_scene
 
 SHARED_MEMORY = Path("/dev/shm")
 

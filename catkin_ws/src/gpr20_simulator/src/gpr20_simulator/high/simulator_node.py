@@ -19,14 +19,14 @@ from gpr20_simulator.faults import FAULTS_SET, NETWORK_LOST
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
-from gpr20_simulator.mid.carriage import carriage_position
-from gpr20_simulator.mid.faults import FaultSwitch
-from gpr20_simulator.mid.reply import Capture
-from gpr20_simulator.mid.simulated_analyzer import (
+from gpr20_simulator.mid.analyzer.reply import Capture
+from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,
     medium_by_name,
 )
+from gpr20_simulator.mid.carriage import carriage_position
+from gpr20_simulator.mid.faults import FaultSwitch
 from gpr20_simulator.srv import SetFault, SetFaultResponse
 
 NODE = "simulator"

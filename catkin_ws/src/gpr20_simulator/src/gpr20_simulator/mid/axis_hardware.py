@@ -16,7 +16,7 @@ from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.carriage import WIRING, AxisMotor
-from gpr20_simulator.mid.scene import AxisMechanics
+from gpr20_simulator.mid.world.scene import AxisMechanics
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 

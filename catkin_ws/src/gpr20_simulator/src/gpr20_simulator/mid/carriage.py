@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Dict, Optional
 
 from gpr20_simulator.low.shared_state import EndstopFault, SharedState
-from gpr20_simulator.mid.medium import AntennaPosition
-from gpr20_simulator.mid.scene import AxisMechanics, RobotMechanics
+from gpr20_simulator.mid.world.medium import AntennaPosition
+from gpr20_simulator.mid.world.scene import AxisMechanics, RobotMechanics
 from gpr20_survey.axes.axis_id import AxisId
 
 

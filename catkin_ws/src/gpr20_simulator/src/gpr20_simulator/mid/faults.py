@@ -8,7 +8,7 @@ from typing import Dict, Type
 from gpr20_common.message import Message
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
-from gpr20_simulator.mid.vna_faults import TIMED, FaultBoard, unknown_fault
+from gpr20_simulator.mid.analyzer.vna_faults import TIMED, FaultBoard, unknown_fault
 from gpr20_survey.axes.axis_id import AxisId
 
 NO_FAULT = "NONE"

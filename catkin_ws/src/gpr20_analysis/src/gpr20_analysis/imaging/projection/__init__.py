@@ -1,0 +1,1 @@
+"""Back projection: each cell of the image sums the echoes at its own delays."""

@@ -1,0 +1,215 @@
+"""The analyzer and the height sensor of one survey: their checks, and what to expect of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Callable, Optional, Tuple, TypeVar
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.devices.robot import AnalyzerSetup
+from gpr20_main_control.mid.survey.running_survey import RunningSurvey
+from gpr20_main_control.mid.waits import ExpectedWait, result_of
+from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_settings import HeightPolicy
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_survey.trace.sweep_settings import SweepSettings
+
+Result = TypeVar("Result")
+THE_ANALYZER = Message("the VNA")
+
+
+@dataclass(frozen=True)
+class AnalyzerState:
+    """What is known about the analyzer before a survey.
+
+    Attributes:
+        identity: What the instrument says it is.
+        calibration: The state of its calibration.
+        settings: As read back from it.
+        sweep_duration_s: How long one trace takes [s]; measured each time, so that two states of
+            the same analyzer are equal without it.
+    """
+
+    identity: str
+    calibration: CalibrationStatus
+    settings: SweepSettings
+    sweep_duration_s: float = field(compare=False)
+
+
+class Instruments:
+    """Checks the instruments of one survey, and knows what to expect of them."""
+
+    def __init__(self, survey: RunningSurvey) -> None:
+        self._survey = survey
+        self._plan, self._robot = survey.plan, survey.robot
+        self._waits = survey.waits
+        self._wanted = survey.plan.sweep_settings
+        self._setup: Optional[AnalyzerSetup] = None
+        last = survey.plan.last
+        self._frequencies_hz = np.empty(0) if last is None else last.frequency_hz
+
+    def check(self, next_index: int) -> AnalyzerState:
+        """Check everything that the survey needs, and return the state of the analyzer.
+
+        Nothing moves.
+
+        Args:
+            next_index: Index of the point that is measured next.
+
+        Raises:
+            DeviceError: A check failed.
+        """
+        self._survey.positioner.check_alive()
+        self._robot.description.check(self._plan.config)
+        analyzer = self._check_analyzer(next_index)
+        if self._plan.settings.on_height_failure == HeightPolicy.PAUSE.value:
+            height_call = self._robot.workers.begin(self._robot.height_sensor.height_m)
+            with self._waits.shown(self.height_wait(None)) as check:
+                result_of(height_call, check)
+        self._robot.sensors.check_required()
+        return analyzer
+
+    def height(self) -> Tuple[float, Tuple[str, ...]]:
+        """Return the height [m], and remarks on it; NaN if the survey may do without.
+
+        Raises:
+            DeviceError: It could not be measured.
+        """
+        failure: Optional[DeviceError] = None
+        for _attempt in range(self._plan.settings.attempts):
+            try:
+                return self._robot.height_sensor.height_m(), ()
+            except DeviceError as error:
+                failure = error
+        assert failure is not None
+        if self._plan.settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
+            return float("nan"), (storable_remark(f"no height: {failure}"),)
+        raise DeviceError(
+            Message("the antenna height could not be measured: {reason}", reason=failure.message),
+            fault=faults.HEIGHT_NOT_MEASURED,
+        ) from failure
+
+    def height_wait(self, point: Optional[SurveyPoint]) -> ExpectedWait:
+        """Return what to expect of a height measurement, at a point or before the survey."""
+        action = Message("height")
+        if point is not None:
+            action = Message("height at point {index}", index=point.index)
+        attempts = 1 if point is None else self._plan.settings.attempts
+        limit_s = attempts * self._robot.description.limits.height_limit_s
+        return ExpectedWait(PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, limit_s)
+
+    def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of the sweep at a point."""
+        action = Message("sweep at point {index}", index=point.index)
+        return self._request_wait(action, swept=True)
+
+    def confirmation_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of the confirmation of a sweep."""
+        action = Message("settings after the sweep at point {index}", index=point.index)
+        return self._request_wait(action, swept=False)
+
+    def check_sweep(self, sweep: Sweep) -> None:
+        """Refuse a sweep of other frequencies, or with other settings, than those of the survey.
+
+        Raises:
+            DeviceError: It has others.
+        """
+        frequency_hz = sweep.frequency_hz
+        if not np.array_equal(frequency_hz, self._frequencies_hz):
+            described = _sweep_message
+        elif not sweep.analyzer.fulfils(self._wanted.analyzer):
+            described = _settings_message
+        else:
+            return
+        ends_hz = float(frequency_hz[0]), float(frequency_hz[-1])
+        raise DeviceError(
+            Message(
+                "the VNA measured {measured} instead of {wanted}; do not change its settings "
+                "during a survey",
+                measured=described(SweepSettings(*ends_hz, len(frequency_hz), sweep.analyzer)),
+                wanted=described(self._wanted),
+            ),
+            fault=faults.VNA_SETTINGS_CHANGED,
+        )
+
+    def _check_analyzer(self, next_index: int) -> AnalyzerState:
+        analyzer = self._robot.analyzer
+        address = self._plan.parameters.vna_address
+        identity = self._call(lambda: analyzer.connect(address), Message("connection"))
+        self._robot.description.check_identity(identity, self._plan.config)
+        self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
+        # Before anything is written: without calibration there is nothing to set up.
+        self._call(analyzer.calibration, Message("calibration status"))
+        wanted = self._wanted
+        setup = self._call(
+            lambda: analyzer.configure(wanted),
+            Message("setup of the sweep"),
+            self._robot.description.limits.analyzer_setup_limit_s(wanted),
+        )
+        accepted = setup.settings
+        if not accepted.fulfils(wanted):
+            same_sweep = replace(accepted, analyzer=wanted.analyzer) == wanted
+            described = _settings_message if same_sweep else _sweep_message
+            raise DeviceError(
+                Message(
+                    "the VNA accepted {accepted} instead of {wanted}",
+                    accepted=described(accepted),
+                    wanted=described(wanted),
+                ),
+                fault=faults.VNA_SETTINGS_REFUSED,
+            )
+        # What was left to the instrument stays as it is now: to the end of the survey.
+        self._wanted, self._setup = accepted, setup
+        # Other settings, such as the output power, can have changed it.
+        calibration = self._call(analyzer.calibration, Message("calibration status"))
+        frequencies_hz = self._call(analyzer.frequencies_hz, Message("frequencies"))
+        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
+            raise DeviceError(
+                Message(
+                    "the VNA's frequencies are no longer those of this survey; stop the survey and "
+                    "start a new one"
+                ),
+                fault=faults.FREQUENCIES_CHANGED,
+            )
+        self._frequencies_hz = frequencies_hz
+        return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)
+
+    def _call(
+        self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None
+    ) -> Result:
+        if limit_s is None:
+            limit_s = self._robot.description.limits.analyzer_limit_s
+        with self._waits.shown(ExpectedWait(THE_ANALYZER, action, 0.0, limit_s)) as check:
+            return self._robot.analyzer_calls.call(call, check)
+
+    def _request_wait(self, action: Message, swept: bool) -> ExpectedWait:
+        """Return what to expect of the sweep of a trace, or of another request about it."""
+        assert self._setup is not None
+        expected_s = self._setup.sweep_duration_s if swept else 0.0
+        return ExpectedWait(THE_ANALYZER, action, expected_s, self._setup.request_limit_s)
+
+
+def _settings_message(settings: SweepSettings) -> Message:
+    analyzer = settings.analyzer
+    return Message(
+        "{sweep}, IF bandwidth {bandwidth_hz:g} Hz, {averages} averages, output power {power}",
+        sweep=_sweep_message(settings),
+        bandwidth_hz=analyzer.if_bandwidth_hz,
+        averages=analyzer.averages,
+        power=analyzer.output_power or "-",
+    )
+
+
+def _sweep_message(settings: SweepSettings) -> Message:
+    return Message(
+        "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
+        points=settings.points,
+        start_mhz=1.0e-6 * settings.start_frequency_hz,
+        stop_mhz=1.0e-6 * settings.stop_frequency_hz,
+    )

@@ -1,0 +1,272 @@
+"""The parts of the robot, as the survey uses them.
+
+Every call returns or raises `DeviceError` within its own time limit.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from typing import Mapping, Optional, Protocol, Tuple
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
+from gpr20_main_control.mid.devices.described_robot import DescribedRobot
+from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
+from gpr20_main_control.mid.survey.survey_status import Status
+from gpr20_main_control.mid.waits import SerialCalls, Workers
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.trace import Trace
+
+
+@dataclass(frozen=True)
+class AxisReading:
+    """The last reading of an axis.
+
+    Attributes:
+        coordinate: Position of the axis [mm or deg].
+        homed: Whether the coordinate is relative to the axis's zero.
+        moving: Whether the motor is being stepped.
+        age_s: Age of the reading [s].
+    """
+
+    coordinate: float
+    homed: bool
+    moving: bool
+    age_s: float
+
+
+@dataclass(frozen=True)
+class Position:
+    """The position that the axes report: x and y [mm], z [deg]."""
+
+    x_mm: float
+    y_mm: float
+    z_deg: float
+
+    @property
+    def message(self) -> Message:
+        """The position, for a sentence."""
+        return Message(
+            "x {x_mm:.9g} mm, y {y_mm:.9g} mm, z {z_deg:.9g} deg",
+            x_mm=self.x_mm,
+            y_mm=self.y_mm,
+            z_deg=self.z_deg,
+        )
+
+
+@dataclass(frozen=True)
+class MoveOutcome:
+    """How a move ended.
+
+    Attributes:
+        success: Whether the axis reached its target.
+        message: What the axis said.
+        contact_lost: Whether it stopped because it had no contact with the main control.
+    """
+
+    success: bool
+    message: Message
+    contact_lost: bool = False
+
+
+class Axis(Protocol):
+    """One axis of the positioner."""
+
+    @property
+    def received(self) -> threading.Event:
+        """Set at each new reading; who waits for one clears it."""
+
+    def reading(self) -> Optional[AxisReading]:
+        """Return the last reading of the axis; None before the first."""
+
+    def is_connected(self) -> bool:
+        """Return whether the axis driver will receive the next move."""
+
+    def begin_move(self, target: float) -> None:
+        """Begin a move to a target [mm or deg] and return at once."""
+
+    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
+        """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
+
+    def home(self, time_limit_s: float) -> None:
+        """Home the axis and return when it is homed."""
+
+    def set_zero(self) -> None:
+        """Make the present position of an axis without endstop its zero."""
+
+    def stop(self) -> None:
+        """End any motion; returns at once."""
+
+
+@dataclass(frozen=True)
+class AnalyzerSetup:
+    """How the analyzer will measure.
+
+    Attributes:
+        settings: As read back from the instrument.
+        sweep_duration_s: How long one trace takes, with its averages [s]; 0 if nobody knows.
+        request_limit_s: Longest time that a sweep or its confirmation takes [s].
+    """
+
+    settings: SweepSettings
+    sweep_duration_s: float
+    request_limit_s: float
+
+
+@dataclass(frozen=True)
+class UnconfirmedSweep:
+    """A sweep whose data are fresh, but whose settings have not been read back yet.
+
+    Attributes:
+        number: Its number, for the confirmation.
+        sweep: The data.
+    """
+
+    number: int
+    sweep: Sweep
+
+
+class Analyzer(Protocol):
+    """The vector network analyzer."""
+
+    def connect(self, address: str) -> str:
+        """Connect or reconnect, and return the instrument's identity."""
+
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration; raise if it is not accepted."""
+
+    def configure(self, settings: SweepSettings) -> AnalyzerSetup:
+        """Configure the sweep and return what the instrument accepted."""
+
+    def frequencies_hz(self) -> np.ndarray:
+        """Return the frequencies of the sweep [Hz]."""
+
+    def prepare(self) -> None:
+        """Make ready what the next `sweep` needs, if that is possible; never fails."""
+
+    def sweep(self) -> UnconfirmedSweep:
+        """Take one sweep that starts now; the driver checks it and repeats a failed one."""
+
+    def confirm(self, number: int) -> Tuple[str, ...]:
+        """Confirm that the last sweep was measured with the settings of the survey.
+
+        Returns:
+            Remarks on its quality, in addition to those of the sweep.
+
+        Raises:
+            UnconfirmedError: It was not, and must not be stored.
+        """
+
+    def release(self) -> None:
+        """Leave the instrument to its front panel; `connect` takes it back."""
+
+
+class HeightSensor(Protocol):
+    """The antenna height sensor."""
+
+    def height_m(self) -> float:
+        """Measure the height of the antennas above the ground [m] now."""
+
+
+@dataclass(frozen=True)
+class SurveyRecord:
+    """What is known about a survey when it begins.
+
+    Attributes:
+        survey_id: UUID.
+        started_us: Start time [us since 1970, UTC].
+        metadata_json: Parameters, instrument and axes, as they are stored.
+        needed_bytes: Estimate of the whole survey on disk [bytes].
+    """
+
+    survey_id: str
+    started_us: int
+    metadata_json: str
+    needed_bytes: int
+
+
+@dataclass(frozen=True)
+class OpenedSurvey:
+    """A survey that has begun.
+
+    Attributes:
+        folder: Path of its folder.
+        interrupted: Folder of another survey that was still open and was closed; empty if none.
+    """
+
+    folder: str
+    interrupted: str = ""
+
+
+@dataclass(frozen=True)
+class SurveyEnd:
+    """How a survey ended.
+
+    Attributes:
+        outcome: One word, as in survey.json.
+        reason: Why.
+        status: The last status of the survey; the recordings end with it.
+        coverage: The state of each sample; None if there is no plan of this survey.
+    """
+
+    outcome: str
+    reason: Message
+    status: Status
+    coverage: Optional[Coverage] = None
+
+
+class Storage(Protocol):
+    """The storage of surveys."""
+
+    def open(self, record: SurveyRecord) -> OpenedSurvey:
+        """Begin a survey; another one that is still open is closed as interrupted."""
+
+    def reopen(self, survey: str) -> ReopenedSurvey:
+        """Reopen a survey by its id or folder; another one that is open is interrupted."""
+
+    def report(self, survey_id: str, report_json: str) -> int:
+        """Store a report beside the survey's metadata; return how many traces are stored."""
+
+    def store(self, trace: Trace) -> None:
+        """Store a trace; it is durable when this returns."""
+
+    def close(self, survey_id: str, end: SurveyEnd) -> None:
+        """Close a survey; its end is in the recordings when this returns."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """All parts of the robot.
+
+    Attributes:
+        axes: The three axes.
+        analyzer: The vector network analyzer.
+        height_sensor: The antenna height sensor.
+        storage: The storage of surveys.
+        nodes: The processes of all parts.
+        description: What the parts are, as they say themselves.
+        sensors: Other sensors beside the radar.
+        workers: The threads of calls that may be made at the same time.
+        analyzer_calls: The calls that set up the analyzer.
+        storage_calls: The calls that open, report and close surveys.
+    """
+
+    axes: Mapping[AxisId, Axis]
+    analyzer: Analyzer
+    height_sensor: HeightSensor
+    storage: Storage
+    nodes: NodeLiveness
+    description: DescribedRobot
+    sensors: AuxSensors
+    workers: Workers = field(default_factory=Workers, init=False)
+    # Shared by all surveys: a call that one survey gave up must not disturb the next.
+    analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
+    storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)

@@ -1,0 +1,1 @@
+"""One survey: its plan, steps, engine, samples, storage, pauses and end."""

@@ -1,0 +1,242 @@
+"""One sample after another: height, sweep and confirmation at the present position.
+
+A sweep is confirmed while the axes move; its trace is stored once it is confirmed.
+"""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Callable, Optional, Tuple
+
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.devices.instruments import Instruments
+from gpr20_main_control.mid.devices.robot import Position
+from gpr20_main_control.mid.survey.running_survey import RunningSurvey
+from gpr20_main_control.mid.waits import Check, result_of, wait_for
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_survey.trace.trace import Trace
+
+# A sweep is prepared while the axes settle for longer than this [s].
+PREPARATION_S = 0.1
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Where the axes rest, and the height that was measured there."""
+
+    position: Position
+    height_m: float
+    remarks: Tuple[str, ...]
+
+
+class Confirmation:
+    """The confirmation of one trace: it is stored once, when it is confirmed, or never.
+
+    `run` is called in the background. The survey may give the trace up at any moment, to measure
+    its point again.
+    """
+
+    def __init__(
+        self,
+        trace: Trace,
+        confirm: Callable[[], Tuple[str, ...]],
+        store: Callable[[Trace], None],
+    ) -> None:
+        """Begin nothing yet.
+
+        Args:
+            trace: What was measured.
+            confirm: Returns further remarks on its quality; raises if it is not confirmed.
+            store: Accepts the trace for storing; returns at once.
+        """
+        self._trace = trace
+        self._confirm = confirm
+        self._store = store
+        self._lock = threading.Lock()
+        self._given_up = False
+        self._stored: Optional[Trace] = None
+
+    def run(self) -> Trace:
+        """Confirm the trace, pass it to the storage and return it.
+
+        Raises:
+            UnconfirmedError: It was not confirmed.
+            DeviceError: Nobody knows whether it would have been, or the trace was given up.
+        """
+        trace = self._with_remarks(self._confirm())
+        with self._lock:
+            if self._given_up:
+                raise DeviceError(
+                    Message("the confirmation came too late"), fault=faults.CONFIRMATION_LATE
+                )
+            self._stored = trace
+            self._store(trace)
+        return trace
+
+    def give_up(self) -> Optional[Trace]:
+        """Make sure that the trace is never stored, or return it if it is accepted already."""
+        with self._lock:
+            self._given_up = True
+            return self._stored
+
+    def _with_remarks(self, remarks: Tuple[str, ...]) -> Trace:
+        if not remarks:
+            return self._trace
+        try:
+            return replace(self._trace, quality=(*self._trace.quality, *remarks))
+        except TraceRefusedError as error:
+            raise DeviceError(error.message) from error
+
+
+class Sampling:
+    """Takes the samples of one survey; at most one sweep is unconfirmed."""
+
+    def __init__(self, survey: RunningSurvey, instruments: Instruments) -> None:
+        self._plan, self._robot = survey.plan, survey.robot
+        self._positioner = survey.positioner
+        self._interruption, self._waits = survey.interruption, survey.waits
+        self._clock_steps = survey.clock_steps
+        self._instruments = instruments
+        # On a robot that runs N times faster, vibrations decay N times faster.
+        self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
+        self._settled: Optional[Settled] = None
+        self._confirmation: Optional[Confirmation] = None
+        self._confirming: Optional[Future[Trace]] = None
+
+    def settle(self, point: SurveyPoint) -> None:
+        """Return when vibrations have died down and the height is measured.
+
+        Raises:
+            DeviceError: The axes rest elsewhere, or the height could not be measured.
+            NodeLostError: A node does not answer or was restarted.
+            StopRequested: A stop of the survey was requested.
+        """
+        self._robot.description.check(self._plan.config)
+        position = self._positioner.position()
+        _check_position(point, position)
+        height_call = self._robot.workers.begin(self._instruments.height)
+        if self._settle_s > PREPARATION_S:
+            self._robot.workers.begin(self._robot.analyzer.prepare)
+        self._interruption.wait_s(self._settle_s)
+        with self._waits.shown(self._instruments.height_wait(point)) as check:
+            height_m, remarks = result_of(height_call, check)
+        _check_position(point, self._positioner.position())
+        self._settled = Settled(position, height_m, remarks)
+
+    def sweep(
+        self, point: SurveyPoint, store: Callable[[Trace], None], remark: Optional[Message] = None
+    ) -> None:
+        """Take the sweep of a point at which the axes have settled, and begin to confirm it.
+
+        Args:
+            point: Where the axes rest.
+            store: Accepts the trace once it is confirmed; called in another thread.
+            remark: A remark on the quality of this trace.
+
+        Raises:
+            DeviceError: A part failed, or the axes moved since they rested there.
+            NodeLostError: A node does not answer or was restarted.
+            StopRequested: A stop of the survey was requested.
+        """
+        try:
+            trace, number = self._swept(point, remark)
+        except TraceRefusedError as error:
+            # The operator can remove the cause, such as a wrong clock: the survey pauses.
+            raise DeviceError(error.message) from error
+        confirm = partial(self._robot.analyzer.confirm, number)
+        self._confirmation = Confirmation(trace, confirm, store)
+        self._confirming = self._robot.workers.begin(self._confirmation.run)
+
+    def confirmed(self, point: SurveyPoint, check: Optional[Check] = None) -> Trace:
+        """Return the trace of the last sweep when it is confirmed and accepted for storing.
+
+        Args:
+            point: The point of the sweep.
+            check: Called repeatedly meanwhile; an error that it raises ends the wait, and the
+                confirmation continues. None: an interruption of the survey ends the wait.
+
+        Raises:
+            UnconfirmedError: It was not confirmed; give it up.
+            DeviceError: The analyzer did not answer; give it up.
+        """
+        assert self._confirming is not None
+        wait = self._instruments.confirmation_wait(point)
+        with self._waits.shown_beside(wait, check or self._interruption.check) as check_and_show:
+            wait_for(self._confirming, check_and_show)
+        trace = self._confirming.result()
+        self._confirmation, self._confirming = None, None
+        return trace
+
+    def give_up(self) -> Optional[Trace]:
+        """Give up the last sweep, if any; return its trace if it is accepted for storing."""
+        confirmation, self._confirmation, self._confirming = self._confirmation, None, None
+        return None if confirmation is None else confirmation.give_up()
+
+    def _swept(self, point: SurveyPoint, remark: Optional[Message]) -> Tuple[Trace, int]:
+        settled = self._settled
+        assert settled is not None and self._confirmation is None
+        sweep_call = self._robot.workers.begin(self._robot.analyzer.sweep)
+        with self._waits.shown(self._instruments.sweep_wait(point)) as check:
+            measured = result_of(sweep_call, check)
+        self._interruption.check()
+        if self._positioner.position() != settled.position:
+            raise DeviceError(
+                Message(
+                    "the axes moved during the sweep at point {index}; nothing else may move them "
+                    "during a survey",
+                    index=point.index,
+                ),
+                fault=faults.MOVED_BY_OTHERS,
+            )
+        return self._trace(point, settled, measured.sweep, remark), measured.number
+
+    def _trace(
+        self,
+        point: SurveyPoint,
+        settled: Settled,
+        sweep: Sweep,
+        remark: Optional[Message],
+    ) -> Trace:
+        self._instruments.check_sweep(sweep)
+        aux, sensor_remarks = self._robot.sensors.at_sweep(sweep.sweep_ended_us)
+        timestamp_us = time_of_day_us()
+        remarks = [remark, self._clock_steps.check_trace(timestamp_us)]
+        texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)
+        quality = (*sweep.quality, *settled.remarks, *texts, *sensor_remarks)
+        measured = {**vars(sweep), "quality": quality}
+        return Trace(
+            **measured,
+            survey_id=self._plan.survey_id,
+            sample_id=str(uuid.uuid4()),
+            index=point.index,
+            timestamp_us=timestamp_us,
+            x_coord_mm=settled.position.x_mm,
+            y_coord_mm=settled.position.y_mm,
+            z_coord_deg=settled.position.z_deg,
+            antennae_height_m=settled.height_m,
+            aux=aux,
+        )
+
+
+def _check_position(point: SurveyPoint, position: Position) -> None:
+    planned = Position(point.x_mm, point.y_mm, point.z_deg)
+    if position != planned:
+        raise DeviceError(
+            Message(
+                "the axes are at {position} instead of {planned} before the sweep at point "
+                "{index}; nothing else may move them during a survey",
+                position=position.message,
+                planned=planned.message,
+                index=point.index,
+            ),
+            fault=faults.MOVED_BY_OTHERS,
+        )

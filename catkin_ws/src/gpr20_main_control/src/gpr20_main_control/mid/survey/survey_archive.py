@@ -1,0 +1,247 @@
+"""One survey in the storage: its folder, its traces, its report and its end."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from dataclasses import asdict
+from pathlib import PurePosixPath
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.devices.instruments import AnalyzerState
+from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.survey.running_survey import RunningSurvey
+from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
+from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
+from gpr20_main_control.mid.survey.survey_report import RepeatMeasurement
+from gpr20_main_control.mid.waits import Check, ExpectedWait
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
+from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.refines import REFINES
+from gpr20_survey.plan.robot_description import STORAGE_NAME
+from gpr20_survey.plan.sensors import SENSORS
+from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
+from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_state import SurveyState
+
+
+class SurveyArchive:
+    """Stores a survey, and knows how much of it is stored durably.
+
+    A `check` that a method takes is called repeatedly while the method waits for the storage; an
+    error that it raises ends the wait.
+
+    Attributes:
+        queue: The traces that are not stored durably yet.
+        folder: The survey's folder; empty before it is made.
+    """
+
+    def __init__(self, survey: RunningSurvey) -> None:
+        """Begin with what is stored already."""
+        plan, robot = survey.plan, survey.robot
+        self._survey, self._plan = survey, plan
+        self._storage, self._calls = robot.storage, robot.storage_calls
+        self._sensors = robot.sensors.recorded()
+        self.folder = "" if plan.reopened is None else plan.reopened.folder
+        self._reported_analyzers = survey.analyzers.used
+        self._sensors_noted = False
+        self._closing_report = ""
+        self._closing_count = 0
+        self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
+        self._remaining = RemainingTime(plan.pending_durations_s)
+        self._measuring_since_s: Optional[float] = None
+        self._measured_s = 0.0
+        self.queue = StorageQueue(robot.storage, survey.clock, self._note_stored)
+
+    def open(self, analyzer: AnalyzerState, check: Check) -> str:
+        """Make the survey's folder and begin its recordings, or reopen them.
+
+        The storage may have been restarted since; reopening an open survey changes nothing.
+
+        Args:
+            analyzer: What is recorded about the analyzer.
+            check: Ends the wait.
+
+        Returns:
+            Folder of another survey that was still open and was closed; empty if none.
+
+        Raises:
+            DeviceError: The disk has no room, or the folder cannot be made.
+        """
+        self._remaining = RemainingTime(
+            self._plan.pending_durations_with_s(analyzer.sweep_duration_s)
+        )
+        if self.folder:
+            self.reopen(check)
+            self._note_other_sensors()
+            if self._survey.analyzers.used != self._reported_analyzers:
+                # Before the first trace of another analyzer.
+                self._send_report(self._survey.report.to_json(), check)
+                self._reported_analyzers = self._survey.analyzers.used
+            return ""
+        record = self._record_with(analyzer)
+        opened = self._calls.call(lambda: self._storage.open(record), check)
+        self.folder = opened.folder
+        self._reported_analyzers = self._survey.analyzers.used
+        return opened.interrupted
+
+    def reopen(self, check: Check) -> None:
+        """Reopen the survey in the storage; if it is open, nothing changes."""
+        name = PurePosixPath(self.folder).name
+        self._calls.call(lambda: self._storage.reopen(name), check)
+
+    def storing_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of the storage when it stores the trace of a point."""
+        limit_s = self._survey.robot.description.limits.storage_limit_s
+        action = Message("traces up to point {index}", index=point.index)
+        return ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
+
+    def start_timing(self) -> None:
+        """Begin to count time as measuring time."""
+        self._measuring_since_s = self._survey.clock.now_s()
+
+    def stop_timing(self) -> None:
+        """Stop counting time as measuring time."""
+        self._measured_s = self._elapsed_s()
+        self._measuring_since_s = None
+
+    def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
+        """Store the result of a repeat measurement."""
+        self._survey.report.note_repeat(repeat, time_of_day_us())
+        self._send_report(self._survey.report.to_json(), check)
+
+    def send_last_report(self, check: Check) -> int:
+        """Store the report of the survey's end; return how many traces its folder holds."""
+        report_json = self._survey.report.to_json()
+        # Once: a survey that was closed by a call whose answer was lost accepts no report.
+        if report_json != self._closing_report:
+            self._closing_count = self._send_report(report_json, check)
+            self._closing_report = report_json
+        return self._closing_count
+
+    def close(
+        self, outcome: str, reason: Message, state: SurveyState, message: Message, check: Check
+    ) -> None:
+        """Close the survey.
+
+        Args:
+            outcome: One word, for survey.json.
+            reason: Why it ended.
+            state: The state that it ends in.
+            message: What the status says then.
+            check: Ends the wait.
+        """
+        survey_id = self._plan.survey_id
+        end = SurveyEnd(
+            outcome, reason, self._survey.status.status.ended(state, message), self._survey.coverage
+        )
+        self._calls.call(lambda: self._storage.close(survey_id, end), check)
+
+    def interrupt(self, message: Message, check: Check) -> None:
+        """Close the survey as one that can be resumed, while the robot is shut down.
+
+        The storage is shut down too, usually at the same time, and then closes the survey itself.
+
+        Args:
+            message: What the status says then, and why.
+            check: Ends the wait.
+        """
+        with contextlib.suppress(DeviceError):
+            self.queue.drain(check)
+            self.close(INTERRUPTED, message, SurveyState.STOPPED, message, check)
+
+    def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
+        # The same record again if the answer to the first call was lost: the storage knows it.
+        if self._record is None or self._record[0] != analyzer:
+            recorded = {**self._survey.robot.description.recorded(), SENSORS: self._sensors}
+            self._record = (analyzer, survey_record(self._plan, analyzer, recorded))
+        return self._record[1]
+
+    def _note_other_sensors(self) -> None:
+        """Note once that a survey continues with other sensors than it began with."""
+        former = self._plan.recorded_sensors
+        if former in (None, self._sensors) or self._sensors_noted:
+            return
+        self._sensors_noted = True
+        self._survey.note_warning(
+            Message(
+                "the survey continues with other sensors beside the radar: {present}; at its "
+                "start: {former}",
+                present=_names(self._sensors),
+                former=_names(former or []),
+                details=json.dumps(self._sensors),
+            ).with_fault(faults.OTHER_SENSORS)
+        )
+
+    def _send_report(self, report_json: str, check: Check) -> int:
+        survey_id = self._plan.survey_id
+        return self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
+
+    def _note_stored(self, stored: int, index: int) -> None:
+        self._survey.coverage.note_stored(index)
+        visited = len(self._plan.stored_indices) + stored
+        self._survey.status.set_progress(
+            visited, self._remaining.remaining_s(stored, self._elapsed_s())
+        )
+
+    def _elapsed_s(self) -> float:
+        since_s = self._measuring_since_s
+        if since_s is None:
+            return self._measured_s
+        return self._measured_s + self._survey.clock.now_s() - since_s
+
+
+def interruption_remark(interrupted: str) -> Optional[Message]:
+    """Return a remark on the survey that was still open when another began; None if none was."""
+    if not interrupted:
+        return None
+    return Message(
+        "survey {survey} was still open; it is closed as interrupted and can be resumed later",
+        survey=interrupted,
+    )
+
+
+def _names(sensors: Sequence[Mapping[str, Any]]) -> str:
+    return ", ".join(str(one.get("name")) for one in sensors) or "-"
+
+
+def survey_record(
+    plan: SurveyPlan, analyzer: AnalyzerState, robot: Mapping[str, Any]
+) -> SurveyRecord:
+    """Return what is recorded about a survey when it begins.
+
+    Args:
+        plan: The plan of the survey.
+        analyzer: What the analyzer accepted.
+        robot: What the parts of the robot say about themselves.
+    """
+    metadata = {
+        "simulated": plan.config.simulated,
+        "parameters": asdict(plan.parameters),
+        "planned_traces": plan.total_points,
+        "estimated_duration_s": plan.duration_s,
+        "instrument": {
+            "identity": analyzer.identity,
+            "address": plan.parameters.vna_address,
+            "calibration_status": int(analyzer.calibration),
+            "calibration": str(analyzer.calibration.meaning),
+            "sweep": _recorded_sweep(analyzer),
+        },
+        "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
+        "settings": asdict(plan.settings),
+        ANNOTATION: plan.annotation.values(),
+        **({REFINES: plan.refines} if plan.refines else {}),
+        **robot,
+    }
+    size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)
+    return SurveyRecord(plan.survey_id, time_of_day_us(), json.dumps(metadata), size)
+
+
+def _recorded_sweep(analyzer: AnalyzerState) -> Dict[str, Any]:
+    settings = asdict(analyzer.settings)
+    receiver = settings.pop("analyzer")
+    return {**settings, **receiver, "sweep_duration_s": analyzer.sweep_duration_s}

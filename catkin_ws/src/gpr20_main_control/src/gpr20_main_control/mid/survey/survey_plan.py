@@ -1,0 +1,230 @@
+"""The plan of a survey: of a new one, or of one on the disk that is resumed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Dict, List, Optional, Sequence
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
+from gpr20_main_control import faults
+from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.survey.survey_report import UsedAnalyzer, recorded_analyzers
+from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.sensors import SENSORS
+from gpr20_survey.plan.survey_cost import planned_durations_s
+from gpr20_survey.plan.survey_parameters import SurveyParameters, check
+from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.trace.ms2026c import sweep_duration_s
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.trace import Trace
+
+# Parameters of an axis that decide where its coordinates are on the ground.
+GRID_PARAMETERS = ("step_size", "min_coord", "max_coord", "type", "homing_backoff")
+
+
+@dataclass(frozen=True)
+class SurveyPlan:
+    """The plan of a survey.
+
+    Attributes:
+        parameters: What it measures.
+        config: The robot that measures.
+        settings: Settings of its execution.
+        points: All points in the order of their visit.
+        durations_s: Duration of each point [s].
+        survey_id: UUID; empty before the survey begins.
+        reopened: What is stored of it; None if it is new.
+        annotation: What people added to it at its start.
+        refines: Id of the survey that it measures more finely; empty: none.
+    """
+
+    parameters: SurveyParameters
+    config: RobotConfig
+    settings: SurveySettings
+    points: Sequence[SurveyPoint]
+    durations_s: Sequence[float]
+    survey_id: str = ""
+    reopened: Optional[ReopenedSurvey] = None
+    annotation: Annotation = EMPTY
+    refines: str = ""
+
+    @property
+    def sweep_settings(self) -> SweepSettings:
+        """What each sweep covers, measured as the survey was measured so far."""
+        wanted = self.parameters.sweep_settings
+        if self.reopened is None:
+            return wanted
+        return replace(wanted, analyzer=_recorded_settings(self.reopened, wanted.analyzer))
+
+    @property
+    def analyzers(self) -> Sequence[UsedAnalyzer]:
+        """With which analyzers it was measured so far.
+
+        Raises:
+            SurveyError: The report of the survey that is resumed cannot be read.
+        """
+        if self.reopened is None:
+            return ()
+        return recorded_analyzers(self.reopened.metadata_json, self.reopened.report_json)
+
+    @property
+    def recorded_sensors(self) -> Optional[List[Dict[str, Any]]]:
+        """The other sensors at the start of a survey that is resumed; None if not recorded."""
+        if self.reopened is None:
+            return None
+        try:
+            found = json.loads(self.reopened.metadata_json)[SENSORS]
+        except (ValueError, KeyError, TypeError):
+            # Surveys of earlier versions do not have them.
+            return []
+        return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+
+    @property
+    def total_points(self) -> int:
+        """Number of traces."""
+        return len(self.points)
+
+    @property
+    def duration_s(self) -> float:
+        """Duration of the whole survey [s]."""
+        return sum(self.durations_s)
+
+    @property
+    def last(self) -> Optional[Trace]:
+        """The trace stored last, of a survey that is resumed; None otherwise."""
+        return None if self.reopened is None else self.reopened.last
+
+    @property
+    def stored_indices(self) -> Sequence[int]:
+        """Indices of the traces on the disk, of a survey that is resumed."""
+        return () if self.reopened is None else self.reopened.stored_indices
+
+    @property
+    def pending(self) -> List[SurveyPoint]:
+        """The points that are not on the disk yet."""
+        stored = frozenset(self.stored_indices)
+        return [point for point in self.points if point.index not in stored]
+
+    @property
+    def pending_durations_s(self) -> List[float]:
+        """Durations of the points that are not on the disk yet [s]."""
+        return [self.durations_s[point.index] for point in self.pending]
+
+    def pending_durations_with_s(self, measured_s: float) -> List[float]:
+        """Return the same durations [s] with sweeps as long as measured [s]; 0 if unknown."""
+        if not measured_s:
+            return self.pending_durations_s
+        planned_s = sweep_duration_s(self.parameters.sweep_settings)
+        longer_s = measured_s - planned_s / self.config.time_scale
+        return [duration_s + longer_s for duration_s in self.pending_durations_s]
+
+
+def plan_survey(
+    parameters: SurveyParameters, config: RobotConfig, settings: SurveySettings
+) -> SurveyPlan:
+    """Check the parameters of a survey and plan it.
+
+    Raises:
+        SurveyParametersError: Parameters are not allowed; each is named.
+    """
+    check(parameters, config.travel)
+    points = survey_points(parameters, config.travel)
+    durations_s = planned_durations_s(points, parameters.sweep_settings, config, settings)
+    return SurveyPlan(parameters, config, settings, points, durations_s)
+
+
+def plan_resumption(
+    reopened: ReopenedSurvey, config: RobotConfig, settings: SurveySettings
+) -> SurveyPlan:
+    """Plan the rest of a survey that was cut off or ended early.
+
+    Raises:
+        RequestRefusedError: Another robot measured the survey, or its metadata are incomplete.
+        SurveyParametersError: Its parameters are not allowed on this robot.
+    """
+    plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
+    beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
+    if beyond:
+        raise RequestRefusedError(
+            Message(
+                "the survey in {folder} holds trace {index}, but its parameters give only {total} "
+                "traces: its survey.json does not belong to its traces",
+                folder=reopened.folder,
+                index=max(beyond),
+                total=plan.total_points,
+            ),
+            fault=faults.RECORD_DAMAGED,
+        )
+    return replace(plan, survey_id=reopened.survey_id, reopened=reopened)
+
+
+def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> SurveyParameters:
+    try:
+        metadata = json.loads(reopened.metadata_json)
+        parameters = record_from(SurveyParameters, metadata["parameters"], "parameters")
+        simulated, axes = metadata["simulated"], metadata["axes"]
+    except (ValueError, KeyError, TypeError, InvalidValueError) as error:
+        raise RequestRefusedError(
+            Message(
+                "the survey in {folder} cannot be resumed: its survey.json is incomplete",
+                folder=reopened.folder,
+                details=f"{type(error).__name__}: {error}",
+            ),
+            fault=faults.RECORD_DAMAGED,
+        ) from error
+    if simulated is not config.simulated:
+        raise RequestRefusedError(_other_robot(reopened.folder, config.simulated))
+    _check_axes(axes, config, reopened.folder)
+    return parameters
+
+
+def _recorded_settings(reopened: ReopenedSurvey, wanted: AnalyzerSettings) -> AnalyzerSettings:
+    """Return the settings that the analyzer had at the survey's start, or else the wanted ones."""
+    try:
+        sweep = json.loads(reopened.metadata_json)["instrument"]["sweep"]
+        return AnalyzerSettings(
+            float(sweep["if_bandwidth_hz"]), int(sweep["averages"]), str(sweep["output_power"])
+        )
+    except (ValueError, KeyError, TypeError):
+        # Surveys of earlier versions do not have them.
+        return wanted
+
+
+def _other_robot(folder: str, simulated: bool) -> Message:
+    if simulated:
+        return Message(
+            "the survey in {folder} was measured by the real robot; a simulated robot cannot "
+            "resume it",
+            folder=folder,
+        ).with_fault(faults.OTHER_ROBOT)
+    return Message(
+        "the survey in {folder} was measured by a simulated robot; the real robot cannot resume it",
+        folder=folder,
+    ).with_fault(faults.OTHER_ROBOT)
+
+
+def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder: str) -> None:
+    for axis_id, parameters in config.axes.items():
+        present = asdict(parameters)
+        for name in GRID_PARAMETERS:
+            former = recorded.get(axis_id.value, {}).get(name)
+            if former != present[name]:
+                raise RequestRefusedError(
+                    Message(
+                        "the survey in {folder} was measured with {name} {former} of the {axis} "
+                        "axis, which is {present} now: its points would lie elsewhere; launch with "
+                        "the former parameters, or start a new survey",
+                        folder=folder,
+                        name=name,
+                        former=str(former),
+                        axis=axis_id.value,
+                        present=str(present[name]),
+                    ),
+                    fault=faults.OTHER_AXES,
+                )

@@ -1,0 +1,1 @@
+"""The simulated vector network analyzer: its settings, sweeps, memory, answers and faults."""

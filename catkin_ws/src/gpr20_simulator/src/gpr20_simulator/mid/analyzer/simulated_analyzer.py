@@ -1,0 +1,113 @@
+"""The simulated analyzer put together: medium, receiver, instrument and network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Optional
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
+from gpr20_simulator.errors import MediumError
+from gpr20_simulator.low.vxi11_server import Vxi11Server
+from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.reply import Capture
+from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper
+from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
+from gpr20_simulator.mid.world.scene import Scene
+
+SLOWEST_POINT_S = 1.0
+HIGHEST_PORT = 65535
+
+
+def medium_by_name(name: str, scene: Scene) -> SweptMedium:
+    """Return the medium called `scene` or `position_probe`.
+
+    Raises:
+        MediumError: There is no medium of that name.
+    """
+    if name == "scene":
+        return Ground(scene)
+    if name == "position_probe":
+        return PositionProbe()
+    raise MediumError(
+        Message("unknown medium '{name}'; use scene or position_probe", name=name[:40])
+    )
+
+
+@dataclass(frozen=True)
+class AnalyzerOptions:
+    """How the simulated analyzer runs.
+
+    Attributes:
+        seconds_per_point: Time of one frequency of a sweep [s].
+        time_scale: How much faster than real the clock goes that it is given.
+        port: Port of the core channel; 0: any free one.
+        portmapper_port: Port of an own portmapper; None: there is none.
+    """
+
+    seconds_per_point: float = 350e-6
+    time_scale: float = 1.0
+    port: int = 0
+    portmapper_port: Optional[int] = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that make no instrument."""
+        number_between("seconds_per_point", self.seconds_per_point, 0.0, SLOWEST_POINT_S, "s")
+        number_between("port", self.port, 0, HIGHEST_PORT)
+
+
+class SimulatedAnalyzer:
+    """A simulated analyzer on the network of this machine.
+
+    Args:
+        medium: What it measures.
+        position_of: Tells where the antennas are now.
+        clock: Runs `time_scale` times as fast as the real one.
+        description: Identity and the details of its replies.
+        options: How it runs.
+        capture: Gets the kind and the exact bytes of each data reply.
+
+    Raises:
+        ListenError: A port is taken or not allowed.
+    """
+
+    def __init__(
+        self,
+        medium: SweptMedium,
+        position_of: Callable[[], AntennaPosition],
+        clock: Clock,
+        description: InstrumentScene,
+        options: AnalyzerOptions,
+        capture: Capture = lambda _kind, _reply: None,
+    ) -> None:
+        self.faults = FaultBoard()
+        plan = VnaSettings().plan(options.seconds_per_point, description.averaging)
+        pace = SweepPace().faster(options.time_scale)
+        self.sweeper = Sweeper(medium, position_of, clock, plan, pace)
+        self.instrument = SimulatedVna(
+            self.sweeper, clock, description, self.faults, options.seconds_per_point, capture
+        )
+        self.server = Vxi11Server(
+            self.instrument, port=options.port, portmapper_port=options.portmapper_port
+        )
+        self.faults.on_set(self._apply_to_network)
+
+    def start(self) -> None:
+        """Switch it on."""
+        self.sweeper.start()
+        self.server.start()
+
+    def stop(self) -> None:
+        """Switch it off."""
+        self.server.stop()
+        self.sweeper.stop()
+
+    def _apply_to_network(self, fault: VnaFault) -> None:
+        if fault is VnaFault.LINK_GONE:
+            self.server.drop_connections()

@@ -1,0 +1,177 @@
+"""Replies that hold data: traces, the frequency list and the preamble."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+
+from gpr20_simulator.mid.analyzer import scpi
+from gpr20_simulator.mid.analyzer.calibration import Calibration
+from gpr20_simulator.mid.analyzer.identity import Identity
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene, Power
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper
+from gpr20_simulator.mid.analyzer.trace_formats import display_data, interleaved
+from gpr20_simulator.mid.analyzer.vna_commands import Numbers, trace_of
+from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.analyzer.vna_settings import BANDWIDTHS_HZ, TRACES, DataFormat, VnaSettings
+
+# INT,32 has no documented scale for these data; this one is the simulator's own.
+INTEGER_STEPS_PER_UNIT = 1_000_000
+FREQUENCY_DIGITS = 12
+TRUNCATED_BYTES = 9
+NAN_EVERY = 50
+# S11 and S22 are those of an antenna that reflects alike at all frequencies: good enough
+# to be distinguished from S21, which is all that a survey needs of them.
+REFLECTION = 0.3
+REFLECTION_DELAY_S = 1e-9
+BOARD_TEMPERATURE_QUARTERS = 160
+
+
+def payload(
+    values: np.ndarray, data_format: DataFormat, style: InstrumentScene, digits: int
+) -> bytes:
+    """Return real numbers as the bytes of a block without its header.
+
+    Args:
+        values: The numbers, in the order in which they are sent.
+        data_format: How.
+        style: The details of the instrument's replies.
+        digits: Digits after the point in ASCII.
+    """
+    if data_format is DataFormat.REAL_32:
+        return values.astype("<f4").tobytes()
+    if data_format is DataFormat.INTEGER_32:
+        limits = np.iinfo(np.int32)
+        steps = np.nan_to_num(np.rint(values * INTEGER_STEPS_PER_UNIT))
+        return np.clip(steps, limits.min, limits.max).astype("<i4").tobytes()
+    numbers = values.tolist()
+    text = ",".join([f"%.{digits}E"] * len(numbers)) % tuple(numbers)
+    return (text + ("," if style.trailing_comma else "")).encode("ascii")
+
+
+def block_header(length: int, style: InstrumentScene) -> bytes:
+    """Return the header of a block of so many bytes."""
+    digits = str(length).zfill(style.header_digits)
+    return f"#{len(digits)}{digits}".encode("ascii")
+
+
+@dataclass(frozen=True)
+class DataReply:
+    """A block that answers a query for data.
+
+    Attributes:
+        kind: What was asked for: sdat, fdat, freq or preamble.
+        block: Header and payload as they are sent.
+    """
+
+    kind: str
+    block: bytes
+
+
+class TraceReader:
+    """Makes the replies from what the receiver holds.
+
+    Args:
+        sweeper: The receiver.
+        faults: What goes wrong now.
+        description: The details of the blocks.
+        identity: What the preamble says of the instrument.
+        calibration: What the preamble says of the correction.
+    """
+
+    def __init__(
+        self,
+        sweeper: Sweeper,
+        faults: FaultBoard,
+        description: InstrumentScene,
+        identity: Identity,
+        calibration: Calibration,
+    ) -> None:
+        self._sweeper = sweeper
+        self._faults = faults
+        self._description = description
+        self._identity = identity
+        self._calibration = calibration
+
+    def calculated(self, settings: VnaSettings, numbers: Numbers, argument: str) -> DataReply:
+        """Answer `:CALCulate<n>:DATA?`: complex data, or those of the display.
+
+        Raises:
+            ScpiError: There is no such trace or no such kind; memories are never filled.
+        """
+        trace = trace_of(settings, numbers)
+        kind = scpi.chosen_keyword(argument, ("SDATa", "FDATa"))
+        frequency_hz, values = self._values(trace.parameter)
+        if kind == "SDAT":
+            return self._data(settings, "sdat", interleaved(values))
+        shown = display_data(frequency_hz, values, trace.graph_type)
+        return self._data(settings, "fdat", shown)
+
+    def trace_data(self, settings: VnaSettings, argument: str) -> DataReply:
+        """Answer `:TRACe:DATA?`: complex data whatever the display shows.
+
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        number = scpi.whole_number_between(argument or "1", 1, TRACES)
+        _frequency_hz, values = self._values(trace_of(settings, (number,)).parameter)
+        return self._data(settings, "sdat", interleaved(values))
+
+    def frequencies(self, settings: VnaSettings, numbers: Numbers) -> DataReply:
+        """Answer `:SENSe<n>:FREQuency:DATA?` [Hz].
+
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        trace_of(settings, numbers)
+        frequency_hz, _values = self._sweeper.snapshot()
+        content = payload(frequency_hz, settings.data_format, self._description, FREQUENCY_DIGITS)
+        return DataReply("freq", block_header(len(content), self._description) + content)
+
+    def preamble(self, settings: VnaSettings, argument: str) -> DataReply:
+        """Answer `:TRACe:PREamble?`: the state of the instrument as names and values.
+
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        number = scpi.whole_number_between(argument or "1", 1, TRACES)
+        sweep_type = 2 if settings.is_external else int(self._sweeper.is_continuous)
+        pairs = (
+            ("SN", self._identity.serial),
+            ("APP_VER", self._description.firmware),
+            ("S_TYPE", trace_of(settings, (number,)).parameter),
+            ("SWEEP_TYPE", sweep_type),
+            ("AVERAGING_COUNT", self._sweeper.averaged),
+            ("AVERAGING_FACTOR", settings.averages),
+            ("IFBW", BANDWIDTHS_HZ.index(settings.bandwidth_hz)),
+            ("RF_SOURCE_POWER", int(settings.power is Power.HIGH)),
+            # The instrument says 0 for on.
+            ("CAL_CORRECTION", int(not self._calibration.is_applied(settings))),
+            ("CURRENT_TEMPERATURE", BOARD_TEMPERATURE_QUARTERS),
+            (f"TRACE_{number}_START_FREQ", f"{settings.start_hz / 1e6:.6f}"),
+            (f"TRACE_{number}_STOP_FREQ", f"{settings.stop_hz / 1e6:.6f}"),
+            (f"TRACE_{number}_DSP_DATA_POINTS", settings.points),
+        )
+        content = ",".join(f"{name}={value}" for name, value in pairs).encode("ascii")
+        return DataReply("preamble", block_header(len(content), self._description) + content)
+
+    def _values(self, parameter: str) -> Tuple[np.ndarray, np.ndarray]:
+        frequency_hz, transmission = self._sweeper.snapshot()
+        if parameter in ("S21", "S12"):
+            # Antennas and soil are reciprocal.
+            return frequency_hz, transmission
+        reflection = REFLECTION * np.exp(-2j * np.pi * frequency_hz * REFLECTION_DELAY_S)
+        return frequency_hz, reflection.astype(np.complex64)
+
+    def _data(self, settings: VnaSettings, kind: str, numbers: np.ndarray) -> DataReply:
+        if self._faults.strikes(VnaFault.NAN):
+            numbers = numbers.astype(np.float64)
+            numbers[::NAN_EVERY] = np.nan
+        data_format: DataFormat = settings.data_format
+        content = payload(numbers, data_format, self._description, self._description.ascii_digits)
+        header = block_header(len(content), self._description)
+        if self._faults.strikes(VnaFault.TRUNCATE):
+            content = content[:-TRUNCATED_BYTES]
+        return DataReply(kind, header + content)

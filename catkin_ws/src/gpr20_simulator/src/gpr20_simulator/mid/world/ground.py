@@ -1,0 +1,217 @@
+"""The ground of a scene: what the antennas receive over it.
+
+A ray model: direct coupling, the echo of the surface, and targets as point scatterers in a
+uniform half space below an air gap, with refraction at the surface. No multiple echoes and
+no dispersion. Time convention exp(-2j pi f t): an inverse Fourier transform of S21 shows an
+echo at its positive delay.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+import numpy as np
+
+from gpr20_simulator.mid.world.medium import AntennaPosition
+from gpr20_simulator.mid.world.refraction import (
+    SPEED_OF_LIGHT_M_S,
+    RefractedPath,
+    refracted_path,
+)
+from gpr20_simulator.mid.world.scatterers import scatterers_of
+from gpr20_simulator.mid.world.scene import Scene, amplitude
+
+# Path at which the strengths of a scene are given.
+REFERENCE_M = 0.1
+SMALLEST_HEIGHT_M = 0.005
+SMALLEST_DEPTH_M = 1e-4
+# Each brings the place where a path meets the surface nearer by the slope, 0.2 at most.
+SURFACE_ROUNDS = 6
+# 1e-6 rad at 6 GHz: further rounds change nothing that can be measured.
+SURFACE_TOLERANCE_M = 1e-8
+# Steps of a sweep that differ by less count as equal: a fraction of a step.
+EQUAL_STEPS = 1e-9
+
+
+@dataclass(frozen=True)
+class Echoes:
+    """Everything received at one position, one item per way the wave can take.
+
+    Attributes:
+        level: Magnitude with sign at 0 Hz.
+        delay_s: Delay [s].
+        decay_s: Attenuation by the soil, in nepers per hertz.
+    """
+
+    level: np.ndarray
+    delay_s: np.ndarray
+    decay_s: np.ndarray
+
+
+class Ground:
+    """Computes S21 over a scene; a `SweptMedium`.
+
+    Args:
+        scene: What is there.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._points = scatterers_of(scene.targets)
+        self._random = np.random.default_rng(scene.noise.seed)
+        self._noise_level = amplitude(scene.noise.level_db)
+        self._last: Optional[Tuple[AntennaPosition, Echoes]] = None
+
+    def surface_height_m(self, x_mm: float, y_mm: float) -> float:
+        """Return the height of the surface above the plane z = 0 [m]."""
+        return float(self._surface_m(np.array(x_mm / 1000.0), np.array(y_mm / 1000.0)))
+
+    def antenna_height_m(self, x_mm: float, y_mm: float) -> float:
+        """Return the height of the antennas above the surface below them [m]."""
+        return self._scene.antennas.height_m - self.surface_height_m(x_mm, y_mm)
+
+    def s21(
+        self,
+        frequency_hz: np.ndarray,
+        position: AntennaPosition,
+        sweep_number: int,
+        noise_gain: float = 1.0,
+    ) -> np.ndarray:
+        """Return the complex transmission at each frequency [Hz], with noise."""
+        echoes = self.echoes(position)
+        rate_s = -2j * np.pi * echoes.delay_s - echoes.decay_s
+        received = sum_of_exponentials(frequency_hz, rate_s, echoes.level)
+        return received + noise_gain * self._noise(len(frequency_hz))
+
+    def echoes(self, position: AntennaPosition) -> Echoes:
+        """Return what comes back at a position."""
+        # Most sweeps are made where the one before was made.
+        if self._last is None or self._last[0] != position:
+            self._last = (position, self._echoes(position))
+        return self._last[1]
+
+    def _echoes(self, position: AntennaPosition) -> Echoes:
+        antennas = self._scene.antennas
+        height_m = max(self.antenna_height_m(position.x_mm, position.y_mm), SMALLEST_HEIGHT_M)
+        surface_path_m = math.hypot(2.0 * height_m, antennas.separation_m)
+        targets = self._target_echoes(position, height_m)
+        return Echoes(
+            np.concatenate(
+                [
+                    [amplitude(antennas.coupling_level_db)],
+                    [self._surface_level(surface_path_m)],
+                    targets.level,
+                ]
+            ),
+            antennas.delay_s
+            + np.concatenate(
+                [
+                    [antennas.coupling_delay_s],
+                    [surface_path_m / SPEED_OF_LIGHT_M_S],
+                    targets.delay_s,
+                ]
+            ),
+            np.concatenate([[0.0, 0.0], targets.decay_s]),
+        )
+
+    def _surface_level(self, path_m: float) -> float:
+        index = math.sqrt(self._scene.soil.relative_permittivity)
+        reflection = (1.0 - index) / (1.0 + index)
+        return amplitude(self._scene.antennas.surface_gain_db) * reflection * REFERENCE_M / path_m
+
+    def _target_echoes(self, position: AntennaPosition, height_m: float) -> Echoes:
+        soil, points = self._scene.soil, self._points
+        index = math.sqrt(soil.relative_permittivity)
+        rotation_rad = math.radians(position.rotation_deg)
+        transmitter = self._path_from(position, height_m, +0.5)
+        receiver = (
+            self._path_from(position, height_m, -0.5)
+            if self._scene.antennas.separation_m
+            else transmitter
+        )
+        # A sphere reflects from its near side, on the way to its centre.
+        air_m = transmitter.air_m + receiver.air_m
+        soil_m = transmitter.soil_m + receiver.soil_m - 2.0 * points.radius_m
+        # Co-polar response of a diagonal scattering matrix to antennas turned by the rotation.
+        strength = (
+            points.x_pol_strength * math.cos(rotation_rad) ** 2
+            + points.y_pol_strength * math.sin(rotation_rad) ** 2
+        )
+        through_surface = 4.0 * index / (1.0 + index) ** 2
+        spreading = _one_way_level(transmitter) * _one_way_level(receiver)
+        return Echoes(
+            strength * through_surface * spreading,
+            (air_m + index * soil_m) / SPEED_OF_LIGHT_M_S,
+            math.pi * index * soil.loss_tangent * soil_m / SPEED_OF_LIGHT_M_S,
+        )
+
+    def _path_from(self, position: AntennaPosition, height_m: float, side: float) -> RefractedPath:
+        """Return the paths from one antenna, which is to one side of the middle."""
+        rotation_rad = math.radians(position.rotation_deg)
+        offset_m = side * self._scene.antennas.separation_m
+        x_m = position.x_mm / 1000.0 + offset_m * math.cos(rotation_rad)
+        y_m = position.y_mm / 1000.0 + offset_m * math.sin(rotation_rad)
+        distance_m = np.hypot(self._points.x_m - x_m, self._points.y_m - y_m)
+        permittivity = self._scene.soil.relative_permittivity
+        here_m = self.surface_height_m(position.x_mm, position.y_mm)
+        top_m, surface_m = height_m + here_m, np.full(distance_m.shape, here_m)
+        # By Fermat's principle the delay is right to the first order of the slope if the surface
+        # is taken as level at the height it has where the path meets it.
+        for _ in range(SURFACE_ROUNDS):
+            path = refracted_path(
+                np.maximum(top_m - surface_m, SMALLEST_HEIGHT_M),
+                np.maximum(self._points.depth_m + surface_m, SMALLEST_DEPTH_M),
+                distance_m,
+                permittivity,
+            )
+            share = path.across_air_m / np.maximum(distance_m, SMALLEST_DEPTH_M)
+            before_m, surface_m = (
+                surface_m,
+                self._surface_m(
+                    x_m + share * (self._points.x_m - x_m), y_m + share * (self._points.y_m - y_m)
+                ),
+            )
+            if np.abs(surface_m - before_m).max(initial=0.0) < SURFACE_TOLERANCE_M:
+                break
+        return path
+
+    def _surface_m(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        surface = self._scene.surface
+        turns_per_m = 2.0 * math.pi / surface.wave_length_m
+        wave = np.sin(turns_per_m * x_m) * np.sin(turns_per_m * y_m)
+        rise_m: np.ndarray = (
+            surface.slope_x * x_m + surface.slope_y * y_m + surface.wave_amplitude_m * wave
+        )
+        return rise_m
+
+    def _noise(self, count: int) -> np.ndarray:
+        parts = self._random.standard_normal((count, 2)) * (self._noise_level / math.sqrt(2.0))
+        return parts[:, 0] + 1j * parts[:, 1]
+
+
+def sum_of_exponentials(
+    frequency_hz: np.ndarray, rate_s: np.ndarray, level: np.ndarray
+) -> np.ndarray:
+    """Return the sum of level * exp(rate_s * frequency_hz) at each frequency.
+
+    Exponentials take most of the time of a sweep. In a sweep of N equal steps each of them is the
+    product of two, of the first frequency of a block and of the place in the block: 2 sqrt(N)
+    exponentials for each item instead of N.
+    """
+    steps_hz = np.diff(frequency_hz)
+    if not len(steps_hz) or np.ptp(steps_hz) > EQUAL_STEPS * abs(steps_hz[0]):
+        direct: np.ndarray = np.exp(np.outer(frequency_hz, rate_s)) @ level
+        return direct
+    block = math.ceil(math.sqrt(len(frequency_hz)))
+    step_hz = (frequency_hz[-1] - frequency_hz[0]) / len(steps_hz)
+    blocks = np.exp(np.outer(frequency_hz[::block], rate_s)) * level
+    places = np.exp(np.outer(step_hz * np.arange(block), rate_s))
+    received: np.ndarray = (blocks @ places.T).ravel()[: len(frequency_hz)]
+    return received
+
+
+def _one_way_level(path: RefractedPath) -> np.ndarray:
+    """Return the share of the field that arrives: spreading, and the antenna's cosine pattern."""
+    return REFERENCE_M / (path.air_m + path.soil_m) * path.cos_air

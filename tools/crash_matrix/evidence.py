@@ -1,0 +1,165 @@
+"""What a survey's folder holds, read with tools that are not those that wrote it."""
+
+from __future__ import annotations
+
+import collections
+import json
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any, Iterable, Iterator, List, Set, Tuple
+
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, NonSeekingReader, make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg
+
+TRACE = "gpr20_msgs/msg/Trace"
+# The position probe gives the rotation to 0.4 degrees; a step of the motor is 1.8 degrees.
+ROTATION_TOLERANCE_DEG = 0.9
+VERIFY = Path(__file__).resolve().parents[2] / "scripts/verify.sh"
+Place = Tuple[float, float, float]
+
+
+def survey_id_of(folder: Path) -> str:
+    """Return the id of the survey in a folder."""
+    return str(_description(folder)["survey_id"])
+
+
+def outcome_of(folder: Path) -> str:
+    """Return how the survey in a folder ended; empty while it has not, or was cut off ending."""
+    # The manifest is written last.
+    if not (folder / "manifest.json").is_file():
+        return ""
+    return str(_description(folder).get("outcome", ""))
+
+
+def faults_after_a_kill(folder: Path, acknowledged: Iterable[str]) -> List[str]:
+    """Return what a copy of the files, as they lie there now, lacks after the stock repair.
+
+    Args:
+        folder: A survey's folder, in which a node may be writing.
+        acknowledged: Sample ids that were acknowledged before the copy is made.
+    """
+    expected = set(acknowledged)
+    faults = []
+    with tempfile.TemporaryDirectory() as copies:
+        for kind, name, read in (
+            ("JSON files", "traces", _whole_json_files),
+            ("bag", "survey.bag", _reindexed_bag),
+            ("MCAP", "survey.mcap", _torn_mcap),
+        ):
+            copy = _copied(folder / name, Path(copies) / name)
+            lacking = expected - read(copy)
+            if lacking:
+                faults.append(f"{folder.name}: after a kill the {kind} lack {sorted(lacking)[:3]}")
+    return faults
+
+
+def faults_in_the_end(folder: Path, acknowledged: Iterable[str], planned: Set[Place]) -> List[str]:
+    """Return everything lost, doubled or wrong in a survey that was completed."""
+    stored = [json.loads(path.read_text()) for path in sorted(folder.glob("traces/*.json"))]
+    samples = [one["sample_id"] for one in stored]
+    faults = [f"acknowledged and lost: {one}" for one in set(acknowledged) - set(samples)]
+    if sorted(one["index"] for one in stored) != list(range(len(planned))):
+        faults.append(f"{len(stored)} traces, not each of {len(planned)} once")
+    places = {(one["x_coord_mm"], one["y_coord_mm"], one["z_coord_deg"]) for one in stored}
+    if places != planned:
+        faults.append(f"other places than planned: {sorted(places ^ planned)[:3]}")
+    for one in stored:
+        faults.extend(_faults_of_place(one))
+    for kind, recorded in (
+        ("bag", _bag_samples(folder / "survey.bag")),
+        ("MCAP", _mcap_samples(folder / "survey.mcap")),
+    ):
+        if collections.Counter(recorded) != collections.Counter(samples):
+            faults.append(f"the {kind} holds other traces than the JSON files")
+    verdict = subprocess.run(
+        [str(VERIFY), str(folder)], capture_output=True, text=True, check=False
+    )
+    if verdict.returncode != 0:
+        faults.append(f"verify.sh ends with {verdict.returncode}: {verdict.stdout[-300:]}")
+    return [f"{folder.name}: {fault}" for fault in faults]
+
+
+def _description(folder: Path) -> dict:
+    return dict(json.loads((folder / "survey.json").read_text()))
+
+
+def _faults_of_place(trace: dict) -> List[str]:
+    """Compare where a trace says it was measured with where the carriage truly was."""
+    said = (trace["x_coord_mm"], trace["y_coord_mm"])
+    said_deg = trace["z_coord_deg"]
+    values = {complex(*pair) for pair in zip(trace["s21_real"], trace["s21_imag"])}
+    if len(values) != 1:
+        return [f"trace {trace['index']} was measured while the carriage moved"]
+    value = values.pop()
+    truth, truth_deg = probed_position_mm(value), probed_rotation_deg(value)
+    if truth == said and abs(truth_deg - said_deg) < ROTATION_TOLERANCE_DEG:
+        return []
+    said_text, truth_text = f"{said} mm, {said_deg:g} deg", f"{truth} mm, {truth_deg:g} deg"
+    return [f"trace {trace['index']} says {said_text}, true is {truth_text}"]
+
+
+def _copied(source: Path, target: Path) -> Path:
+    if source.is_dir():
+        target.mkdir()
+        for path in source.glob("*.json"):
+            shutil.copy(path, target)
+    else:
+        shutil.copy(source, target)
+    return target
+
+
+def _whole_json_files(folder: Path) -> Set[str]:
+    return {json.loads(path.read_text())["sample_id"] for path in folder.glob("*.json")}
+
+
+def _reindexed_bag(path: Path) -> Set[str]:
+    subprocess.run(
+        ["rosbag", "reindex", "--quiet", "--force", str(path)], capture_output=True, check=True
+    )
+    return set(_bag_samples(path))
+
+
+def _torn_mcap(path: Path) -> Set[str]:
+    """Read forward, without the index, up to where the file was torn."""
+    found = set()
+    with path.open("rb") as file:
+        try:
+            for sample in _samples_of(NonSeekingReader(file)):
+                found.add(sample)
+        except (McapError, EOFError):
+            # Torn here; what was acknowledged must have come before.
+            return found
+    return found
+
+
+def _bag_samples(path: Path) -> List[str]:
+    with AnyReader([path]) as reader:
+        connections = [one for one in reader.connections if one.topic == "/trace"]
+        # Without any, the reader would return every message.
+        if not connections:
+            return []
+        messages: Iterable[Any] = (
+            reader.deserialize(raw, connection.msgtype)
+            for connection, _time, raw in reader.messages(connections)
+        )
+        return [message.sample_id for message in messages]
+
+
+def _mcap_samples(path: Path) -> List[str]:
+    with path.open("rb") as file:
+        return list(_samples_of(make_reader(file, validate_crcs=True)))
+
+
+def _samples_of(reader: McapReader) -> Iterator[str]:
+    types = get_typestore(Stores.ROS1_NOETIC)
+    for schema, _channel, message in reader.iter_messages(["/trace"], log_time_order=False):
+        if schema is not None and TRACE not in types.types:
+            types.register(get_types_from_msg(schema.data.decode(), TRACE))
+        trace: Any = types.deserialize_ros1(message.data, TRACE)
+        yield trace.sample_id

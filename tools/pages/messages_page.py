@@ -1,0 +1,83 @@
+"""Write docs/messages.md: every fault by its code, with what to do first in both languages.
+
+Started by scripts/translations.sh; with --check it fails if the page is not up to date.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+import sys
+import textwrap
+from pathlib import Path
+from typing import Iterator, List, Mapping
+
+import polib
+from fault_table import fault_table
+
+from gpr20_common.message import Fault, Severity
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/messages.md"
+CATALOGUE = ROOT / "catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po"
+WIDTH = 94
+
+INTRODUCTION = """# Faults and what to do first
+
+The window's card, `gpr20` and the doctor show a sentence and what to do first. The fault's code has
+the form `area.what` and stays when a sentence is reworded: it is in the card's details, in the
+outputs `--json`, in `fault_code` of services, `control_status`, results and diagnostics, and in
+survey.json. Below stand all codes, with the first step in English and Spanish.
+
+*La ventana, `gpr20` y el doctor muestran una frase y lo primero que se debe hacer; el código del
+fallo está en los detalles. Abajo están todos los códigos, con el primer paso en inglés y en
+español.*
+
+`tools/pages/messages_page.py` writes this page from the modules `faults` of the packages.
+"""
+
+REMARKS = {Severity.NOTE: "note", Severity.WARNING: "warning"}
+
+
+def page() -> str:
+    """Return the page."""
+    spanish = {entry.msgid: entry.msgstr for entry in polib.pofile(str(CATALOGUE))}
+    faults = sorted(fault_table().faults.values(), key=lambda one: one.code)
+    text = [INTRODUCTION]
+    for area, members in itertools.groupby(faults, key=lambda one: one.code.split(".")[0]):
+        text.append(f"## {area}\n")
+        text += [line for fault in members for line in _item(fault, spanish)]
+        text.append("")
+    return "\n".join(text)
+
+
+def _item(fault: Fault, spanish: Mapping[str, str]) -> Iterator[str]:
+    remarks = [REMARKS[fault.severity]] if fault.severity in REMARKS else []
+    if fault.may_move:
+        remarks.append("something may still move")
+    if not fault.can_continue:
+        remarks.append("the survey cannot continue")
+    lines = [f"`{fault.code}`" + (f" ({', '.join(remarks)})" if remarks else "")]
+    if fault.remedy is not None:
+        template = fault.remedy.template
+        lines += [_markdown(template), f"*{_markdown(spanish[template])}*"]
+    wrapped: List[str] = []
+    for line in lines:
+        wrapped += textwrap.wrap(line, WIDTH, break_on_hyphens=False)
+        wrapped[-1] += "<br>"
+    wrapped[-1] = wrapped[-1][: -len("<br>")]
+    yield "- " + wrapped[0]
+    yield from (f"  {line}" for line in wrapped[1:])
+
+
+def _markdown(text: str) -> str:
+    return re.sub(r"([\\*_\[\]<>`#|])", r"\\\1", " ".join(text.split()))
+
+
+if __name__ == "__main__":
+    written = page()
+    if sys.argv[1:] == ["--check"]:
+        if PAGE.read_text(encoding="utf-8") != written:
+            sys.exit("docs/messages.md is not up to date; run scripts/translations.sh")
+    else:
+        PAGE.write_text(written, encoding="utf-8")
