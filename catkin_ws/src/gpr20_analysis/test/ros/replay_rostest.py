@@ -21,7 +21,7 @@ from mcap.writer import Writer
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Header, String
 
-from gpr20_analysis.high import old_configuration
+from gpr20_analysis.high import old_recordings
 from gpr20_msgs.msg import (
     AuxValue,
     AxisActionResult,
@@ -137,7 +137,7 @@ class ReplayTest(unittest.TestCase):
         added = ("string version", "string revision", "string host")
         old_description = old_message(NodeDescription, *added)
         old_robot = old_message(RobotConfiguration, *added, FAULT_CODE)
-        self.assertEqual(old_robot._md5sum, old_configuration.FORMER_MD5SUM)
+        self.assertEqual(old_robot._md5sum, old_recordings.FORMER_MD5SUM)
         nodes = [
             old_description(node=node, hardware="DRV8825", time_scale=2.0)
             for node in ("x_axis/axis_driver", "height_sensor")

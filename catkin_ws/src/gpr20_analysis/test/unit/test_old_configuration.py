@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("gpr20_analysis.high")
 
-from gpr20_analysis.high.old_configuration import (
+from gpr20_analysis.high.old_recordings import (
     ADDED_TEXT,
     ADDED_TEXTS,
     completed_configuration,

@@ -7,8 +7,13 @@ from hypothesis import strategies as st
 
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.scpi import short_form
-from gpr20_simulator.mid.analyzer.trace_formats import display_data, interleaved
-from gpr20_simulator.mid.analyzer.trace_reader import INTEGER_STEPS_PER_UNIT, block_header, payload
+from gpr20_simulator.mid.analyzer.trace_reader import (
+    INTEGER_STEPS_PER_UNIT,
+    block_header,
+    display_data,
+    interleaved,
+    payload,
+)
 from gpr20_simulator.mid.analyzer.vna_settings import GRAPH_TYPES, DataFormat
 
 STYLE = InstrumentScene()

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
 
-from gpr20_simulator.mid.world.ground import Ground, sum_of_exponentials
+from gpr20_simulator.mid.world.ground import Ground, scatterers_of, sum_of_exponentials
 from gpr20_simulator.mid.world.medium import (
     AntennaPosition,
     PositionProbe,
@@ -20,7 +20,6 @@ from gpr20_simulator.mid.world.medium import (
     probed_sweep,
 )
 from gpr20_simulator.mid.world.refraction import refracted_path
-from gpr20_simulator.mid.world.scatterers import scatterers_of
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Surface, Target
 
 C = 299_792_458.0

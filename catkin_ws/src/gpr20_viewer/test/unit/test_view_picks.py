@@ -22,8 +22,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_viewer import faults
 from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks import Pick, PickEditor, PickRefusedError
-from gpr20_viewer.picks_export import CSV, JSON
-from gpr20_viewer.picks_file import PicksFile, PicksFileError, picks_path
+from gpr20_viewer.picks_file import CSV, JSON, PicksFile, PicksFileError, picks_path
 
 IDENTITY = SurveyIdentity("0f8fad5b-d9cb-469f-a165-70867728950e", "a" * 64, True)
 

@@ -13,7 +13,7 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
 
-from gpr20_analysis.read.recording_comparison import RecordingComparison
+from gpr20_analysis.read.recording_check import RecordingComparison
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError

@@ -11,7 +11,6 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.earth import area_position
-from gpr20_analysis.candidates.peak_place import peak_places
 from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
 from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
@@ -19,6 +18,36 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
+
+
+def peak_places(volume: np.ndarray, axes: Sequence[np.ndarray], places: np.ndarray) -> np.ndarray:
+    """Return depth, y and x of local maxima between the voxels (maximum, 3) [m].
+
+    Each is the maximum of a parabola through the logarithms of three voxels.
+
+    Args:
+        volume: Magnitudes (depth, y, x).
+        axes: Depths, positions along Y, positions along X [m].
+        places: Indices of the maxima (maximum, 3).
+    """
+    found_m = np.stack([axis[index] for axis, index in zip(axes, places.T)], axis=1)
+    for number, axis in enumerate(axes):
+        inner = (places[:, number] > 0) & (places[:, number] < len(axis) - 1)
+        step = np.eye(3, dtype=int)[number]
+        beside = [volume[tuple((places[inner] + one).T)] for one in (-step, 0, step)]
+        bright = np.all(np.stack(beside) > 0.0, axis=0)
+        before, top, after = (np.log(one[bright]) for one in beside)
+        which = np.flatnonzero(inner)[bright]
+        index = places[which, number]
+        back_m, on_m = axis[index] - axis[index - 1], axis[index + 1] - axis[index]
+        rise, fall = (top - before) / back_m, (after - top) / on_m
+        curved = rise != fall
+        # The slope is linear between the middles of the two intervals.
+        share = rise[curved] / (rise - fall)[curved]
+        first_m = axis[index[curved]] - back_m[curved] / 2.0
+        found_m[which[curved], number] = first_m + share * (back_m + on_m)[curved] / 2.0
+    return found_m
+
 
 SIDELOBE_REACH_M = 0.5
 

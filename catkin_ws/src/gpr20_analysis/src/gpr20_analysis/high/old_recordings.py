@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Dict, Tuple
+import struct
+from typing import Any, Dict, List, Tuple
 
-from gpr20_analysis.high import old_configuration
 from gpr20_msgs.msg import (
     AxisActionResult,
     CandidateList,
@@ -19,6 +19,71 @@ from gpr20_msgs.msg import (
 )
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
+
+FORMER_MD5SUM = "3b9779b1131ed5c2e1d850c2f8562476"
+_LENGTH = struct.Struct("<I")
+SEQUENCE_BYTES, TIME_BYTES, BOOL_BYTES, FLOAT64_BYTES = 4, 8, 1, 8
+# A description of today ends with three further texts: version, revision, host.
+ADDED_TEXTS = bytes(3 * _LENGTH.size)
+# And the configuration with one: fault_code.
+ADDED_TEXT = bytes(_LENGTH.size)
+
+
+class _Cursor:
+    """Reads through a serialized message."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self.place = 0
+
+    def skip(self, size: int) -> None:
+        """Skip values of a fixed size.
+
+        Raises:
+            ValueError: The message is shorter.
+        """
+        self.place += size
+        if self.place > len(self._data):
+            raise ValueError("a recorded robot_configuration is cut off")
+
+    def length(self) -> int:
+        """Return the length of a text or list, and skip it."""
+        before = self.place
+        self.skip(_LENGTH.size)
+        return int(_LENGTH.unpack_from(self._data, before)[0])
+
+    def text(self) -> None:
+        """Skip a text."""
+        self.skip(self.length())
+
+
+def completed_configuration(data: bytes) -> bytes:
+    """Return a serialized RobotConfiguration of today, with empty texts for what is new.
+
+    Args:
+        data: The serialized message of the former definition.
+
+    Raises:
+        ValueError: It is cut off.
+    """
+    cursor = _Cursor(data)
+    cursor.skip(SEQUENCE_BYTES + TIME_BYTES)
+    cursor.text()  # frame_id
+    cursor.skip(BOOL_BYTES)  # known
+    cursor.text()  # message
+    cursor.text()  # message_json
+    cursor.skip(BOOL_BYTES)  # simulated
+    parts: List[bytes] = []
+    begin = 0
+    for _node in range(cursor.length()):
+        cursor.text()  # node
+        cursor.text()  # hardware
+        cursor.skip(BOOL_BYTES + FLOAT64_BYTES)  # simulated, time_scale
+        cursor.text()  # configuration_json
+        parts += [data[begin : cursor.place], ADDED_TEXTS]
+        begin = cursor.place
+    return b"".join((*parts, data[begin:], ADDED_TEXT))
+
 
 # Bytes of an empty string or an empty list in a ROS message.
 EMPTY = 4
@@ -56,7 +121,7 @@ def completed(message: RecordedMessage) -> RecordedMessage:
         return _of_type(kind, message, message.data + bytes(length))
     if message.md5sum in trace_message.FORMER_MD5SUMS:
         return _of_type(Trace, message, trace_message.completed(message.data, message.md5sum))
-    if message.md5sum == old_configuration.FORMER_MD5SUM:
+    if message.md5sum == FORMER_MD5SUM:
         return _completed_configuration(message)
     if message.md5sum in PRESENT:
         return dataclasses.replace(message, topic=_own_topic(message))
@@ -65,7 +130,7 @@ def completed(message: RecordedMessage) -> RecordedMessage:
 
 def _completed_configuration(message: RecordedMessage) -> RecordedMessage:
     try:
-        data = old_configuration.completed_configuration(message.data)
+        data = completed_configuration(message.data)
     except ValueError:
         return message  # no subscriber takes it, and the replay continues
     return _of_type(RobotConfiguration, message, data)

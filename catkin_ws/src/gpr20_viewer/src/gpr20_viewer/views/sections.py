@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Optional, Tuple
 
-from PyQt5.QtCore import QObject, pyqtSignal
+import numpy as np
+import pyqtgraph
+from PyQt5.QtCore import QObject, Qt, pyqtSignal
 
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_viewer.live_image import NS_PER_S
 from gpr20_viewer.picks import Picks
 from gpr20_viewer.pictures import (
     longest_delay_s,
@@ -17,11 +20,70 @@ from gpr20_viewer.pictures import (
     slice_picture,
     traces_picture,
 )
-from gpr20_viewer.scene import Scene
-from gpr20_viewer.views.b_scan_view import BScanView
-from gpr20_viewer.views.picture_plot import PicturePlot
-from gpr20_viewer.views.section_view import SectionView
-from gpr20_viewer.views.slice_view import SliceView
+from gpr20_viewer.positions import Line, Place
+from gpr20_viewer.scene import Mark, Scene
+from gpr20_viewer.views.colours import CANDIDATE, HYPERBOLA, NO_DATA, SURFACE
+from gpr20_viewer.views.picture_plot import CANDIDATE_ANCHOR, Marks, PicturePlot
+
+
+class BScanView(PicturePlot):
+    """A B-scan; the delay grows downwards.
+
+    Attributes:
+        hyperbola: The curve of delays that an echo of the cursor's place has.
+        surface: The curve of delays of the surface, by the recorded heights.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(downwards=True, to_scale=False)
+        pen = pyqtgraph.mkPen(HYPERBOLA, width=2, style=Qt.PenStyle.DashLine)
+        self.hyperbola = pyqtgraph.PlotCurveItem(pen=pen)
+        self.surface = pyqtgraph.PlotCurveItem(pen=pyqtgraph.mkPen(SURFACE, width=1))
+        for curve in (self.surface, self.hyperbola):
+            self.addItem(curve, ignoreBounds=True)
+
+    def show_hyperbola(
+        self, line: Line, place: Place, permittivity: float, separation_m: float
+    ) -> None:
+        """Draw the delays of an echo from a place, and those of the surface."""
+        across_mm = line.position_m * MM_PER_M
+        delays_s = line.delays_s(place, permittivity, separation_m)
+        self.hyperbola.setData(across_mm, delays_s * NS_PER_S)
+        surface_s = line.surface_delays_s(separation_m)
+        self.surface.setData(across_mm, surface_s * NS_PER_S)
+        at_m = place.x_m if line.along == "x" else place.y_m
+        at_ns = float(np.interp(at_m, line.position_m, delays_s)) * NS_PER_S
+        self.show_cursor(at_m * MM_PER_M, at_ns)
+
+
+class SliceView(PicturePlot):
+    """A C-scan, true to scale.
+
+    Attributes:
+        candidates: Marks of candidates.
+        without_data: Marks of positions without data.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(downwards=False, to_scale=True)
+        self.candidates = Marks(self, "d", CANDIDATE, CANDIDATE_ANCHOR)
+        self.without_data = Marks(self, "x", NO_DATA)
+
+    def show_without_data(self, places_m: np.ndarray) -> None:
+        """Mark the positions (x, y) without data."""
+        self.without_data.show([Mark(x * MM_PER_M, y * MM_PER_M) for x, y in places_m])
+
+
+class SectionView(PicturePlot):
+    """A section; the depth grows downwards.
+
+    Attributes:
+        candidates: Marks of candidates.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(downwards=True, to_scale=False)
+        self.candidates = Marks(self, "d", CANDIDATE, CANDIDATE_ANCHOR)
 
 
 class Sections(QObject):

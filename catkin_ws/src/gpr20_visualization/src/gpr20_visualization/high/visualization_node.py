@@ -7,6 +7,7 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Optional
 
+import rosgraph
 import rospkg
 import rospy
 from sensor_msgs.msg import Image, JointState
@@ -24,10 +25,44 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 from gpr20_survey.trace import trace_message
 from gpr20_visualization.high import messages
-from gpr20_visualization.high.senders import Senders
 from gpr20_visualization.mid.axis_position import JOINTS, joint_positions
 from gpr20_visualization.mid.robot_model import RobotModel
 from gpr20_visualization.mid.survey_picture import FinishedLine, SurveyPicture, area_of
+
+
+class Senders:
+    """Recognizes the players of recordings that hold tf and joint_states already.
+
+    What they publish must not be published a second time.
+    """
+
+    def __init__(self, topic: str) -> None:
+        """Recognize nodes that publish a topic, which this node publishes too."""
+        self._topic = rospy.resolve_name(topic)
+        self._lock = threading.Lock()  # guards the one below
+        self._known: Dict[str, bool] = {}
+
+    def publishes_pictures(self, message: Any) -> bool:
+        """Return whether the sender of a message publishes the topic itself."""
+        sender = connection_header(message)["callerid"]
+        with self._lock:
+            if sender not in self._known:
+                self._known[sender] = sender in self._publishers()
+            return self._known[sender]
+
+    def forget(self) -> None:
+        """Forget what is known: another recording may be played under the same name."""
+        with self._lock:
+            self._known.clear()
+
+    def _publishers(self) -> Any:
+        try:
+            published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
+        except (OSError, rosgraph.MasterException) as error:
+            rospy.logwarn("the ROS master does not answer: %s", error)
+            return ()
+        return dict(published).get(self._topic, ())
+
 
 NODE = "visualization"
 DESCRIPTION = "robot_description"
