@@ -53,10 +53,11 @@ class Axis:
     def steps(self):
         """Where the motor is, by the edges on its pins."""
         edges, steps = self._began
-        return steps + (len(self.edges_s) - edges) * (1 if self.daemon.levels[DIR] else -1)
+        turned = self.daemon.count_rising_edges(STEP) - edges
+        return steps + turned * (1 if self.daemon.levels[DIR] else -1)
 
     def _turn(self, forward):
-        self._began = (len(self.edges_s), self.steps)
+        self._began = (self.daemon.count_rising_edges(STEP), self.steps)
         self._set_direction(forward)
 
 
