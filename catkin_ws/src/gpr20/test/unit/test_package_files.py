@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from case_kit import each_case
 
 from gpr20_launch.low import needed_modules
 
@@ -141,13 +142,13 @@ def cmake_of(name):
     return (PACKAGES[name] / "CMakeLists.txt").read_text()
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_a_package_depends_on_what_it_imports(name):
     imported = {key_of(one) for one in foreign_modules(name) - ROBOT_MODULES}
     assert imported <= depends(name), "add <exec_depend>...</exec_depend> to package.xml"
 
 
-@pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "src").exists()])
+@each_case("name", [one for one in PACKAGES if (PACKAGES[one] / "src").exists()])
 def test_a_package_depends_on_nothing_that_it_does_not_import(name):
     imported = {key_of(one) for one in foreign_modules(name)}
     spare = depends(name, "exec_depend") - imported - {"message_runtime"} - INDIRECT_KEYS
@@ -155,7 +156,7 @@ def test_a_package_depends_on_nothing_that_it_does_not_import(name):
     assert {one for one in spare if one not in launched} == set()
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
     for path in PACKAGES[name].glob("*.launch"):
         named = set(re.findall(r'pkg="(\w+)"|\$\(find (\w+)\)|rosrun (\w+)', path.read_text()))
@@ -163,7 +164,7 @@ def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
         assert used <= depends(name)
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_rosdep_knows_every_key(name):
     ours = yaml.safe_load((ROOT / "rosdep/gpr20.yaml").read_text())
     kinds = "buildtool_depend|build_depend|build_export_depend|exec_depend|depend|test_depend"
@@ -197,7 +198,7 @@ def test_the_check_before_a_launch_knows_what_the_nodes_import():
     assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_every_file_of_a_package_is_installed(name):
     cmake = cmake_of(name)
     installed = " ".join(re.findall(r"(?:install|install_python|env_hooks)\(([^)]*)\)", cmake))
@@ -214,7 +215,7 @@ def test_every_file_of_a_package_is_installed(name):
             assert top in words, f"{path}: install(DIRECTORY {top} ...)"
 
 
-@pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
+@each_case("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
 def test_setup_py_names_every_python_package_and_every_data_file(name):
     (call,) = (
         node

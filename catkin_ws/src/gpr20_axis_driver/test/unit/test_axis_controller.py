@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 from axis_machine import X_PARAMETERS
+from case_kit import each_case
 from fault_kit import raises_fault
 from grbl_board import GrblBoard
 from tutorial_code import code_blocks
@@ -100,7 +101,7 @@ def test_the_configuration_of_the_page_is_accepted():
     assert check_controller(parameters).__name__ == "GrblController"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "controller, options, error",
     [
         ("no_such_module:Axis", {}, "no_such_module.*ModuleNotFoundError"),
@@ -118,7 +119,7 @@ def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller,
         open_controller(parameters)
 
 
-@pytest.mark.parametrize("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
+@each_case("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
 def test_a_controller_must_be_named_as_module_and_class(name):
     with pytest.raises(InvalidValueError, match="package.module:Class"):
         dataclasses.replace(X_PARAMETERS, controller=name)

@@ -7,6 +7,7 @@ import threading
 
 import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_axis_driver import faults
@@ -47,7 +48,7 @@ def test_a_move_ends_at_its_target(axis):
     assert axis.machine.steps == 1234
 
 
-@pytest.mark.parametrize("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])
+@each_case("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])
 def test_a_target_outside_the_axis_is_refused_and_moves_nothing(axis, target):
     with raises_fault(faults.OUTSIDE_TRAVEL, 0, 650, "mm", error=TravelError):
         axis.driver.move_to_coordinate(target, never)

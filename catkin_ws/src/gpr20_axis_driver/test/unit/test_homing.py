@@ -2,6 +2,7 @@
 
 import pytest
 from axis_machine import X_PARAMETERS, Axis
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_axis_driver import faults
@@ -9,7 +10,7 @@ from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import never
 
 
-@pytest.mark.parametrize("start_steps", [500, 0, -99, -100, -150, 65000])
+@each_case("start_steps", [500, 0, -99, -100, -150, 65000])
 def test_homing_finds_the_same_zero_from_everywhere(start_steps):
     axis = Axis(X_PARAMETERS, start_steps)
     axis.driver.homing(never)

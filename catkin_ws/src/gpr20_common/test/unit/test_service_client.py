@@ -9,6 +9,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
@@ -314,8 +315,9 @@ def test_calls_in_parallel_do_not_wait_for_each_other(graph):
             waiting.result(LIMIT_S)
 
 
-@pytest.mark.parametrize("seed", range(DRAWS))
-def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(graph, seed):
+@each_case("seed", range(DRAWS))
+def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(monkeypatch, seed):
+    graph = Graph(monkeypatch)
     chance = random.Random(seed)
     faults = ["", "", "", "pieces", "close", "cut", "late"]
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
@@ -328,7 +330,7 @@ def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(graph, s
                 answer = call(client, f"{name}.{number}", SHORT_S)
             except ServiceUnavailableError:
                 continue
-            assert answer == f"node {name}.{number}", f"seed {seed}"
+            assert answer == f"node {name}.{number}"
             answered += 1
         return answered
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -132,7 +132,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "level", "words"), CASES)
+@each_case("changes, level, words", CASES)
 def test_each_fault_is_found(changes, level, words):
     found = findings(facts(**changes), None)
     (fault,) = [one for one in found if words in str(one.text)]
@@ -157,14 +157,14 @@ def test_a_test_of_the_vna_counts_more_than_what_its_driver_remembers():
     assert findings(tested, None)[0].level is Level.WARNING
 
 
-@pytest.mark.parametrize("level", [WARN, ERROR])
+@each_case("level", [WARN, ERROR])
 def test_the_remedy_that_came_with_a_fault_is_shown(level):
     (found,) = [one for one in findings(facts(**report(VNA, level, FAILED)), None) if one.remedy]
     assert found.remedy == Message("Look at it.")
     assert found.text.fault_code == "vna.failed"
 
 
-@pytest.mark.parametrize("status", CalibrationStatus)
+@each_case("status", CalibrationStatus)
 def test_a_calibration_has_level_code_and_remedy_of_its_fault(status):
     found = findings(facts(**report(VNA, values={"calibration": status.name})), None)
     (one,) = [one for one in found if one.check == "calibration"]
@@ -176,8 +176,8 @@ def test_a_calibration_has_level_code_and_remedy_of_its_fault(status):
     assert (fault == survey_faults.NOT_CALIBRATED) == (status is CalibrationStatus.NONE)
 
 
-@pytest.mark.parametrize(
-    ("changes", "fault"),
+@each_case(
+    "changes, fault",
     [
         ({"master_alive": False}, faults.NO_MASTER),
         ({"control_alive": False}, common_faults.NODE_SILENT),

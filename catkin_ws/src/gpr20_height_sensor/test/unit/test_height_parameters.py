@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +16,7 @@ from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
 
-@pytest.mark.parametrize("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
+@each_case("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
 def test_passes_through_the_typical_values_of_the_data_sheet(voltage_v, distance_m):
     assert HeightParameters().distances_m(np.array([voltage_v]))[0] == pytest.approx(
         distance_m, 1e-4
@@ -33,7 +34,7 @@ def test_zero_volts_is_infinitely_far():
     assert HeightParameters().distances_m(np.array([0.0]))[0] == math.inf
 
 
-@pytest.mark.parametrize(
+@each_case(
     "name, value",
     [
         ("scale_m", 0.0),

@@ -3,8 +3,8 @@
 import dataclasses
 from pathlib import Path
 
-import pytest
 import yaml
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -44,7 +44,7 @@ def test_without_files_everything_has_its_default(tmp_path):
             assert record_from(kind, sections[section], section) == kind()
 
 
-@pytest.mark.parametrize("name", sorted(FILES))
+@each_case("name", sorted(FILES))
 def test_a_template_shows_every_key_with_its_default(name):
     text = templates(AXES)[name]
     shown = {}
@@ -71,7 +71,7 @@ def test_templates_are_a_correct_configuration(tmp_path):
     assert read_configuration(tmp_path, AXES) == read_configuration(tmp_path / "none", AXES)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "file, text, shown",
     [
         ("height", "height_ofset_m: 0.1", ("'height_ofset_m'", "channel")),
@@ -114,6 +114,7 @@ def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, shown):
     path = tmp_path / f"{file}.yaml"
     with raises_fault(faults.WRONG_VALUE, path, *shown, error=ConfigurationError):
         read(tmp_path, **{file: text})
+    path.unlink()
 
 
 def test_keys_of_one_file_override_only_themselves(tmp_path):
@@ -124,11 +125,12 @@ def test_keys_of_one_file_override_only_themselves(tmp_path):
     assert sections["time_limits"] == {}
 
 
-@pytest.mark.parametrize("name", ["Axes.yaml", "axes.YAML", "axes.yml", "hight.yaml"])
+@each_case("name", ["Axes.yaml", "axes.YAML", "axes.yml", "hight.yaml"])
 def test_a_file_of_another_name_is_refused_because_it_would_not_be_read(tmp_path, name):
     (tmp_path / name).write_text("")
     with raises_fault(faults.UNKNOWN_FILE, tmp_path / name, error=ConfigurationError):
         read(tmp_path)
+    (tmp_path / name).unlink()
 
 
 def test_what_editors_leave_beside_a_file_is_not_read(tmp_path):
@@ -138,9 +140,9 @@ def test_what_editors_leave_beside_a_file_is_not_read(tmp_path):
     assert read(tmp_path) == read(tmp_path / "none")
 
 
-@pytest.mark.parametrize("linked", ["file", "folder"])
+@each_case("linked", ["file", "folder"])
 def test_a_link_that_leads_nowhere_does_not_mean_the_defaults(tmp_path, linked):
-    folder = tmp_path / "robot"
+    folder = tmp_path / linked
     if linked == "file":
         folder.mkdir()
         (folder / "axes.yaml").symlink_to("/nowhere/axes.yaml")

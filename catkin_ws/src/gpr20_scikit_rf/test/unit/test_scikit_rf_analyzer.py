@@ -10,6 +10,7 @@ from typing import Iterator
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
 
@@ -201,7 +202,7 @@ def test_its_calibration_is_not_reported(bench):
     assert bench.analyzer.remarks == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     "answer, status", [(b"0\n", CalibrationStatus.NONE), (b"1\n", CalibrationStatus.NOT_REPORTED)]
 )
 def test_a_configured_query_tells_whether_it_is_calibrated(answer, status):
@@ -234,7 +235,7 @@ def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said():
         bench.stop()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "settings",
     [
         AnalyzerSettings(output_power="HIGH"),
@@ -247,7 +248,7 @@ def test_settings_that_it_does_not_have_are_refused(bench, settings):
     bench.analyzer.check_sweep(SWEEP)
 
 
-@pytest.mark.parametrize("address", ["192.168.1.10", "TCPIP0", "a::b c", "", "x::" + "y" * 200])
+@each_case("address", ["192.168.1.10", "TCPIP0", "a::b c", "", "x::" + "y" * 200])
 def test_an_address_that_is_no_visa_resource_is_refused(pna, address):
     with raises_fault(common_faults.NOT_ALLOWED, address[:64]):
         pna.analyzer.connect(address)
@@ -260,9 +261,9 @@ def test_another_instrument_is_refused(bench):
         bench.analyzer.identify()
 
 
-@pytest.mark.parametrize("query", ["*IDN?", "*OPC?", ""])
+@each_case("query", ["*IDN?", "*OPC?", ""])
 def test_no_answer_is_an_error_in_bounded_time(bench, query):
-    bench.vna.faults.silent.add(query)
+    bench.vna.faults.silent = {query}
     begun_s = time.monotonic()
     with raises_fault(faults.NO_LINK):
         bench.configured()
@@ -301,10 +302,11 @@ def data_query(bench: Bench) -> str:
     return "CALC:DATA:SDATA?" if "FieldFox" in str(bench.parameters) else "CALC1:DATA? SDATA"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "answer", [b"\n", b"garbage\n", b"1,2,3\n", b"#0\n", b"1,nan\n", b"#216" + bytes(16) + b"\n"]
 )
 def test_data_that_are_wrong_are_an_error(bench, answer):
+    bench.vna.faults.answers.clear()
     bench.configured()
     bench.vna.faults.answers[data_query(bench)] = answer
     with pytest.raises(VnaError):
@@ -325,7 +327,7 @@ def test_numbers_that_are_not_finite_are_refused(bench):
         bench.analyzer.sweep()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "name, query, answer",
     [
         ("keysight.PNA", "SENS1:SWE:TIME?", b"9.91E37\n"),
@@ -470,7 +472,7 @@ class Vxi11Device:
         pass
 
 
-@pytest.mark.parametrize("support", [ClearSupport.FULL, ClearSupport.ERROR_8])
+@each_case("support", [ClearSupport.FULL, ClearSupport.ERROR_8])
 def test_a_session_over_vxi11_begins_with_empty_buffers(support):
     bench = Bench("keysight.PNA", clear_on_connect=True)
     device = Vxi11Device(bench.vna, support)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from rpc_wire import wait_until
 from vna_bench import (
     HandClock,
@@ -138,8 +139,8 @@ def test_data_replies_are_captured_byte_by_byte(bench):
     assert bench.captured == [("sdat", data), ("freq", frequencies)]
 
 
-@pytest.mark.parametrize(
-    ("commands", "gain"),
+@each_case(
+    "commands, gain",
     [
         ("", 1.0),
         (":SWE:IFBW 100", 0.1),

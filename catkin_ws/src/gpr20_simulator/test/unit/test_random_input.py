@@ -10,6 +10,7 @@ import random
 import time
 
 import pytest
+from case_kit import each_case
 from rpc_wire import RawClient, wait_until, words
 from socket_rig import Rig
 from vna_bench import Bench
@@ -72,7 +73,7 @@ def fuzzed_rig():
     one.stop()
 
 
-@pytest.mark.parametrize("seed", range(DRAWS))
+@each_case("seed", range(DRAWS))
 def test_random_messages_leave_the_instrument_working(fuzzed_bench, seed):
     draw = random.Random(seed)
     for _ in range(20):
@@ -81,8 +82,8 @@ def test_random_messages_leave_the_instrument_working(fuzzed_bench, seed):
     assert fuzzed_bench.ask("*IDN?").startswith('"Anritsu')
 
 
-@pytest.mark.parametrize("text", ["1" * 40_000 + "X", "1" * 65, "1E" + "0" * 64, "." * 40_000])
-@pytest.mark.parametrize("read", [scpi.number_between, scpi.frequency_between])
+@each_case("text", ["1" * 40_000 + "X", "1" * 65, "1E" + "0" * 64, "." * 40_000])
+@each_case("read", [scpi.number_between, scpi.frequency_between])
 def test_numbers_of_many_characters_are_refused_at_once(read, text):
     started_s = time.process_time()
     with pytest.raises(ScpiError):
@@ -90,8 +91,8 @@ def test_numbers_of_many_characters_are_refused_at_once(read, text):
     assert time.process_time() - started_s < LIMIT_S
 
 
-@pytest.mark.parametrize("command", [":FREQ:STAR ", ":SWE:POIN ", ":INIT:CONT ", ":TRAC:PRE? "])
-@pytest.mark.parametrize("letter", ["1", "A", " ", "?", ":", '"', "\n"])
+@each_case("command", [":FREQ:STAR ", ":SWE:POIN ", ":INIT:CONT ", ":TRAC:PRE? "])
+@each_case("letter", ["1", "A", " ", "?", ":", '"', "\n"])
 def test_long_arguments_are_read_in_linear_time(fuzzed_bench, command, letter):
     started_s = time.process_time()
     fuzzed_bench.send(command + letter * 300_000 + "X")
@@ -108,7 +109,7 @@ def serve(rig, port):
         assert link.read()[2].startswith(b'"Anritsu')
 
 
-@pytest.mark.parametrize("seed", range(DRAWS))
+@each_case("seed", range(DRAWS))
 def test_random_writes_leave_the_socket_working(fuzzed_rig, seed):
     draw = random.Random(seed)
     port = fuzzed_rig.vna.server.port
@@ -121,7 +122,7 @@ def test_random_writes_leave_the_socket_working(fuzzed_rig, seed):
     serve(fuzzed_rig, port)
 
 
-@pytest.mark.parametrize("seed", range(DRAWS))
+@each_case("seed", range(DRAWS))
 def test_random_calls_leave_the_socket_working(fuzzed_rig, seed):
     draw = random.Random(seed)
     port = fuzzed_rig.vna.server.port

@@ -6,6 +6,7 @@ import random
 import socket
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from rpc_wire import LAST, RawClient, call, record, unpack_words, wait_until, words
 
@@ -169,13 +170,13 @@ GETPORTS = [
 ]
 
 
-@pytest.mark.parametrize(("wanted", "port"), GETPORTS)
+@each_case("wanted, port", GETPORTS)
 def test_portmapper_tells_ports_on_tcp(portmapper, wanted, port):
     with RawClient(portmapper.port) as client:
         assert client.result(PMAP, 2, 3, words(*wanted)) == words(port)
 
 
-@pytest.mark.parametrize(("wanted", "port"), GETPORTS)
+@each_case("wanted, port", GETPORTS)
 def test_portmapper_tells_ports_on_udp(portmapper, wanted, port):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.settimeout(5.0)
@@ -193,7 +194,7 @@ def test_portmapper_lists_what_it_knows(portmapper):
         ]
 
 
-@pytest.mark.parametrize("procedure", [1, 2])
+@each_case("procedure", [1, 2])
 def test_nobody_can_change_the_portmapper(portmapper, procedure):
     with RawClient(portmapper.port) as client:
         assert client.result(PMAP, 2, procedure, words(395183, 1, 6, 1)) == words(0)

@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_simulator.errors import SceneError
@@ -24,7 +24,7 @@ def scene_from(tmp_path, text):
     return read_scene(str(path))
 
 
-@pytest.mark.parametrize("name", ["two_targets", "three_targets"])
+@each_case("name", ["two_targets", "three_targets"])
 def test_scenes_of_the_package_are_good(name):
     scene = read_scene(str(SCENES / f"{name}.yaml"))
     assert scene.name == name
@@ -70,8 +70,8 @@ def test_numbers_without_point_become_floats(tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
+@each_case(
+    "text, shown",
     [
         ("soil: {permitivity: 4}", ("scene/soil/permitivity", "loss_tangent")),
         ("soil: {relative_permittivity: 0.5}", ("relative_permittivity", 0.5, 1, 81)),

@@ -7,6 +7,7 @@ import random
 
 import numpy as np
 import pytest
+from case_kit import each_case
 
 from gpr20_simulator.mid.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.trace_memory import MOST_WAITING_SWEEPS, SweepPart, TraceMemory
@@ -38,8 +39,8 @@ def share_of(sweep_number, averages):
     return 1.0 / min(sweep_number, averages)
 
 
-@pytest.mark.parametrize("averages", [1, 3])
-@pytest.mark.parametrize("seed", range(DRAWS))
+@each_case("averages", [1, 3])
+@each_case("seed", range(DRAWS))
 def test_later_is_as_good_as_at_once(seed, averages):
     """The seed is in the name of the test that fails."""
     draw = random.Random(seed)

@@ -6,6 +6,7 @@ import time
 
 import pytest
 import vxi11
+from case_kit import each_case
 from rpc_wire import RawClient, call, record, unpack_words, wait_until, words
 from socket_rig import POINT_S, POINTS, Rig
 from vxi11_wire import CORE, CoreLink
@@ -79,7 +80,7 @@ def test_slow_points_make_the_sweep_longer_than_configured(rig):
     assert SWEEP_S <= sweep_duration_s(rig) < POINTS * 2e-3 / TIME_SCALE
 
 
-@pytest.mark.parametrize("spelling", [":SENS:TRACE1:DOM?", ":trac:domain?", "SENSE:TRAC1:DOM?"])
+@each_case("spelling", [":SENS:TRACE1:DOM?", ":trac:domain?", "SENSE:TRAC1:DOM?"])
 def test_unanswered_query_times_out_while_all_else_works(rig, spelling):
     rig.vna.faults.set("UNANSWERED_QUERY")
     rig.client.timeout = 0.05
@@ -155,7 +156,7 @@ def test_link_is_gone_for_as_many_real_seconds_as_counted(rig):
     assert rig.vna.faults.names() == ""
 
 
-@pytest.mark.parametrize(
+@each_case(
     "command",
     [
         ":FREQ:STAR 1GHZ",
@@ -211,7 +212,7 @@ def test_clear_can_be_unsupported(rig):
 
 
 @pytest.mark.parametrize(
-    ("fault", "query", "before", "after"),
+    "fault, query, before, after",
     [
         ("HAND_BANDWIDTH", ":SWE:IFBW?", "10000", "1000"),
         ("HAND_AVERAGES", ":AVER:COUN?", "1", "4"),

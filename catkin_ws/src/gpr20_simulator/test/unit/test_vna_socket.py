@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import pyvisa
 import vxi11
+from case_kit import each_case
 from rpc_wire import RawClient, wait_until
 from socket_rig import POINT_S, POINTS, SWEEP_S, Rig
 from vna_bench import ascii_numbers
@@ -169,7 +170,7 @@ def test_stopped_analyzer_leaves_no_thread():
     wait_until(lambda: set(threading.enumerate()) <= before, "end of all threads")
 
 
-@pytest.mark.parametrize(
+@each_case(
     "options", [{"seconds_per_point": -1.0}, {"seconds_per_point": float("nan")}, {"port": 70000}]
 )
 def test_options_out_of_range_are_refused(options):

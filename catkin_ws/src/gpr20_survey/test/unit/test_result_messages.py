@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("gpr20_msgs.msg")
 
@@ -95,7 +96,7 @@ def test_a_focused_image():
         np.testing.assert_array_equal(getattr(received, name), getattr(image, name))
 
 
-@pytest.mark.parametrize(
+@each_case(
     "wrong",
     [
         {"levels_db": b"123"},
@@ -149,7 +150,7 @@ def test_a_test_of_the_analyzer(test):
     assert analyzer_test_of(sent(TestAnalyzerResponse(**analyzer_test_fields(test)))) == test
 
 
-@pytest.mark.parametrize("unreadable", [{}, {"message_json": "{"}])
+@each_case("unreadable", [{}, {"message_json": "{"}])
 def test_a_test_of_the_analyzer_keeps_its_fault_even_if_the_sentence_is_unreadable(unreadable):
     failure = Message("no VNA").with_fault(WRONG_SWEEP)
     fields = {**analyzer_test_fields(AnalyzerTest("a", failure=failure)), **unreadable}

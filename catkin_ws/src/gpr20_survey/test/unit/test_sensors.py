@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
@@ -25,13 +26,13 @@ def test_four_keys_are_enough():
     assert sensor.is_plausible(-1e300)
 
 
-@pytest.mark.parametrize("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
+@each_case("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
 def test_a_field_may_lie_inside_others(field):
     assert made(field=field).field == field
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
+@each_case(
+    "key, value",
     [
         ("name", "Soil"),
         ("name", ""),
@@ -75,7 +76,7 @@ def test_low_is_below_high():
             made(low=low, high=high)
 
 
-@pytest.mark.parametrize("key", SOIL)
+@each_case("key", SOIL)
 def test_a_key_that_is_missing_is_named(key):
     values = {name: value for name, value in SOIL.items() if name != key}
     with raises_fault("config.value_not_allowed", f"sensors[0]/{key}", error=InvalidValueError):

@@ -3,7 +3,7 @@
 import math
 from dataclasses import asdict, replace
 
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -31,7 +31,7 @@ def test_start_and_stop_may_be_in_either_order():
     assert problems(turned, TRAVEL) == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     "field, value, shown",
     [
         ("vna_address", "192.168.1", ("VNA address", "192.168.1")),

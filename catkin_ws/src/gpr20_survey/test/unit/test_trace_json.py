@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -48,7 +49,7 @@ def test_a_trace_without_known_settings_and_other_sensors_has_the_form_of_early_
     assert list(json.loads(trace_json.encode(unknown))) == KEYS
 
 
-@pytest.mark.parametrize(
+@each_case(
     "changes",
     [
         {"if_bandwidth_hz": None},
@@ -78,7 +79,7 @@ def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
     assert trace_json.from_values(values).aux == (AuxValue("t", 1.5, "", STARTED_US),)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "aux",
     [
         [],
@@ -112,7 +113,7 @@ def test_values_of_other_sensors_that_are_not_allowed_are_refused(aux):
         trace_json.from_values(values)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@each_case("value", [math.nan, math.inf, -math.inf])
 def test_a_value_of_another_sensor_is_finite(value):
     with raises_fault("sensor.not_finite", "soil", value, error=TraceRefusedError):
         make_trace(aux=(AuxValue("soil", value, "", STARTED_US),))

@@ -11,6 +11,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -112,7 +113,7 @@ def test_every_trace_comes_back_from_its_json_file(trace):
     assert (trace_json.AUX in json.loads(content)) == bool(trace.aux)
 
 
-@pytest.mark.parametrize("md5sum", trace_message.FORMER_MD5SUMS)
+@each_case("md5sum", trace_message.FORMER_MD5SUMS)
 @given(trace=traces())
 def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5sum, trace):
     data = trace_message.encode(trace, md5sum)
@@ -148,7 +149,7 @@ def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():
     assert (stamp_us, header.frame_id, header.seq) == (trace.timestamp_us, "antenna_link", 7)
 
 
-@pytest.mark.parametrize(("place", "accepted"), [(0, True), (4, False), (HEADER - 1, False)])
+@each_case("place, accepted", [(0, True), (4, False), (HEADER - 1, False)])
 def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
     data = bytearray(trace_message.encode(make_trace()))
     data[place] ^= 1
@@ -199,7 +200,7 @@ def test_a_message_that_is_longer_than_its_fields_is_refused(rest):
         trace_message.decode(trace_message.encode(make_trace()) + rest)
 
 
-@pytest.mark.parametrize("bit", range(8))
+@each_case("bit", range(8))
 def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint(bit):
     trace = make_trace()
     data = trace_message.encode(trace)
@@ -237,8 +238,8 @@ def test_any_bytes_in_a_message_are_refused_or_make_a_checked_trace(place, data)
     assert decoded.survey_id != "" and np.isfinite(decoded.s21_real).all()
 
 
-@pytest.mark.parametrize("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -14])
-@pytest.mark.parametrize("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
+@each_case("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -14])
+@each_case("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
 def test_a_length_that_lies_takes_no_memory(place, size):
     data = bytearray(trace_message.encode(make_trace()))
     place %= len(data)
