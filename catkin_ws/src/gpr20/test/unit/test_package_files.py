@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import subprocess
 import sys
@@ -92,6 +93,7 @@ def python_files(folder):
     return [*folder.glob("src/**/*.py"), *(one for one in folder.glob("nodes/*") if one.is_file())]
 
 
+@functools.lru_cache(maxsize=None)
 def foreign_modules(name):
     """Return the top-level modules that a package imports from outside itself and Python."""
     found = set()
@@ -101,7 +103,7 @@ def foreign_modules(name):
                 found |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 found.add(node.module.split(".")[0])
-    return {one for one in found if one not in standard_modules()} - {name}
+    return frozenset(found - set(standard_modules()) - {name})
 
 
 def standard_modules():

@@ -19,7 +19,6 @@ from gpr20_axis_driver.axis_exceptions import (
     TravelError,
 )
 from gpr20_axis_driver.motion import never
-from gpr20_survey.faults import NOT_HOMED
 
 
 @pytest.fixture
@@ -33,19 +32,6 @@ def axis():
 def stop_after(pulses, machine):
     """Request a stop once the machine has made so many pulses."""
     return lambda: len(machine.pulses) >= pulses
-
-
-def test_an_axis_that_is_not_homed_does_not_move():
-    axis = Axis(X_PARAMETERS)
-    with raises_fault(NOT_HOMED, error=NotHomedError):
-        axis.driver.move_to_coordinate(10.0, never)
-    assert axis.machine.pulses == []
-
-
-def test_a_move_ends_at_its_target(axis):
-    axis.driver.move_to_coordinate(12.34, never)
-    assert axis.driver.current_coord == 12.34
-    assert axis.machine.steps == 1234
 
 
 @each_case("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])

@@ -197,17 +197,13 @@ def test_waves_cross_an_uneven_surface_by_the_quickest_way(surface, steepest, x_
     assert delay_s == pytest.approx(quickest_delay_s(uneven, here, target, 4.0), abs=allowed_m / C)
 
 
-@each_case("rotation_deg, share", [(0.0, 1.0), (90.0, 0.0), (60.0, 0.25)])
-def test_line_is_seen_by_its_own_polarization(rotation_deg, share):
-    wire = point(size_m=0.1, x_pol_strength=0.05, y_pol_strength=0.0)
-    here = AntennaPosition(100.0, 200.0, rotation_deg)
-    aligned = ground(wire).s21(FREQUENCY_HZ, OVER, 1)
-    assert ground(wire).s21(FREQUENCY_HZ, here, 1) == pytest.approx(share * aligned, abs=1e-9)
-
-
-@each_case("rotation_deg, share", [(0.0, 0.0), (-90.0, 1.0), (-45.0, 0.5)])
-def test_turning_either_way_shows_the_other_polarization(rotation_deg, share):
-    wire = point(x_pol_strength=0.0, y_pol_strength=0.05)
+@each_case(
+    "x_pol_strength, rotation_deg, share",
+    [(0.05, 0.0, 1.0), (0.05, 90.0, 0.0), (0.05, 60.0, 0.25)]
+    + [(0.0, 0.0, 0.0), (0.0, -90.0, 1.0), (0.0, -45.0, 0.5)],
+)
+def test_a_line_is_seen_by_its_own_polarization(x_pol_strength, rotation_deg, share):
+    wire = point(x_pol_strength=x_pol_strength, y_pol_strength=0.05 - x_pol_strength)
     here = AntennaPosition(100.0, 200.0, rotation_deg)
     full = ground(point(x_pol_strength=0.05, y_pol_strength=0.05)).s21(FREQUENCY_HZ, OVER, 1)
     assert ground(wire).s21(FREQUENCY_HZ, here, 1) == pytest.approx(share * full, abs=1e-9)

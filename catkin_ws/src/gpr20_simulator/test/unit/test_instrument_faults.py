@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rpc_wire import wait_until
 from vna_bench import (
@@ -138,7 +138,6 @@ COMMANDS = st.builds(
 )
 
 
-@settings(max_examples=150)
 @given(st.one_of(st.binary(max_size=60), st.lists(COMMANDS, max_size=4).map(";".join)))
 def test_no_message_breaks_the_instrument(fuzzed, message):
     data = message if isinstance(message, bytes) else message.encode("utf-8")

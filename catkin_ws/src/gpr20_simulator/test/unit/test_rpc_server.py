@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import random
 import socket
 
 import pytest
@@ -94,14 +93,6 @@ def test_client_that_leaves_in_mid_record_is_forgotten(server, gone):
     wait_until(lambda: len(gone) == 1, "end of the connection")
     with RawClient(server.port) as client:
         assert echoed(client)
-
-
-def test_random_bytes_never_stop_the_server(server):
-    dice = random.Random(1)
-    for _ in range(60):
-        with RawClient(server.port) as client:
-            client.send(dice.getrandbits(8 * 60).to_bytes(60, "big"))
-    wait_until(lambda: _is_served(server), "service of a good client")
 
 
 def _is_served(server):

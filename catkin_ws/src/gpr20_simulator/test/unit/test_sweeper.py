@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 from rpc_wire import wait_until
-from vna_bench import Carriage, HandClock
+from vna_bench import Carriage, CountingProbe, HandClock
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.medium import PositionProbe, probed_position_mm, probed_sweep
@@ -248,38 +248,27 @@ def test_stopped_sweeper_leaves_no_thread():
     assert not rig.sweeper._thread.is_alive()
 
 
-class CountingCarriage(Carriage):
-    def __init__(self):
-        super().__init__()
-        self.looks = 0
-
-    def position(self):
-        self.looks += 1
-        return super().position()
-
-
-class CountingProbe(PositionProbe):
-    def __init__(self):
-        self.calls = 0
-
-    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
-        self.calls += 1
-        return super().s21(frequency_hz, position, sweep_number, noise_gain)
-
-
 def test_series_that_nobody_reads_is_not_computed_and_hardly_watched():
-    carriage, medium = CountingCarriage(), CountingProbe()
-    # 70 ms a sweep, as at power-on.
-    plan = SweepPlan(1e9, 2e9, 201, 350e-6)
-    sweeper = Sweeper(medium, carriage.position, Clock(), plan, SweepPace(attention_s=0.2))
+    clock, carriage, medium = HandClock(), Carriage(), CountingProbe()
+    # 70 ms a sweep, as at power-on; one look is enough for it.
+    plan, pace = SweepPlan(1e9, 2e9, 201, 350e-6), SweepPace(attention_s=0.2)
+    sweeper = Sweeper(medium, carriage.position, clock, plan, pace)
     sweeper.start()
     sweeper.set_continuous(True)
+
+    def sweep():
+        before = sweeper.sweeps_completed
+        clock.advance(pace.rest_s)
+        wait_until(lambda: sweeper.sweeps_completed > before, "next sweep")
+
     # The first look counts as a move.
-    time.sleep(0.3)
+    for _ in range(5):
+        sweep()
     looks, completed = carriage.looks, sweeper.sweeps_completed
-    time.sleep(1.0)
-    assert carriage.looks - looks <= 25
-    assert 5 <= sweeper.sweeps_completed - completed <= 12
+    for _ in range(20):
+        sweep()
+    assert 20 <= sweeper.sweeps_completed - completed <= 22
+    assert carriage.looks - looks <= 22
     assert medium.calls == 0
     newest = sweeper.sweep_number
     read = {probed_sweep(value) for value in sweeper.snapshot()[1]}
@@ -293,7 +282,8 @@ def test_series_sees_a_move_that_begins_while_nobody_reads(rig):
     wait_until(lambda: rig.sweeper.sweeps_completed >= 1, "first sweep")
     for part in range(1, 40):
         rig.carriage.move(float(part))
+        looks = rig.carriage.looks
         rig.clock.advance(SWEEP_S / 10 + 1e-9)
-        time.sleep(0.003)
+        wait_until(lambda n=looks: rig.carriage.looks > n, "look at the position")
     # Many places in one sweep, though it is computed only now.
     assert len(set(rig.xs_mm())) >= 8

@@ -24,11 +24,7 @@ SWEEP_S = POINTS * POINT_S / TIME_SCALE
 
 @pytest.fixture
 def rig(request):
-    one = Rig(ScaledClock(TIME_SCALE), time_scale=TIME_SCALE)
-    request.addfinalizer(one.stop)
-    one.client.write(":INIT:CONT OFF;:INIT:IMM")
-    one.wait_for_sweep()
-    return one
+    return new_rig(request)
 
 
 def new_rig(request, **description):
@@ -308,10 +304,3 @@ def test_answers_of_one_message_are_bounded(rig):
     # The answer that passes the limit is still given.
     assert (1 << 20) <= len(answer) < (1 << 20) + 200_000
     assert rig.client.ask("*IDN?").startswith('"Anritsu')
-
-
-def test_write_of_70000_bytes_gets_error_5(rig):
-    with CoreLink(rig.vna.server.port) as link:
-        assert link.write(b":SWE:POIN 11;" + b"x" * 70_000) == (5, 0)
-        assert link.write(b":SWE:POIN?") == (0, 10)
-        assert link.read()[2] == b"401\n"

@@ -108,6 +108,7 @@ def test_every_trace_comes_back_from_its_json_file(trace):
     decoded = trace_json.decode(content)
     assert decoded.fingerprint() == trace.fingerprint()
     assert trace_json.encode(decoded) == content
+    assert_same_numbers(trace, json.loads(content))
     held = trace_json.ANALYZER_KEYS & json.loads(content).keys()
     assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
     assert (trace_json.AUX in json.loads(content)) == bool(trace.aux)
