@@ -79,11 +79,6 @@ def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(axis):
     assert axis.daemon.pulls == {SENSOR: PUD_UP}
 
 
-def test_homing_finds_the_zero(axis):
-    axis.driver.homing(never)
-    assert (axis.driver.current_coord, axis.steps) == (0.0, 0)
-
-
 def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):
     axis.driver.homing(never)
     before = len(axis.edges_s)

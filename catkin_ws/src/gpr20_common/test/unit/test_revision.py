@@ -6,7 +6,6 @@ from pathlib import Path
 
 from case_kit import each_case
 
-import gpr20_common
 from gpr20_common.low.revision import git_revision, software_revision
 from gpr20_survey.files.durable_files import free_bytes
 
@@ -33,11 +32,6 @@ def test_an_installed_package_has_the_revision_of_its_sources(tmp_path, recorded
     installed = tmp_path / "installed_revision"
     installed.write_text(recorded)
     assert software_revision("1.2.3", tmp_path, installed) == said
-
-
-def test_the_version_is_that_of_the_package():
-    version = gpr20_common.__version__
-    assert f"<version>{version}</version>" in (PACKAGE / "package.xml").read_text()
 
 
 def test_the_free_space_is_that_of_the_folder(tmp_path):

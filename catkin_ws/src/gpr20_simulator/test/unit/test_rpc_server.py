@@ -114,15 +114,6 @@ def test_connections_beyond_the_limit_are_turned_away(server):
         client.sock.close()
 
 
-def test_dropped_clients_can_come_again(server):
-    with RawClient(server.port) as client:
-        assert echoed(client)
-        server.drop_connections()
-        assert client.is_closed()
-    with RawClient(server.port) as client:
-        assert echoed(client)
-
-
 def test_stopped_server_drops_its_clients_and_listens_no_more(server):
     with RawClient(server.port) as client:
         assert echoed(client)

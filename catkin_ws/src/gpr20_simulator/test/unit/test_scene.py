@@ -10,7 +10,7 @@ from gpr20_simulator.errors import SceneError
 from gpr20_simulator.faults import WRONG_SCENE
 from gpr20_simulator.mid.ground import Ground
 from gpr20_simulator.mid.medium import AntennaPosition
-from gpr20_simulator.mid.scene import Scene, Shape, read_scene
+from gpr20_simulator.mid.scene import Scene, read_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FREQUENCY_HZ = np.linspace(0.6e9, 6e9, 501)
@@ -30,13 +30,6 @@ def test_scenes_of_the_package_are_good(name):
     assert scene.name == name
     values = Ground(scene).s21(FREQUENCY_HZ, AntennaPosition(150.0, 150.0, 0.0), 1)
     assert np.max(np.abs(values)) < 0.1
-
-
-def test_three_targets_differ_in_kind():
-    targets = read_scene(str(SCENES / "three_targets.yaml")).targets
-    assert [one.shape for one in targets] == [Shape.SPHERE, Shape.DISC, Shape.LINE]
-    assert targets[2].x_pol_strength == 0.0
-    assert targets[2].y_pol_strength > 0.0
 
 
 def test_targets_of_the_default_scene_stand_out_of_the_noise():

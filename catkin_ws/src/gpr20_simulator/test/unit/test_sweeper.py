@@ -241,13 +241,6 @@ def test_held_sweeper_uses_no_processor_time():
     rig.sweeper.stop()
 
 
-def test_stopped_sweeper_leaves_no_thread():
-    rig = Rig(Clock())
-    rig.sweeper.set_continuous(True)
-    rig.sweeper.stop()
-    assert not rig.sweeper._thread.is_alive()
-
-
 def test_series_that_nobody_reads_is_not_computed_and_hardly_watched():
     clock, carriage, medium = HandClock(), Carriage(), CountingProbe()
     # 70 ms a sweep, as at power-on; one look is enough for it.

@@ -71,12 +71,6 @@ def test_sweep_after_a_move_sees_the_end_of_the_move_alone(rig):
     assert {probed_position_mm(value) for value in rig.data()} == {(123, 45)}
 
 
-def test_what_was_sent_is_captured_bit_for_bit(rig):
-    rig.client.write(":INIT:CONT OFF")
-    received = rig.client.ask_raw(b":CALC1:DATA? SDAT")
-    assert rig.captured == [("sdat", received)]
-
-
 def test_faster_clock_makes_faster_sweeps():
     rig = Rig(ScaledClock(20.0), time_scale=20.0)
     rig.client.write(":INIT:CONT OFF;:SWE:POIN 4001")

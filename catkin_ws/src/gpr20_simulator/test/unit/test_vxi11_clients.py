@@ -61,14 +61,6 @@ def test_python_vxi11_moves_any_length_both_ways(instrument, device, length):
     assert device.messages.pop() == message and device.messages == []
 
 
-def test_python_vxi11_gets_error_15_before_its_socket_gives_up(instrument):
-    instrument.timeout = 0.1
-    with pytest.raises(vxi11.vxi11.Vxi11Exception) as error:
-        instrument.read()
-    assert error.value.err == 15
-    assert instrument.ask("?") == "?"
-
-
 def test_python_vxi11_clears_locks_and_reads_the_status(instrument, server):
     instrument.write("old?")
     assert instrument.read_stb() == 0x10

@@ -157,23 +157,6 @@ def test_clear_forgets_answers_and_half_messages(device, link):
     assert device.messages[-1] == b"new?"
 
 
-def test_status_byte_says_whether_an_answer_waits(link):
-    assert link.generic(13) == (0, 0)
-    link.write(b"?")
-    assert link.generic(13) == (0, 0x10)
-
-
-def test_trigger_is_not_supported(link):
-    assert link.generic(14) == (8,)
-
-
-def test_remote_and_local_reach_the_device(device, link):
-    assert link.generic(16) == (0,)
-    assert device.is_remote
-    assert link.generic(17) == (0,)
-    assert not device.is_remote
-
-
 def test_clear_that_is_not_supported_gets_error_8_and_clears_nothing(device, link):
     device.clear_support = ClearSupport.ERROR_8
     link.write(b"old?")

@@ -31,32 +31,21 @@ def test_a_field_may_lie_inside_others(field):
     assert made(field=field).field == field
 
 
-@each_case(
-    "key, value",
-    [
-        ("name", "Soil"),
-        ("name", ""),
-        ("name", "a" * 65),
-        ("topic", "~soil"),
-        ("topic", "soil moisture"),
-        ("topic", ""),
-        ("message", "Float64"),
-        ("message", "std_msgs/msg/Float64"),
-        ("field", "data["),
-        ("field", "a..b"),
-        ("field", "__class__.x()"),
-        ("unit", "u" * 33),
-        ("unit", "\n"),
-        ("unit", 5),
-        ("longest_age_s", 0.0),
-        ("longest_age_s", math.nan),
-        ("longest_age_s", 1e9),
-        ("required", "yes"),
-        ("low", math.inf),
-        ("high", math.nan),
-        ("higher", 1.0),
-    ],
-)
+WRONG = {
+    "name": ("Soil", "", "a" * 65),
+    "topic": ("~soil", "soil moisture", ""),
+    "message": ("Float64", "std_msgs/msg/Float64"),
+    "field": ("data[", "a..b", "__class__.x()"),
+    "unit": ("u" * 33, "\n", 5),
+    "longest_age_s": (0.0, math.nan, 1e9),
+    "required": ("yes",),
+    "low": (math.inf,),
+    "high": (math.nan,),
+    "higher": (1.0,),
+}
+
+
+@each_case("key, value", [(key, value) for key in WRONG for value in WRONG[key]])
 def test_the_message_names_a_key_or_value_that_is_wrong(key, value):
     with pytest.raises(InvalidValueError) as caught:
         made(**{key: value})

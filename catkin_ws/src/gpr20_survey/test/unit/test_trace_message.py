@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import (
@@ -115,6 +115,7 @@ def test_every_trace_comes_back_from_its_json_file(trace):
 
 
 @each_case("md5sum", trace_message.FORMER_MD5SUMS)
+@settings(max_examples=50)
 @given(trace=traces())
 def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5sum, trace):
     data = trace_message.encode(trace, md5sum)
@@ -129,6 +130,7 @@ def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5su
     assert trace_message.completed(data, md5sum) == trace_message.encode(former)
 
 
+@settings(max_examples=20)
 @given(traces())
 def test_the_versions_are_not_mixed_up(trace):
     md5sums = (trace_message.MD5SUM, *trace_message.FORMER_MD5SUMS)
@@ -161,6 +163,7 @@ def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
             trace_message.decode(bytes(data))
 
 
+@settings(max_examples=50)
 @given(traces(), analyzer_settings())
 def test_other_settings_make_another_trace(trace, settings):
     other = dataclasses.replace(trace, analyzer=settings)

@@ -81,7 +81,3 @@ def test_the_smallest_and_the_largest_sweep_are_taken(points):
     ramp = np.arange(1.0, points + 1.0)
     trace = make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=-ramp)
     assert len(trace.s21_imag) == points
-
-
-def test_a_height_that_was_not_measured_is_taken():
-    assert math.isnan(make_trace(antennae_height_m=NAN).antennae_height_m)
