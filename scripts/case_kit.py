@@ -17,8 +17,11 @@ def each_case(names: str, cases: Iterable[Any]) -> Callable[[Callable[..., None]
         cases: A tuple for each case; with one name, the value itself.
     """
     arguments = [name.strip() for name in names.split(",")]
-    listed = list(cases)
-    assert listed, "a test without cases shows nothing"
+    listed = [case if len(arguments) > 1 else (case,) for case in cases]
+    if not listed:
+        raise ValueError(f"{names}: a test without cases shows nothing")
+    if any(len(case) != len(arguments) for case in listed):
+        raise ValueError(f"a case gives no values for {names}")
 
     def decorate(test: Callable[..., None]) -> Callable[..., None]:
         signature = inspect.signature(test)
@@ -28,13 +31,12 @@ def each_case(names: str, cases: Iterable[Any]) -> Callable[[Callable[..., None]
             failures: List[BaseException] = []
             shown: List[str] = []
             for case in listed:
-                values = case if len(arguments) > 1 else (case,)
-                assert len(values) == len(arguments), case
                 try:
-                    test(*instance, **fixtures, **dict(zip(arguments, values)))
+                    test(*instance, **fixtures, **dict(zip(arguments, case)))
                 except (Exception, pytest.fail.Exception) as failure:
+                    values = repr(case if len(arguments) > 1 else case[0])[:200]
                     failures.append(failure)
-                    shown.append(f"{names} = {case!r}: {type(failure).__name__}: {failure}")
+                    shown.append(f"{names} = {values}: {type(failure).__name__}: {failure}")
             if failures:
                 raise AssertionError("\n".join(shown)) from failures[0]
 

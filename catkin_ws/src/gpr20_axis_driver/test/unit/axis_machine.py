@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import List, Optional, Tuple
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
@@ -22,6 +23,8 @@ X_PARAMETERS = AxisParameters(
     max_coord=650.0,
     type="LIN",
 )
+# Its whole length takes no time to travel.
+SHORT = dataclasses.replace(X_PARAMETERS, max_coord=20.0)
 Z_PARAMETERS = AxisParameters(
     dir_pin=11,
     step_pin=12,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from axis_machine import X_PARAMETERS
+from axis_machine import SHORT, X_PARAMETERS
 from case_kit import each_case
 from fault_kit import raises_fault
 from grbl_board import GrblBoard
@@ -41,7 +41,6 @@ from gpr20_survey.faults import NOT_HOMED
 
 PAGE = Path(__file__).parents[5] / "docs/extend/axis_controller.md"
 FAULTS = {True: EndstopFault.STUCK_CLOSED, False: EndstopFault.STUCK_OPEN}
-SHORT = dataclasses.replace(X_PARAMETERS, max_coord=20.0)
 
 # The modules of the page, importable as a package of their own would be.
 _folder = tempfile.TemporaryDirectory()
