@@ -46,7 +46,8 @@ def test_four_numbers_are_an_address(address):
 
 
 @each_case(
-    "address", ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4", "1.2.3." + "9" * 5000]
+    "address",
+    ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4", "1.2.3.٤", "1.2.3." + "9" * 5000],
 )
 def test_what_could_be_misread_is_no_address(address):
     with raises_fault(faults.NOT_ALLOWED, address[:64], error=InvalidValueError):
