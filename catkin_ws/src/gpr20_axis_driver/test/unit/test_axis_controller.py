@@ -124,33 +124,38 @@ def test_a_controller_must_be_named_as_module_and_class(name):
         dataclasses.replace(X_PARAMETERS, controller=name)
 
 
+def parameters_of(board):
+    return dataclasses.replace(
+        X_PARAMETERS,
+        controller="grbl_axis:GrblController",
+        controller_options={"host": "127.0.0.1", "port": board.port},
+    )
+
+
 def test_a_board_that_does_not_answer_is_an_error_at_the_start():
     board = GrblBoard()
     board.close()
-    options = {"host": "127.0.0.1", "port": board.port}
-    parameters = dataclasses.replace(
-        X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
-    )
     with raises_fault(faults.CONTROLLER_FAILED, error=ControllerError):
-        open_controller(parameters)
+        open_controller(parameters_of(board))
 
 
 def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
     board = GrblBoard()
-    options = {"host": "127.0.0.1", "port": board.port}
-    parameters = dataclasses.replace(
-        X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
-    )
-    controller = check_controller(parameters)(parameters, **options)
+    parameters = parameters_of(board)
+    controller = check_controller(parameters)(parameters, **parameters.controller_options)
     controller.begin_homing()
     _until(lambda: not controller.read().moving)
     controller.begin_move(60000)
     _until(lambda: controller.read().steps > 50)
+
+    def rests():
+        before = board.true_steps
+        time.sleep(0.2)
+        return board.true_steps == before
+
     # What was sent in advance takes half a second; the rest of the move would take minutes.
-    time.sleep(1.5)
-    rest = board.true_steps
-    time.sleep(0.2)
-    assert rest == board.true_steps < 1000
+    _until(rests)
+    assert board.true_steps < 1000
     controller.close()
     board.close()
 
