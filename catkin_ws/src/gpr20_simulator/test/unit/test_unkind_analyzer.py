@@ -7,7 +7,7 @@ import time
 import pytest
 import vxi11
 from case_kit import each_case
-from rpc_wire import RawClient, call, record, unpack_words, wait_until, words
+from rpc_wire import LIMIT_S, RawClient, call, record, unpack_words, wait_until, words
 from socket_rig import POINT_S, POINTS, Rig
 from vxi11_wire import CORE, CoreLink
 
@@ -82,6 +82,7 @@ def test_unanswered_query_times_out_while_all_else_works(rig, spelling):
     rig.client.timeout = 0.05
     with pytest.raises(vxi11.vxi11.Vxi11Exception, match="15"):
         rig.client.ask(spelling)
+    rig.client.timeout = LIMIT_S
     assert rig.client.ask(":SENS:TRACE2:DOM?") == "FREQ"
     assert rig.client.ask(":SWE:POIN?") == str(POINTS)
     rig.vna.faults.clear()
@@ -95,6 +96,7 @@ def test_unanswered_queries_are_those_of_the_scene(request):
     for query in (":INPut:GAIN:MODE?", "*IDN?"):
         with pytest.raises(vxi11.vxi11.Vxi11Exception, match="15"):
             rig.client.ask(query)
+    rig.client.timeout = LIMIT_S
     assert rig.client.ask(":SENS:TRACE1:DOM?") == "FREQ"
 
 
