@@ -6,6 +6,7 @@ import json
 from types import SimpleNamespace
 
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("rospy")
 
@@ -157,7 +158,7 @@ def report_section(found):
         pictures.projections.candidate_map_figure = no_figure
 
 
-@pytest.mark.parametrize("flag", [*Flag, UnknownFlag("of-a-later-version")])
+@each_case("flag", [*Flag, UnknownFlag("of-a-later-version")])
 def test_every_flag_means_the_same_everywhere(flag, sheet, tmp_path):
     assert str(flag.label) == LABELS[flag.value]
     found = candidate_list([candidate(flags=[flag])], position=HERE)

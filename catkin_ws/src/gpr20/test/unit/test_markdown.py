@@ -6,7 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
-import pytest
+from case_kit import each_case
 
 ROOT = Path(__file__).resolve().parents[5]
 LONGEST_LINE = 100
@@ -60,11 +60,11 @@ def named_files(text):
     return re.findall(rf"`((?:[\w.-]+/)*[\w-]+\.(?:{endings}))`", text)
 
 
-@pytest.fixture(params=[name for name in project_files() if name.endswith(".md")])
-def document(request):
-    return ROOT / request.param
+FILES = project_files()
+each_document = each_case("document", [ROOT / name for name in FILES if name.endswith(".md")])
 
 
+@each_document
 def test_no_line_is_longer_than_the_limit(document):
     lines = document.read_text(encoding="utf-8").splitlines()
     too_long = [
@@ -75,6 +75,7 @@ def test_no_line_is_longer_than_the_limit(document):
     assert too_long == [], f"break the lines of more than {LONGEST_LINE} characters"
 
 
+@each_document
 def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
     broken = []
     for target in link_targets(without_fences(document.read_text(encoding="utf-8"))):
@@ -85,9 +86,10 @@ def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
     assert broken == []
 
 
+@each_document
 def test_every_file_that_is_named_exists(document):
     text = without_fences(document.read_text(encoding="utf-8"))
-    there = [f"/{name}" for name in project_files()]
+    there = [f"/{name}" for name in FILES]
     # A tutorial shows the files that its readers write.
     shown = set(re.findall(r"<!-- file: (\S+) -->", text))
     named = set(named_files(text)) - ROBOT_FILES - shown
@@ -95,6 +97,7 @@ def test_every_file_that_is_named_exists(document):
     assert missing == []
 
 
+@each_document
 def test_every_reference_style_link_is_defined(document):
     text = without_fences(document.read_text(encoding="utf-8"))
     defined = {name.lower() for name in re.findall(r"^\[([^\]]+)\]: ", text, re.MULTILINE)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from case_kit import each_case
 from setuptools import find_packages
 
 from gpr20_launch.low import needed_modules
@@ -92,6 +94,7 @@ def python_files(folder):
     return [*folder.glob("src/**/*.py"), *(one for one in folder.glob("nodes/*") if one.is_file())]
 
 
+@functools.lru_cache(maxsize=None)
 def foreign_modules(name):
     """Return the top-level modules that a package imports from outside itself and Python."""
     found = set()
@@ -101,7 +104,7 @@ def foreign_modules(name):
                 found |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 found.add(node.module.split(".")[0])
-    return {one for one in found if one not in standard_modules()} - {name}
+    return frozenset(found - set(standard_modules()) - {name})
 
 
 def standard_modules():
@@ -142,13 +145,13 @@ def cmake_of(name):
     return (PACKAGES[name] / "CMakeLists.txt").read_text()
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_a_package_depends_on_what_it_imports(name):
     imported = {key_of(one) for one in foreign_modules(name) - ROBOT_MODULES}
     assert imported <= depends(name), "add <exec_depend>...</exec_depend> to package.xml"
 
 
-@pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "src").exists()])
+@each_case("name", [one for one in PACKAGES if (PACKAGES[one] / "src").exists()])
 def test_a_package_depends_on_nothing_that_it_does_not_import(name):
     imported = {key_of(one) for one in foreign_modules(name)}
     spare = depends(name, "exec_depend") - imported - {"message_runtime"} - INDIRECT_KEYS
@@ -156,7 +159,7 @@ def test_a_package_depends_on_nothing_that_it_does_not_import(name):
     assert {one for one in spare if one not in launched} == set()
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
     for path in PACKAGES[name].glob("*.launch"):
         named = set(re.findall(r'pkg="(\w+)"|\$\(find (\w+)\)|rosrun (\w+)', path.read_text()))
@@ -164,7 +167,7 @@ def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
         assert used <= depends(name)
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_rosdep_knows_every_key(name):
     ours = yaml.safe_load((ROOT / "rosdep/gpr20.yaml").read_text())
     kinds = "buildtool_depend|build_depend|build_export_depend|exec_depend|depend|test_depend"
@@ -198,7 +201,7 @@ def test_the_check_before_a_launch_knows_what_the_nodes_import():
     assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
 
 
-@pytest.mark.parametrize("name", PACKAGES)
+@each_case("name", PACKAGES)
 def test_every_file_of_a_package_is_installed(name):
     cmake = cmake_of(name)
     installed = " ".join(re.findall(r"(?:install|install_python|env_hooks)\(([^)]*)\)", cmake))
@@ -215,7 +218,7 @@ def test_every_file_of_a_package_is_installed(name):
             assert top in words, f"{path}: install(DIRECTORY {top} ...)"
 
 
-@pytest.mark.parametrize("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
+@each_case("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
 def test_setup_py_finds_every_python_package_and_names_every_data_file(name):
     (call,) = (
         node

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
+from case_kit import each_case
 
 ROOT = Path(__file__).resolve().parents[5]
 LIST = (ROOT / "docs" / "traps.md").read_text(encoding="utf-8")
@@ -25,7 +25,7 @@ def named_tests(text):
     return named
 
 
-@pytest.mark.parametrize("file_name, test", sorted(named_tests(LIST)))
+@each_case("file_name, test", sorted(named_tests(LIST)))
 def test_a_test_that_the_list_names_exists(file_name, test):
     folders = ROOT.glob("catkin_ws/src/*/test")
     files = {path.resolve() for folder in folders for path in folder.rglob(file_name)}

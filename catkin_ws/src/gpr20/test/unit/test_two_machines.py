@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from case_kit import each_case
 
 HOOK = Path(__file__).resolve().parents[2] / "env-hooks" / "50.gpr20.sh"
 ROBOT = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
@@ -38,13 +39,13 @@ def test_without_other_words_everything_is_on_loopback(sourced):
     assert sourced("192.168.1.7", {}).stdout.split() == ["127.0.0.1", ROS_DEFAULT]
 
 
-@pytest.mark.parametrize("name", ["ROS_IP", "ROS_HOSTNAME"])
+@each_case("name", ["ROS_IP", "ROS_HOSTNAME"])
 def test_what_opens_this_machine_to_others_without_being_configured_here_is_told(sourced, name):
     assert f"{name} '192.168.1.7'" in sourced("192.168.1.7", {name: "192.168.1.7"}).stderr
     assert sourced("192.168.1.7", {name: "127.0.0.1"}).stderr == ""
 
 
-@pytest.mark.parametrize("own", ["10.20.0.1", "10.20.0.2"])
+@each_case("own", ["10.20.0.1", "10.20.0.2"])
 def test_each_machine_listens_at_its_own_address_and_the_master_is_on_the_server(sourced, own):
     ended = sourced(f"192.168.1.7 {own}", ROBOT)
     assert ended.stdout.split() == [own, "http://10.20.0.2:11311"]
@@ -57,8 +58,8 @@ def test_what_the_user_exported_is_kept(sourced):
     assert ended.stdout.split() == list(chosen.values())
 
 
-@pytest.mark.parametrize(
-    ("robot", "server"),
+@each_case(
+    "robot, server",
     [
         ("10.20.0", "10.20.0.2"),
         ("10.20.0.256", "10.20.0.2"),
@@ -71,7 +72,7 @@ def test_what_the_user_exported_is_kept(sourced):
         ("10.20.0.1; reboot", "10.20.0.2"),
     ],
 )
-@pytest.mark.parametrize("exported", [{}, {"ROS_IP": "10.20.0.1"}, {"ROS_HOSTNAME": "robot"}])
+@each_case("exported", [{}, {"ROS_IP": "10.20.0.1"}, {"ROS_HOSTNAME": "robot"}])
 def test_a_wrong_address_is_told_and_opens_nothing(sourced, exported, robot, server):
     ended = sourced("10.20.0.1", {"GPR20_ROBOT": robot, "GPR20_SERVER": server, **exported})
     assert ended.stdout.split() == ["127.0.0.1", ROS_DEFAULT]

@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from case_kit import each_case
 
 HOOK = Path(__file__).resolve().parents[2] / "env-hooks" / "60.gpr20_venv.sh"
 SYSTEM = "/usr/bin:/bin"
@@ -43,7 +44,7 @@ def test_a_workspace_without_an_environment_changes_nothing(path_after):
     assert path_after("without") == ["/usr/bin", "/bin"]
 
 
-@pytest.mark.parametrize("names", [("one", "other"), ("one", "other", "other")])
+@each_case("names", [("one", "other"), ("one", "other", "other")])
 def test_the_one_that_was_sourced_last_counts(path_after, names):
     assert path_after(*names) == ["other/venv/bin", "/usr/bin", "/bin"]
     assert path_after(*names, "one") == ["one/venv/bin", "/usr/bin", "/bin"]

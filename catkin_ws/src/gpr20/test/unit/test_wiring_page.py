@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
 import yaml
+from case_kit import each_case
 
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
@@ -31,7 +31,7 @@ def test_the_table_has_the_pins_of_every_axis():
     assert {signal: int(pin) for pin, signal in rows} == configured_pins()
 
 
-@pytest.mark.parametrize(("signal", "pin"), configured_pins().items())
+@each_case("signal, pin", configured_pins().items())
 def test_the_picture_has_the_pins_of_every_axis(signal, pin):
     assert f">{signal} {pin}<" in PICTURE
 

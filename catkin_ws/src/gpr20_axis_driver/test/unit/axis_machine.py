@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import List, Optional, Tuple
+
+from recorded_rpi_gpio import RecordedRpiGpio
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
@@ -22,6 +25,8 @@ X_PARAMETERS = AxisParameters(
     max_coord=650.0,
     type="LIN",
 )
+# Its whole length takes no time to travel.
+SHORT = dataclasses.replace(X_PARAMETERS, max_coord=20.0)
 Z_PARAMETERS = AxisParameters(
     dir_pin=11,
     step_pin=12,
@@ -49,53 +54,35 @@ class SteppedClock(Clock):
         self.time_s = max(self.time_s, deadline_s) + self.oversleep_s()
 
 
-class Machine:
+class Machine(RecordedRpiGpio):
     """The pins of RPi.GPIO with a carriage behind them that records every pulse."""
 
-    BOARD, OUT, IN, LOW, HIGH, PUD_UP = 10, 0, 1, 0, 1, 22
-
     def __init__(self, parameters: AxisParameters, clock: Clock, start_steps: int) -> None:
+        super().__init__()
         self.parameters = parameters
         self.clock = clock
         self.steps = start_steps
         self.endstop_steps = -100
         self.stuck: Optional[bool] = None
         self.lose_steps = False
-        self.levels = {}
-        self.inputs = {}
-        self.numbering = None
-        self.released: List[int] = []
         self.pulses: List[Tuple[float, int]] = []
         self.edges_s: List[float] = []
 
-    def setmode(self, mode):
-        self.numbering = mode
-
-    def setup(self, channel, direction, initial=None, pull_up_down=20):
-        assert self.numbering == self.BOARD
-        if direction == self.OUT:
-            self.levels[channel] = initial
-        else:
-            self.inputs[channel] = pull_up_down
-
-    def output(self, channel, level):
+    def output(self, channel, level, /):
         rising = level == self.HIGH and self.levels[channel] == self.LOW
         if channel == self.parameters.step_pin and level != self.levels[channel]:
             self.edges_s.append(self.clock.now_s())
-        self.levels[channel] = level
+        super().output(channel, level)
         if channel == self.parameters.step_pin and rising:
             direction = 1 if self.levels[self.parameters.dir_pin] == self.HIGH else -1
             self.pulses.append((self.clock.now_s(), direction))
             if not self.lose_steps:
                 self.steps += direction
 
-    def input(self, channel):
-        assert self.inputs[channel] == self.PUD_UP
+    def input(self, channel, /):
         closed = self.steps <= self.endstop_steps if self.stuck is None else self.stuck
-        return self.LOW if closed else self.HIGH
-
-    def cleanup(self, channel=None):
-        self.released += channel
+        self.inputs[channel] = self.LOW if closed else self.HIGH
+        return super().input(channel)
 
 
 class Count:

@@ -53,6 +53,8 @@ class RecordedPigpio:
         self.waves: Dict[int, List[Pulse]] = {}
         self.sendings: List[Sending] = []
         self.lost_after: Optional[int] = None
+        # Of each GPIO: how many sendings were counted, and their edges.
+        self._counted: Dict[int, Tuple[int, int]] = {}
 
     def pi(self, host="localhost", port=8888, show_errors=True):
         self.connected = self.running
@@ -60,9 +62,20 @@ class RecordedPigpio:
 
     def rising_edges(self, gpio: int) -> List[float]:
         """When the GPIO went high [s of the clock], as far as that has happened."""
+        return [at_s for sending in self.sendings for at_s in self._rising(sending, gpio)]
+
+    def count_rising_edges(self, gpio: int) -> int:
+        """Return how often the GPIO went high; what was transmitted is counted once."""
+        ended, count = self._counted.get(gpio, (0, 0))
+        while ended < len(self.sendings) and self.sendings[ended].end_s <= self.clock.now_s():
+            count += len(self._rising(self.sendings[ended], gpio))
+            ended += 1
+        self._counted[gpio] = (ended, count)
+        return count + sum(len(self._rising(one, gpio)) for one in self.sendings[ended:])
+
+    def _rising(self, sending: Sending, gpio: int) -> List[float]:
         now_s = self.clock.now_s()
-        edges = [edge for sending in self.sendings for edge in sending.edges]
-        return [at_s for at_s, on, _off in edges if on >> gpio & 1 and at_s <= now_s]
+        return [at_s for at_s, on, _off in sending.edges if on >> gpio & 1 and at_s <= now_s]
 
     def level(self, gpio: int) -> int:
         """Return the level of the GPIO now: of the last edge, or of a later write."""
@@ -137,16 +150,18 @@ class RecordedPi:
 
     def wave_tx_at(self):
         now_s = self._daemon.clock.now_s()
-        for sending in self._daemon.sendings:
+        for sending in reversed(self._daemon.sendings):
             if sending.begin_s <= now_s < sending.end_s:
                 return self._answer(sending.wave)
+            if sending.end_s <= now_s:
+                break
         return self._answer(NO_TX_WAVE)
 
     def wave_delete(self, wave_id):
         if wave_id not in self._daemon.waves:
             raise Error("non existent wave id")
         now_s = self._daemon.clock.now_s()
-        sending = [one for one in self._daemon.sendings if one.wave == wave_id][-1]
+        sending = next(one for one in reversed(self._daemon.sendings) if one.wave == wave_id)
         assert sending.end_s <= now_s, "a wave was deleted while it was being transmitted"
         del self._daemon.waves[wave_id]
         return self._answer(0)

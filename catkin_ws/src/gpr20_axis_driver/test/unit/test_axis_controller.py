@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from axis_machine import X_PARAMETERS
+from axis_machine import SHORT, X_PARAMETERS
+from case_kit import each_case
 from fault_kit import raises_fault
 from grbl_board import GrblBoard
 from tutorial_code import code_blocks
@@ -40,7 +41,6 @@ from gpr20_survey.faults import NOT_HOMED
 
 PAGE = Path(__file__).parents[5] / "docs/extend/axis_controller.md"
 FAULTS = {True: EndstopFault.STUCK_CLOSED, False: EndstopFault.STUCK_OPEN}
-SHORT = dataclasses.replace(X_PARAMETERS, max_coord=20.0)
 
 # The modules of the page, importable as a package of their own would be.
 _folder = tempfile.TemporaryDirectory()
@@ -100,7 +100,7 @@ def test_the_configuration_of_the_page_is_accepted():
     assert check_controller(parameters).__name__ == "GrblController"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "controller, options, error",
     [
         ("no_such_module:Axis", {}, "no_such_module.*ModuleNotFoundError"),
@@ -118,39 +118,44 @@ def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller,
         open_controller(parameters)
 
 
-@pytest.mark.parametrize("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
+@each_case("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
 def test_a_controller_must_be_named_as_module_and_class(name):
     with pytest.raises(InvalidValueError, match="package.module:Class"):
         dataclasses.replace(X_PARAMETERS, controller=name)
 
 
+def parameters_of(board):
+    return dataclasses.replace(
+        X_PARAMETERS,
+        controller="grbl_axis:GrblController",
+        controller_options={"host": "127.0.0.1", "port": board.port},
+    )
+
+
 def test_a_board_that_does_not_answer_is_an_error_at_the_start():
     board = GrblBoard()
     board.close()
-    options = {"host": "127.0.0.1", "port": board.port}
-    parameters = dataclasses.replace(
-        X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
-    )
     with raises_fault(faults.CONTROLLER_FAILED, error=ControllerError):
-        open_controller(parameters)
+        open_controller(parameters_of(board))
 
 
 def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
     board = GrblBoard()
-    options = {"host": "127.0.0.1", "port": board.port}
-    parameters = dataclasses.replace(
-        X_PARAMETERS, controller="grbl_axis:GrblController", controller_options=options
-    )
-    controller = check_controller(parameters)(parameters, **options)
+    parameters = parameters_of(board)
+    controller = check_controller(parameters)(parameters, **parameters.controller_options)
     controller.begin_homing()
     _until(lambda: not controller.read().moving)
     controller.begin_move(60000)
     _until(lambda: controller.read().steps > 50)
+
+    def rests():
+        before = board.true_steps
+        time.sleep(0.2)
+        return board.true_steps == before
+
     # What was sent in advance takes half a second; the rest of the move would take minutes.
-    time.sleep(1.5)
-    rest = board.true_steps
-    time.sleep(0.2)
-    assert rest == board.true_steps < 1000
+    _until(rests)
+    assert board.true_steps < 1000
     controller.close()
     board.close()
 

@@ -3,8 +3,8 @@
 import dataclasses
 import math
 
-import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,7 +13,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 
 
-@pytest.mark.parametrize(
+@each_case(
     "field, value, shown",
     [
         ("dir_pin", 9, ("dir_pin", 9)),
@@ -63,7 +63,7 @@ def test_a_coordinate_is_the_float_nearest_to_its_decimal_value(steps):
     assert X_PARAMETERS.coordinate_of(steps) == float(f"{steps // 100}.{steps % 100:02d}")
 
 
-@pytest.mark.parametrize("target, steps", [(0.29, 29), (0.57, 57), (90.01, 9001), (649.99, 64999)])
+@each_case("target, steps", [(0.29, 29), (0.57, 57), (90.01, 9001), (649.99, 64999)])
 def test_a_target_whose_quotient_is_not_exact_in_binary_loses_no_step(target, steps):
     assert X_PARAMETERS.distance_steps(target) == steps
 

@@ -4,6 +4,7 @@ import itertools
 
 import pytest
 from axis_machine import X_PARAMETERS, Axis
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -94,7 +95,7 @@ def test_a_late_falling_edge_slows_down_too():
     assert axis.pauses_s[100:103] == pytest.approx([0.0035, 0.0034, 0.0033])
 
 
-@pytest.mark.parametrize("edge", [200, 201])
+@each_case("edge", [200, 201])
 def test_a_gap_at_speed_ends_the_move_and_the_position_is_no_longer_trusted(edge):
     axis = homed_axis()
     with raises_fault(faults.PULSE_LATE, 60, error=PositionLostError):

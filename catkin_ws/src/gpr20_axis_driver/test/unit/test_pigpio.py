@@ -53,10 +53,11 @@ class Axis:
     def steps(self):
         """Where the motor is, by the edges on its pins."""
         edges, steps = self._began
-        return steps + (len(self.edges_s) - edges) * (1 if self.daemon.levels[DIR] else -1)
+        turned = self.daemon.count_rising_edges(STEP) - edges
+        return steps + turned * (1 if self.daemon.levels[DIR] else -1)
 
     def _turn(self, forward):
-        self._began = (len(self.edges_s), self.steps)
+        self._began = (self.daemon.count_rising_edges(STEP), self.steps)
         self._set_direction(forward)
 
 
@@ -76,11 +77,6 @@ def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(axis):
     assert axis.daemon.modes == {DIR: OUTPUT, STEP: OUTPUT, SENSOR: 0}
     assert axis.daemon.levels == {DIR: 0, STEP: 0}
     assert axis.daemon.pulls == {SENSOR: PUD_UP}
-
-
-def test_homing_finds_the_zero(axis):
-    axis.driver.homing(never)
-    assert (axis.driver.current_coord, axis.steps) == (0.0, 0)
 
 
 def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):

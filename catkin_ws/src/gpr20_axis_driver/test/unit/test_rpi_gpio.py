@@ -2,6 +2,7 @@
 
 import pytest
 from axis_machine import X_PARAMETERS, Count, SteppedClock
+from case_kit import each_case
 from recorded_rpi_gpio import HIGH, IN, LOW, OUT, PUD_OFF, PUD_UP, RecordedRpiGpio
 
 from gpr20_axis_driver.low.pins import StepperInterface
@@ -29,7 +30,7 @@ def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(gpio, loop):
     assert gpio.calls[0] == ("setmode", gpio.BOARD)
 
 
-@pytest.mark.parametrize("forward, level", [(True, HIGH), (False, LOW)])
+@each_case("forward, level", [(True, HIGH), (False, LOW)])
 def test_the_direction_is_there_before_the_first_step(gpio, loop, forward, level):
     gpio.calls.clear()
     report = loop.run(Motion(forward, 2, SLOW), never)

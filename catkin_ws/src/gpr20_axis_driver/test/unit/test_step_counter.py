@@ -4,8 +4,9 @@ import errno
 import mmap
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gpr20_axis_driver import faults
@@ -28,13 +29,14 @@ def test_a_new_file_knows_nothing(path):
     assert not reopen(path).trusted
 
 
-@pytest.mark.parametrize("steps", [0, 50, -50, 2**40])
+@each_case("steps", [0, 50, -50, 2**40])
 def test_the_count_of_a_resting_motor_is_there_again(path, steps):
     memory = reopen(path)
     memory.place(steps)
     memory.close()
     again = reopen(path)
     assert (again.steps, again.trusted) == (steps, True)
+    again.close()
 
 
 def test_a_motor_that_was_turning_is_not_trusted(path):
@@ -65,9 +67,10 @@ def test_two_processes_cannot_drive_one_axis(path):
     reopen(path)
 
 
-@pytest.mark.parametrize("content", [b"", b"\0" * FILE_BYTES, b"x" * 10, b"x" * 4096])
+@each_case("content", [b"", b"\0" * FILE_BYTES, b"x" * 10, b"x" * 4096])
 def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
-    path.parent.mkdir()
+    path.parent.mkdir(exist_ok=True)
+    path = path.with_name(f"{len(content)} bytes")
     path.write_bytes(content)
     with raises_fault(faults.STEP_COUNT_UNKNOWN, path, error=StepCounterError):
         reopen(path)
@@ -90,7 +93,7 @@ def test_a_full_disk_is_a_matter_of_the_disk(path, monkeypatch):
         reopen(path)
 
 
-# How long a disk takes to flush is not this test's business.
+@settings(max_examples=25)
 @given(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6))
 def test_a_count_torn_by_a_power_cut_is_never_trusted(tmp_path_factory, before, after):
     path = tmp_path_factory.mktemp("memory") / "z"

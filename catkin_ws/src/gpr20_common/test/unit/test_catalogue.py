@@ -1,7 +1,7 @@
 import errno
 from string import Formatter
 
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
@@ -46,7 +46,7 @@ def test_every_translation_has_the_fields_of_its_template():
         assert fields[0] == fields[1], template
 
 
-@pytest.mark.parametrize("content", [None, b"no catalogue", b"msgstr", b"\xff"])
+@each_case("content", [None, b"no catalogue", b"msgstr", b"\xff"])
 def test_a_catalogue_that_cannot_be_read_is_refused(tmp_path, content):
     path = tmp_path / "xx.po"
     if content is not None:
@@ -55,18 +55,18 @@ def test_a_catalogue_that_cannot_be_read_is_refused(tmp_path, content):
         read_translations(path)
 
 
-@pytest.mark.parametrize("language", languages())
+@each_case("language", languages())
 def test_a_language_is_found_by_its_code(language):
     assert language_from_code(language.value) == language
 
 
-@pytest.mark.parametrize("code", ["", "fr", "ES", 5])
+@each_case("code", ["", "fr", "ES", 5])
 def test_a_code_without_catalogue_is_refused(code):
     with raises_fault(faults.CONFIGURATION, repr(code), "en (English), es"):
         language_from_code(code)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "environment, language",
     [
         ({}, Language.ENGLISH),
@@ -87,7 +87,7 @@ def test_the_number_of_an_error_of_the_system_is_a_detail():
     assert reason.all_details == ("[Errno 13] Permission denied: '/data'",)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "error, shown",
     [
         (TimeoutError("timed out"), "timed out"),

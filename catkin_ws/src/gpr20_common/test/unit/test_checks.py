@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,12 +18,12 @@ from gpr20_common.mid.checks import (
 )
 
 
-@pytest.mark.parametrize("value", [0.0, 5.0, 10.0])
+@each_case("value", [0.0, 5.0, 10.0])
 def test_a_value_within_the_bounds_is_returned(value):
     assert number_between("speed", value, 0.0, 10.0, "m/s") == value
 
 
-@pytest.mark.parametrize("value", [-1e-9, 10.1, math.nan, math.inf, -math.inf, 10**400])
+@each_case("value", [-1e-9, 10.1, math.nan, math.inf, -math.inf, 10**400])
 def test_a_value_outside_the_bounds_is_refused_with_name_value_bounds_and_unit(value):
     with raises_fault(faults.NOT_ALLOWED, "speed", 0, "10 m/s", error=InvalidValueError):
         number_between("speed", value, 0.0, 10.0, "m/s")
@@ -33,19 +34,20 @@ def test_infinity_is_refused_even_where_a_bound_is_infinite():
         number_between("speed", math.inf, 0.0, math.inf)
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, 10**400, -(10**400)])
+@each_case("value", [0.0, -1.0, math.nan, math.inf, 10**400, -(10**400)])
 def test_what_is_not_positive_is_refused(value):
     with raises_fault(faults.NOT_ALLOWED, "size", "mm", error=InvalidValueError):
         positive_number("size", value, "mm")
 
 
-@pytest.mark.parametrize("address", ["0.0.0.0", "192.168.1.10", "255.255.255.255"])
+@each_case("address", ["0.0.0.0", "192.168.1.10", "255.255.255.255"])
 def test_four_numbers_are_an_address(address):
     assert ipv4_address("address", address) == address
 
 
-@pytest.mark.parametrize(
-    "address", ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4", "1.2.3." + "9" * 5000]
+@each_case(
+    "address",
+    ["010.1.2.3", "1.2.3", "1.2.3.4.5", "1.2.3.256", "1.2.3.-4", "1.2.3.٤", "1.2.3." + "9" * 5000],
 )
 def test_what_could_be_misread_is_no_address(address):
     with raises_fault(faults.NOT_ALLOWED, address[:64], error=InvalidValueError):
@@ -68,7 +70,7 @@ def test_every_error_is_one_of_ours_and_a_builtin():
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     "address",
     [
         "192.168.1.5",
@@ -80,7 +82,7 @@ def test_an_address_of_an_instrument_is_four_numbers_or_set_apart_from_them(addr
     assert instrument_address("address", address) == address
 
 
-@pytest.mark.parametrize(
+@each_case(
     "address",
     ["", "192.168.1", "vna.local", "A::b c", "A::\n", "A::ñ", "A::" + "b" * 126],
 )

@@ -6,6 +6,7 @@ import re
 from types import SimpleNamespace
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -102,7 +103,7 @@ def test_one_without_a_remedy_can_replace_too():
     assert around(reporting(INNER), cover).cause == cover
 
 
-@pytest.mark.parametrize(
+@each_case(
     "order",
     [(0, 1, 2, 3), (3, 2, 1, 0), (1, 3, 0, 2)],
 )
@@ -164,7 +165,7 @@ def test_what_decides_is_one_of_the_faults_and_has_a_remedy_if_any_has(message):
             assert cause.remedy is not None or all(one.replaces for one in inner) or not inner
 
 
-@pytest.mark.parametrize(
+@each_case(
     "code",
     ["", "vna", "vna.", ".x", "Vna.x", "vna.x y", "vna.x\n", "1.x", "a.b.c", "a" * 31 + ".b"],
 )
@@ -208,7 +209,7 @@ def sent_with(fault, **more):
     return json.dumps({"template": "no answer", "values": {}, "fault": fault, **more})
 
 
-@pytest.mark.parametrize("severity", ["critical", "", None, 3, [], {"level": "note"}])
+@each_case("severity", ["critical", "", None, 3, [], {"level": "note"}])
 def test_a_severity_of_a_later_version_counts_as_a_fault(severity):
     message = received_message("", sent_with({"code": "vna.x", "severity": severity}))
     assert message.fault == Fault("vna.x") and message.template == "no answer"
@@ -219,14 +220,14 @@ def test_keys_of_a_later_version_are_ignored_and_missing_ones_have_their_usual_v
     assert message.fault == Fault("vna.x")
 
 
-@pytest.mark.parametrize("odd", ["false", "no", 0, 1, None, [], {}])
+@each_case("odd", ["false", "no", 0, 1, None, [], {}])
 def test_a_flag_that_is_neither_true_nor_false_counts_as_the_graver_one(odd):
     record = {"code": "vna.x", "may_move": odd, "can_continue": odd, "replaces": odd}
     fault = received_message("", sent_with(record)).fault
     assert (fault.may_move, fault.can_continue, fault.replaces) == (True, False, False)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "fault",
     [
         None,
@@ -256,7 +257,7 @@ def test_a_damaged_fault_leaves_the_sentence_and_counts_as_grave(fault):
     assert message.fault_code in ("vna.x", "vna.no_link")
 
 
-@pytest.mark.parametrize("template", ["{place:,}", "{place.real}", "{0}", "\ud800"])
+@each_case("template", ["{place:,}", "{place.real}", "{0}", "\ud800"])
 def test_a_sentence_that_cannot_be_shown_keeps_its_fault(template):
     moving = Fault("axis.moving", LOOK, may_move=True, can_continue=False)
     inner = json.loads(reporting(moving).to_json())
@@ -266,15 +267,13 @@ def test_a_sentence_that_cannot_be_shown_keeps_its_fault(template):
     assert message.may_move and not message.can_continue and message.fault_code == "axis.moving"
 
 
-@pytest.mark.parametrize(
-    "unreadable", ["", "{", "null", "[]", "7", '"x"', "[" * 5000, "9" * 16_000]
-)
+@each_case("unreadable", ["", "{", "null", "[]", "7", '"x"', "[" * 5000, "9" * 16_000])
 def test_the_code_counts_where_the_json_cannot_be_read(unreadable):
     message = received_message("as sent", unreadable, "axis.lost_zero")
     assert str(message) == "as sent" and message.cause == Fault("axis.lost_zero")
 
 
-@pytest.mark.parametrize("code", ["", "no code", "vna.x\n", "VNA.X", "\ud800"])
+@each_case("code", ["", "no code", "vna.x\n", "VNA.X", "\ud800"])
 def test_a_code_without_the_form_of_one_is_none(code):
     assert received_message("as sent", "", code).fault is None
 
@@ -309,8 +308,8 @@ def test_a_huge_message_leaves_the_text_and_the_fault():
     assert (message.fault_code, message.remedy) == (moving.code, LOOK)
 
 
-@pytest.mark.parametrize(
-    ("text", "sent"),
+@each_case(
+    "text, sent",
     [
         ("x" * 1_000_000, ""),
         ("as sent", json.dumps({"template": "{a}" * 3000, "values": {"a": "y" * 5000}})),
@@ -392,7 +391,7 @@ def test_the_helper_of_tests_accepts_a_fault_its_code_and_the_values_shown():
         assert caught.value.message.fault == INNER
 
 
-@pytest.mark.parametrize(
+@each_case(
     "expected, shown, error",
     [(OUTER, (), Gpr20Error), (INNER, (651,), Gpr20Error), (INNER, (), NodeGoneError)],
 )

@@ -2,6 +2,7 @@ import json
 import pickle
 
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -105,7 +106,7 @@ def test_whatever_arrives_can_be_shown(text, received):
     assert str(message) == text or json.loads(received)["template"] == message.template
 
 
-@pytest.mark.parametrize(
+@each_case(
     "template",
     ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{0}", "{x:{x}}", "{x"],
 )
@@ -123,13 +124,13 @@ def test_messages_inside_messages_cannot_multiply_the_text():
     assert received_message("as sent", long) == verbatim("as sent")
 
 
-@pytest.mark.parametrize("field", ["{x:g}", "{x:f}", "{x:%}"])
+@each_case("field", ["{x:g}", "{x:f}", "{x:%}"])
 def test_a_received_number_too_large_for_its_format_leaves_the_text(field):
     record = {"template": f"height {field}", "values": {"x": 10**400}}
     assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
 
 
-@pytest.mark.parametrize(
+@each_case(
     "record",
     [
         {"template": "\ud800", "values": {}},

@@ -3,6 +3,7 @@
 import io
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
@@ -29,8 +30,8 @@ def received(message):
     return found
 
 
-@pytest.mark.parametrize(
-    ("message", "path", "value"),
+@each_case(
+    "message, path, value",
     [
         (Float64(0.25), "data", 0.25),
         (Bool(True), "data", 1.0),
@@ -46,8 +47,8 @@ def test_the_number_is_found(message, path, value):
     assert MessageField(message._type, path).read(received(message)) == value
 
 
-@pytest.mark.parametrize(
-    ("datatype", "path", "fault", "shown"),
+@each_case(
+    "datatype, path, fault, shown",
     [
         ("std_msgs/Float64", "value", MISSING, "data (float64)"),
         (

@@ -4,6 +4,7 @@ import socket
 import threading
 
 import pytest
+from case_kit import each_case
 
 from gpr20_common.low.pid_query import PidQuery
 
@@ -45,7 +46,7 @@ class Node:
         self._listener.close()
 
 
-@pytest.mark.parametrize("kind", ["int", "i4"])
+@each_case("kind", ["int", "i4"])
 def test_one_connection_serves_many_queries(kind):
     node = Node([[answer(pid_body(one, kind=kind))] for one in (4711, 4712, 4713)])
     query = PidQuery(node.uri, "/main<control", LIMIT_S)
@@ -70,7 +71,7 @@ def test_an_answer_may_come_in_pieces():
     query.close()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "wrong",
     [
         answer(pid_body(5, code=-1)),
@@ -95,7 +96,7 @@ def test_a_node_that_closes_without_an_answer_does_not_answer():
         query.ask()
 
 
-@pytest.mark.parametrize("uri", ["", "http://", "http://127.0.0.1/", "nothing"])
+@each_case("uri", ["", "http://", "http://127.0.0.1/", "nothing"])
 def test_an_address_without_host_or_port_is_refused(uri):
     with pytest.raises(ValueError, match="no host or no port"):
         PidQuery(uri, "/x", LIMIT_S)

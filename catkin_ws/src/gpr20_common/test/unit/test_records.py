@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
@@ -54,7 +54,7 @@ def test_everything_can_be_given():
     assert isinstance(cart.load, float)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "change, shown",
     [
         ({"nmae": "a"}, ("cart/nmae", "colour, load")),

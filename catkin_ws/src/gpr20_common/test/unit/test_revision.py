@@ -4,9 +4,8 @@ import re
 import subprocess
 from pathlib import Path
 
-import pytest
+from case_kit import each_case
 
-import gpr20_common
 from gpr20_common.low.revision import git_revision, software_revision
 from gpr20_survey.files.durable_files import free_bytes
 
@@ -26,18 +25,13 @@ def test_sources_without_git_are_named_by_their_version(tmp_path):
     assert software_revision("1.2.3", tmp_path / "missing") == "1.2.3"
 
 
-@pytest.mark.parametrize("recorded, said", [("abc1234\n", "1.2.3 (git abc1234)"), ("", "1.2.3")])
+@each_case("recorded, said", [("abc1234\n", "1.2.3 (git abc1234)"), ("", "1.2.3")])
 def test_an_installed_package_has_the_revision_of_its_sources(tmp_path, recorded, said):
     # Here it is installed inside the checkout of something else.
     subprocess.run(["git", "-C", str(tmp_path), "init", "-q"], check=True)
     installed = tmp_path / "installed_revision"
     installed.write_text(recorded)
     assert software_revision("1.2.3", tmp_path, installed) == said
-
-
-def test_the_version_is_that_of_the_package():
-    version = gpr20_common.__version__
-    assert f"<version>{version}</version>" in (PACKAGE / "package.xml").read_text()
 
 
 def test_the_free_space_is_that_of_the_folder(tmp_path):

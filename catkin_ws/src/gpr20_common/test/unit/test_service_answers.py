@@ -1,6 +1,7 @@
 """A service answers with success, or with what went wrong and its code."""
 
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("rospy")
 
@@ -32,7 +33,7 @@ def test_an_answer_is_passed_on(ask):
     assert ask(lambda _request: CommandResponse(success=True)).success
 
 
-@pytest.mark.parametrize("fault", [None, faults.DISK_FULL])
+@each_case("fault", [None, faults.DISK_FULL])
 def test_an_error_becomes_an_answer_with_its_fault(ask, fault):
     error = InvalidValueError(Message("{axis} is refused", axis="x"), fault=fault)
     answer = ask(failing(error))
@@ -41,7 +42,7 @@ def test_an_error_becomes_an_answer_with_its_fault(ask, fault):
     assert message_from(answer).cause == (fault or faults.NOT_ALLOWED)
 
 
-@pytest.mark.parametrize("error", [ZeroDivisionError("0"), KeyError("x"), OSError(5, "bad")])
+@each_case("error", [ZeroDivisionError("0"), KeyError("x"), OSError(5, "bad")])
 def test_a_fault_in_our_own_code_is_an_answer_too(ask, error):
     assert not isinstance(error, Gpr20Error)
     answer = ask(failing(error))

@@ -9,6 +9,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
@@ -22,7 +23,6 @@ from gpr20_common.high import service_client
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_msgs.srv import (
-    Command,
     ReportSurvey,
     ReportSurveyRequest,
     ReportSurveyResponse,
@@ -35,100 +35,11 @@ SHORT_S = 0.3
 DRAWS = int(os.environ.get("GPR20_SERVICE_DRAWS", "8"))
 
 
-class Service:
-    """A node that offers one service and may hang."""
-
-    def __init__(self):
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.uri = f"rosrpc://127.0.0.1:{self.listener.getsockname()[1]}"
-        self.answer_header = threading.Event()
-        self.answer_header.set()
-        self.received = []
-        self.ended = threading.Event()
-        threading.Thread(target=self._serve, daemon=True).start()
-
-    def _serve(self):
-        try:
-            connection, _address = self.listener.accept()
-        except OSError:
-            # The test ended without a call.
-            return
-        with connection:
-            connection.settimeout(LIMIT_S)
-            try:
-                self.received.append(connection.recv(4096))
-                if self.answer_header.wait(SHORT_S * 2):
-                    fields = {"md5sum": Command._md5sum, "type": Command._type}
-                    connection.sendall(encode_ros_handshake_header(fields))
-                while self.received[-1]:
-                    self.received.append(connection.recv(4096))
-            except OSError:
-                self.received.append(b"")
-        self.ended.set()
-
-
-@pytest.fixture
-def service(monkeypatch):
-    service = Service()
-    monkeypatch.setattr(ServiceClient, "_look_up", lambda *_arguments: service.uri)
-    yield service
-    service.listener.close()
-
-
-def test_a_call_that_is_not_answered_in_time_ends_and_so_does_its_connection(service):
-    client = ServiceClient("stop", Command)
-    begun_s = time.monotonic()
-    with raises_fault(faults.SERVICE_SILENT, "stop", 0.3, error=ServiceUnavailableError):
-        client.call(SHORT_S)
-    assert time.monotonic() - begun_s < LIMIT_S
-    assert service.ended.wait(LIMIT_S)
-
-
-def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(service):
-    service.answer_header.clear()
-    client = ServiceClient("homing", Command)
-    with pytest.raises(ServiceUnavailableError):
-        client.call(SHORT_S)
-    assert service.ended.wait(LIMIT_S)
-    # The header alone: no request came after it.
-    header, end = service.received
-    assert b"homing" in header
-    assert end == b""
-
-
-def test_a_call_whose_delivery_counts_more_than_its_answer_is_not_given_up(service):
-    client = ServiceClient("stop_survey", Command, discard_late=False)
-    with pytest.raises(ServiceUnavailableError):
-        client.call(SHORT_S)
-    assert not service.ended.wait(SHORT_S)
-    service.listener.close()
-
-
-def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(service):
-    service.answer_header.clear()
-    client = ServiceClient("stop_survey", Command, discard_late=False)
-    with raises_fault(faults.SERVICE_SILENT):
-        client.call(SHORT_S / 3)
-    service.answer_header.set()
-    deadline_s = time.monotonic() + LIMIT_S
-    while len(service.received) < 2 and time.monotonic() < deadline_s:
-        time.sleep(0.01)
-    assert service.received[1] == struct.pack("<I", 0)
-
-
-def test_a_service_that_refuses_connections_is_told_within_the_limit(service):
-    service.listener.close()
-    begun_s = time.monotonic()
-    with pytest.raises(ServiceUnavailableError):
-        ServiceClient("get_height", Command).call(SHORT_S)
-    assert time.monotonic() - begun_s < LIMIT_S
-
-
 class Node:
     """A node that answers each request with its name and the request's survey_id.
 
-    It may misbehave, as `fault` draws: close the connection before or within an answer, or answer
-    when the client has given up.
+    It may misbehave, as `fault` draws: close the connection before or within an answer, answer
+    when the client has given up, or never. Without `greeting` it does not even accept a call.
     """
 
     def __init__(self, name="node", fault=lambda: ""):
@@ -138,6 +49,9 @@ class Node:
         self.uri = f"rosrpc://127.0.0.1:{self.listener.getsockname()[1]}"
         self.answering = threading.Event()
         self.answering.set()
+        self.greeting = threading.Event()
+        self.greeting.set()
+        self.ended = threading.Event()
         self.connections = []
         self.requests = []
         threading.Thread(target=self._accept, daemon=True).start()
@@ -163,12 +77,15 @@ class Node:
         with connection, connection.makefile("rb") as stream:
             try:
                 header = stream.read(*struct.unpack("<I", stream.read(4)))
-                fields = {"md5sum": ReportSurvey._md5sum, "type": ReportSurvey._type}
-                connection.sendall(encode_ros_handshake_header(fields))
+                if self.greeting.wait(2 * SHORT_S):
+                    fields = {"md5sum": ReportSurvey._md5sum, "type": ReportSurvey._type}
+                    connection.sendall(encode_ros_handshake_header(fields))
                 while self._answer(connection, stream) and b"persistent=1" in header:
                     pass
             except (OSError, struct.error, ValueError):
                 return
+            finally:
+                self.ended.set()
 
     def _answer(self, connection, stream):
         data = stream.read(*struct.unpack("<I", stream.read(4)))
@@ -182,6 +99,9 @@ class Node:
         if fault == "late":
             time.sleep(1.5 * SHORT_S)
         elif fault == "close":
+            return False
+        elif fault == "silent":
+            stream.read(1)
             return False
         elif fault == "cut":
             connection.sendall(answer[:-3])
@@ -218,6 +138,58 @@ def graph(monkeypatch):
 
 def call(client, survey_id, limit_s=LIMIT_S):
     return client.call(limit_s, survey_id=survey_id).message
+
+
+@pytest.fixture
+def silent(graph):
+    """A node that hangs in every call."""
+    graph.node.fault = lambda: "silent"
+    yield graph.node
+    graph.node.listener.close()
+
+
+def test_a_call_that_is_not_answered_in_time_ends_and_so_does_its_connection(silent):
+    client = ServiceClient("stop", ReportSurvey)
+    begun_s = time.monotonic()
+    with raises_fault(faults.SERVICE_SILENT, "stop", 0.3, error=ServiceUnavailableError):
+        call(client, "a", SHORT_S)
+    assert time.monotonic() - begun_s < LIMIT_S
+    assert silent.ended.wait(LIMIT_S)
+
+
+def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(silent):
+    silent.greeting.clear()
+    with pytest.raises(ServiceUnavailableError):
+        call(ServiceClient("homing", ReportSurvey), "a", SHORT_S)
+    assert silent.ended.wait(LIMIT_S)
+    assert silent.connections and silent.requests == []
+
+
+def test_a_call_whose_delivery_counts_more_than_its_answer_is_not_given_up(silent):
+    client = ServiceClient("stop_survey", ReportSurvey, discard_late=False)
+    with pytest.raises(ServiceUnavailableError):
+        call(client, "a", SHORT_S)
+    assert not silent.ended.wait(SHORT_S)
+
+
+def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(silent):
+    silent.greeting.clear()
+    client = ServiceClient("stop_survey", ReportSurvey, discard_late=False)
+    with raises_fault(faults.SERVICE_SILENT):
+        call(client, "a", SHORT_S / 3)
+    silent.greeting.set()
+    deadline_s = time.monotonic() + LIMIT_S
+    while not silent.requests and time.monotonic() < deadline_s:
+        time.sleep(0.01)
+    assert silent.requests == ["a"]
+
+
+def test_a_service_that_refuses_connections_is_told_within_the_limit(graph):
+    graph.node.end()
+    begun_s = time.monotonic()
+    with pytest.raises(ServiceUnavailableError):
+        call(ServiceClient("get_height", ReportSurvey), "a", SHORT_S)
+    assert time.monotonic() - begun_s < LIMIT_S
 
 
 def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
@@ -314,8 +286,9 @@ def test_calls_in_parallel_do_not_wait_for_each_other(graph):
             waiting.result(LIMIT_S)
 
 
-@pytest.mark.parametrize("seed", range(DRAWS))
-def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(graph, seed):
+@each_case("seed", range(DRAWS))
+def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(monkeypatch, seed):
+    graph = Graph(monkeypatch)
     chance = random.Random(seed)
     faults = ["", "", "", "pieces", "close", "cut", "late"]
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
@@ -328,7 +301,7 @@ def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(graph, s
                 answer = call(client, f"{name}.{number}", SHORT_S)
             except ServiceUnavailableError:
                 continue
-            assert answer == f"node {name}.{number}", f"seed {seed}"
+            assert answer == f"node {name}.{number}"
             answered += 1
         return answered
 

@@ -4,6 +4,7 @@ import enum
 import xmlrpc.client
 
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("rospy")
 
@@ -14,8 +15,8 @@ class Kind(enum.Enum):
     LINEAR = "LIN"
 
 
-@pytest.mark.parametrize(
-    ("value", "expected"),
+@each_case(
+    "value, expected",
     [
         (None, ""),
         (Kind.LINEAR, "LIN"),

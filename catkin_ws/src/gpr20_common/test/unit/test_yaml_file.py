@@ -6,6 +6,7 @@ import math
 
 import pytest
 import yaml
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -40,7 +41,7 @@ def test_any_bytes_are_read_or_refused_with_our_error(path, content):
         assert error.message.fault == faults.FILE_DAMAGED
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "!!python/object/apply:os.system ['touch outside']",

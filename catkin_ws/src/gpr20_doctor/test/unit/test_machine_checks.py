@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import SAME, facts
@@ -60,8 +60,8 @@ def test_a_healthy_computer_is_good():
     assert exit_status(found) == GOOD
 
 
-@pytest.mark.parametrize(
-    ("disk", "fault"),
+@each_case(
+    "disk, fault",
     [
         (replace(DISK, free_bytes=10), DISK_FULL),
         (replace(DISK, trace_s=1.5), faults.DISK_TOO_SLOW),
@@ -73,7 +73,7 @@ def test_a_bad_disk_has_the_code_and_the_remedy_of_its_fault(disk, fault):
     assert (worst.text.fault_code, worst.remedy) == (fault.code, fault.remedy)
 
 
-@pytest.mark.parametrize("use", [HardwareUse.SIMULATED, HardwareUse.ELSEWHERE, HardwareUse.NO_PI])
+@each_case("use", [HardwareUse.SIMULATED, HardwareUse.ELSEWHERE, HardwareUse.NO_PI])
 def test_a_computer_without_hardware_needs_none(use):
     found = findings(None, MachineFacts(use, ONE, NodeSoftware("0.1.0")))
     assert exit_status(found) == GOOD
@@ -129,7 +129,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "level", "words"), CASES)
+@each_case("changes, level, words", CASES)
 def test_each_fault_is_found(changes, level, words):
     found = findings(None, replace(HEALTHY, **changes))
     (fault,) = [one for one in found if words in str(one.text)]

@@ -7,6 +7,7 @@ import types
 from typing import ClassVar
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
@@ -34,7 +35,7 @@ class FakeSpi:
         self.closed = True
 
 
-@pytest.mark.parametrize("channel, second", [(0, 0x80), (1, 0x90), (7, 0xF0)])
+@each_case("channel, second", [(0, 0x80), (1, 0x90), (7, 0xF0)])
 def test_asks_for_a_single_ended_conversion_each_time(channel, second):
     spi = FakeSpi([0, 0, 0])
     adc = AdcInterface(spi, channel)
@@ -43,16 +44,14 @@ def test_asks_for_a_single_ended_conversion_each_time(channel, second):
     assert spi.sent == [[0x01, second, 0x00]] * 2
 
 
-@pytest.mark.parametrize("floating", [0x00, 0xF8])
-@pytest.mark.parametrize("code", [0, 1, 255, 256, 511, 512, 1023])
+@each_case("floating", [0x00, 0xF8])
+@each_case("code", [0, 1, 255, 256, 511, 512, 1023])
 def test_reads_ten_bits_whatever_floats_before_them(code, floating):
     reply = [0xFF if floating else 0, floating | code >> 8, code & 0xFF]
     assert AdcInterface(FakeSpi(reply), 0).read_code() == code
 
 
-@pytest.mark.parametrize(
-    "reply", [[255, 255, 255], [0, 4, 0], [], [0, 0], [0, 0, 0, 0], [0, 0, 256], [0, 0, -1]]
-)
+@each_case("reply", [[255, 255, 255], [0, 4, 0], [], [0, 0], [0, 0, 0, 0], [0, 0, 256], [0, 0, -1]])
 def test_refuses_a_reply_that_no_converter_gives(reply):
     with raises_fault(faults.CONVERTER_FAILED, error=SpiError):
         AdcInterface(FakeSpi(reply), 0).read_code()
@@ -63,7 +62,7 @@ def test_a_failing_bus_is_our_error():
         AdcInterface(FakeSpi(OSError("broken")), 0).read_code()
 
 
-@pytest.mark.parametrize("channel", [-1, 8])
+@each_case("channel", [-1, 8])
 def test_refuses_a_channel_that_does_not_exist(channel):
     with raises_fault(NOT_ALLOWED, channel, 0, 7, error=InvalidValueError):
         AdcInterface(FakeSpi([0, 0, 0]), channel)

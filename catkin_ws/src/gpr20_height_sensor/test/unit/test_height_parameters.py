@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +16,7 @@ from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
 
-@pytest.mark.parametrize("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
+@each_case("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
 def test_passes_through_the_typical_values_of_the_data_sheet(voltage_v, distance_m):
     assert HeightParameters().distances_m(np.array([voltage_v]))[0] == pytest.approx(
         distance_m, 1e-4
@@ -33,34 +34,27 @@ def test_zero_volts_is_infinitely_far():
     assert HeightParameters().distances_m(np.array([0.0]))[0] == math.inf
 
 
-@pytest.mark.parametrize(
-    "name, value",
-    [
-        ("scale_m", 0.0),
-        ("scale_m", math.nan),
-        ("exponent", -1.0),
-        ("min_distance_m", 0.0),
-        ("min_distance_m", 0.9),
-        ("max_distance_m", math.inf),
-        ("samples", 2),
-        ("reference_voltage_v", 0.0),
-        ("update_period_s", -0.1),
-        ("max_spread_m", math.nan),
-        ("publish_rate_hz", 0.0),
-        ("height_offset_m", 5.0),
-        ("frozen_readings", -1),
-        ("frozen_readings", 29),
-        ("spi_bus", -1),
-        ("spi_device", 32),
-        ("channel", 8),
-        ("spi_speed_hz", 5_000_000),
-        ("reference_voltage_v", 33.0),
-        ("update_period_s", 1e300),
-        ("max_spread_m", 1e300),
-        ("exponent", 1e300),
-        ("field_of_view_rad", math.nan),
-    ],
-)
+WRONG = {
+    "scale_m": (0.0, math.nan),
+    "exponent": (-1.0, 1e300),
+    "min_distance_m": (0.0, 0.9),
+    "max_distance_m": (math.inf,),
+    "samples": (2,),
+    "reference_voltage_v": (0.0, 33.0),
+    "update_period_s": (-0.1, 1e300),
+    "max_spread_m": (math.nan, 1e300),
+    "publish_rate_hz": (0.0,),
+    "height_offset_m": (5.0,),
+    "frozen_readings": (-1, 29),
+    "spi_bus": (-1,),
+    "spi_device": (32,),
+    "channel": (8,),
+    "spi_speed_hz": (5_000_000,),
+    "field_of_view_rad": (math.nan,),
+}
+
+
+@each_case("name, value", [(name, value) for name in WRONG for value in WRONG[name]])
 def test_parameters_that_make_no_sense_are_refused(name, value):
     with raises_fault((NOT_ALLOWED, CONFIGURATION), f"{value:.12g}", error=InvalidValueError):
         HeightParameters(**{name: value})

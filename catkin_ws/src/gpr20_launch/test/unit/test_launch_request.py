@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.faults import NOT_ALLOWED
@@ -105,7 +106,7 @@ def test_the_argument_comes_before_the_file_and_the_file_before_the_environment(
     assert given["storage"]["data"] == str(home / "argument")
 
 
-@pytest.mark.parametrize(
+@each_case(
     "arguments, fault, shown",
     [
         ({"robot": "gpr21"}, faults.WRONG_ARGUMENT, "gpr21"),
@@ -122,9 +123,9 @@ def test_what_cannot_be_launched_is_refused(arguments, fault, shown):
         request(**arguments).sections(AXES)
 
 
-@pytest.mark.parametrize("kind", ["a file", "read only"])
+@each_case("kind", ["a file", "read only"])
 def test_a_data_folder_that_cannot_be_written_is_refused(home, kind):
-    folder = home / "surveys"
+    folder = home / kind
     if kind == "a file":
         folder.write_text("")
     elif os.geteuid() == 0:
@@ -144,7 +145,7 @@ OWN_AXIS = "x: {controller: 'subprocess:Popen', controller_options: {args: 'true
 OWN_ANALYZER = "analyzer: no_such_package.vna:Vna\nanalyzer_options: {port: 5025}"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "name, text, parts, shown",
     [
         ("axes", OWN_AXIS, ("robot", "survey"), ("x_axis", "begin_homing")),
@@ -152,7 +153,7 @@ OWN_ANALYZER = "analyzer: no_such_package.vna:Vna\nanalyzer_options: {port: 5025
     ],
 )
 def test_a_class_of_its_own_is_checked_where_it_is_used(home, name, text, parts, shown):
-    config = home / "robot"
+    config = home / name
     config.mkdir()
     (config / f"{name}.yaml").write_text(text)
     for part in ("robot", "server", "survey"):

@@ -2,7 +2,7 @@
 
 import time
 
-import pytest
+from case_kit import each_case
 
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SIMULATED, SURVEY, LaunchRequest
 from gpr20_launch.mid.machine_warnings import machine_warnings
@@ -21,7 +21,7 @@ def test_a_simulated_robot_needs_no_hardware(tmp_path):
     assert warnings(SURVEY, SIMULATED, tmp_path) == ()
 
 
-@pytest.mark.parametrize("part", [ROBOT, SURVEY])
+@each_case("part", [ROBOT, SURVEY])
 def test_a_real_robot_without_its_bus_is_warned_at_once(tmp_path, part):
     begun_s = time.thread_time()
     texts = [str(one.text) for one in warnings(part, REAL, tmp_path)]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import sys
 import threading
 import time
-from typing import Iterator
+from typing import Callable, Iterator
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
 
@@ -95,18 +97,27 @@ def _frequencies():
     return SWEEP.start_frequency_hz, SWEEP.stop_frequency_hz, SWEEP.points
 
 
+@pytest.fixture
+def make() -> Iterator[Callable[..., Bench]]:
+    """Make benches that are stopped in the end."""
+    with contextlib.ExitStack() as ending:
+
+        def make_bench(name="keysight.PNA", *options, **parameters):
+            made = Bench(name, *options, **parameters)
+            ending.callback(made.stop)
+            return made
+
+        yield make_bench
+
+
 @pytest.fixture(params=CLASSES)
-def bench(request) -> Iterator[Bench]:
-    made = Bench(request.param)
-    yield made
-    made.stop()
+def bench(request, make) -> Bench:
+    return make(request.param)
 
 
 @pytest.fixture
-def pna() -> Iterator[Bench]:
-    made = Bench("keysight.PNA")
-    yield made
-    made.stop()
+def pna(make) -> Bench:
+    return make()
 
 
 def test_each_sweep_was_triggered_after_the_request(bench):
@@ -201,24 +212,21 @@ def test_its_calibration_is_not_reported(bench):
     assert bench.analyzer.remarks == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     "answer, status", [(b"0\n", CalibrationStatus.NONE), (b"1\n", CalibrationStatus.NOT_REPORTED)]
 )
-def test_a_configured_query_tells_whether_it_is_calibrated(answer, status):
-    bench = Bench("keysight.PNA", {"correction_query": "SENS1:CORR:STAT?"})
-    try:
-        bench.configured()
-        bench.vna.faults.answers["SENS1:CORR:STAT?"] = answer
-        assert bench.analyzer.calibration() is status
-        bench.vna.faults.answers["SENS1:CORR:STAT?"] = b"perhaps\n"
-        with raises_fault(own_faults.NOT_UNDERSTOOD, "'PERHAPS'", "SENS1:CORR:STAT?"):
-            bench.analyzer.calibration()
-    finally:
-        bench.stop()
+def test_a_configured_query_tells_whether_it_is_calibrated(make, answer, status):
+    bench = make("keysight.PNA", {"correction_query": "SENS1:CORR:STAT?"})
+    bench.configured()
+    bench.vna.faults.answers["SENS1:CORR:STAT?"] = answer
+    assert bench.analyzer.calibration() is status
+    bench.vna.faults.answers["SENS1:CORR:STAT?"] = b"perhaps\n"
+    with raises_fault(own_faults.NOT_UNDERSTOOD, "'PERHAPS'", "SENS1:CORR:STAT?"):
+        bench.analyzer.calibration()
 
 
-def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said():
-    bench = Bench("keysight.PNA", {"correction_query": "SENS1:CORR:STAT?"})
+def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said(make):
+    bench = make("keysight.PNA", {"correction_query": "SENS1:CORR:STAT?"})
     command = bench.vna.command
 
     def losing(header, *value):
@@ -227,14 +235,11 @@ def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said():
         command(header, *value)
 
     bench.vna.command = losing
-    try:
-        with raises_fault(faults.CALIBRATION_LOST):
-            bench.configured()
-    finally:
-        bench.stop()
+    with raises_fault(faults.CALIBRATION_LOST):
+        bench.configured()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "settings",
     [
         AnalyzerSettings(output_power="HIGH"),
@@ -247,7 +252,7 @@ def test_settings_that_it_does_not_have_are_refused(bench, settings):
     bench.analyzer.check_sweep(SWEEP)
 
 
-@pytest.mark.parametrize("address", ["192.168.1.10", "TCPIP0", "a::b c", "", "x::" + "y" * 200])
+@each_case("address", ["192.168.1.10", "TCPIP0", "a::b c", "", "x::" + "y" * 200])
 def test_an_address_that_is_no_visa_resource_is_refused(pna, address):
     with raises_fault(common_faults.NOT_ALLOWED, address[:64]):
         pna.analyzer.connect(address)
@@ -260,9 +265,9 @@ def test_another_instrument_is_refused(bench):
         bench.analyzer.identify()
 
 
-@pytest.mark.parametrize("query", ["*IDN?", "*OPC?", ""])
+@each_case("query", ["*IDN?", "*OPC?", ""])
 def test_no_answer_is_an_error_in_bounded_time(bench, query):
-    bench.vna.faults.silent.add(query)
+    bench.vna.faults.silent = {query}
     begun_s = time.monotonic()
     with raises_fault(faults.NO_LINK):
         bench.configured()
@@ -301,10 +306,11 @@ def data_query(bench: Bench) -> str:
     return "CALC:DATA:SDATA?" if "FieldFox" in str(bench.parameters) else "CALC1:DATA? SDATA"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "answer", [b"\n", b"garbage\n", b"1,2,3\n", b"#0\n", b"1,nan\n", b"#216" + bytes(16) + b"\n"]
 )
 def test_data_that_are_wrong_are_an_error(bench, answer):
+    bench.vna.faults.answers.clear()
     bench.configured()
     bench.vna.faults.answers[data_query(bench)] = answer
     with pytest.raises(VnaError):
@@ -325,7 +331,7 @@ def test_numbers_that_are_not_finite_are_refused(bench):
         bench.analyzer.sweep()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "name, query, answer",
     [
         ("keysight.PNA", "SENS1:SWE:TIME?", b"9.91E37\n"),
@@ -335,14 +341,11 @@ def test_numbers_that_are_not_finite_are_refused(bench):
         ("keysight.FieldFox", "SENS:AVER:COUN?", b"1E9\n"),
     ],
 )
-def test_impossible_values_are_refused(name, query, answer):
-    bench = Bench(name)
+def test_impossible_values_are_refused(make, name, query, answer):
+    bench = make(name)
     bench.vna.faults.answers[query] = answer
-    try:
-        with raises_fault(faults.BAD_DATA):
-            bench.configured()
-    finally:
-        bench.stop()
+    with raises_fault(faults.BAD_DATA):
+        bench.configured()
 
 
 def test_one_slow_sweep_while_the_duration_is_learned_does_no_harm(pna):
@@ -431,15 +434,12 @@ def test_the_driver_refuses_another_serial_number_at_a_reconnect(bench):
         bench.driver.get_trace()
 
 
-def test_without_leave_of_the_configuration_no_trace_is_taken():
-    bench = Bench("keysight.PNA", accepted_calibrations=(CalibrationStatus.HIGH,))
-    try:
-        bench.driver.connect_to_vna(bench.address)
-        bench.driver.set_frequency_sweep(SWEEP)
-        with raises_fault(faults.CALIBRATION_UNREPORTED, 5):
-            bench.driver.get_trace()
-    finally:
-        bench.stop()
+def test_without_leave_of_the_configuration_no_trace_is_taken(make):
+    bench = make("keysight.PNA", accepted_calibrations=(CalibrationStatus.HIGH,))
+    bench.driver.connect_to_vna(bench.address)
+    bench.driver.set_frequency_sweep(SWEEP)
+    with raises_fault(faults.CALIBRATION_UNREPORTED, 5):
+        bench.driver.get_trace()
 
 
 # Another kind of session.
@@ -470,9 +470,9 @@ class Vxi11Device:
         pass
 
 
-@pytest.mark.parametrize("support", [ClearSupport.FULL, ClearSupport.ERROR_8])
-def test_a_session_over_vxi11_begins_with_empty_buffers(support):
-    bench = Bench("keysight.PNA", clear_on_connect=True)
+@each_case("support", [ClearSupport.FULL, ClearSupport.ERROR_8])
+def test_a_session_over_vxi11_begins_with_empty_buffers(make, support):
+    bench = make("keysight.PNA", clear_on_connect=True)
     device = Vxi11Device(bench.vna, support)
     server = Vxi11Server(device)
     server.start()
@@ -485,7 +485,6 @@ def test_a_session_over_vxi11_begins_with_empty_buffers(support):
         bench.analyzer.release()
         assert_released(bench)
     finally:
-        bench.stop()
         server.stop()
 
 

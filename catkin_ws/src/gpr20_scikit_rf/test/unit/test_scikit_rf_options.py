@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-import pytest
 import yaml
+from case_kit import each_case
 from fault_kit import raises_fault
 from tutorial_code import code_blocks
 
@@ -30,7 +30,7 @@ def test_the_configuration_of_the_readme_is_accepted():
     assert made(OF_README).trace_duration_s is None
 
 
-@pytest.mark.parametrize(
+@each_case(
     "former, new, fault, shown",
     [
         ("{scikit_rf_class: keysight.PNA}", "{}", faults.CONFIGURATION, "scikit_rf_class"),
@@ -49,7 +49,7 @@ def test_what_no_such_analyzer_has_is_refused_before_a_launch(former, new, fault
         made(OF_README.replace(former, new))
 
 
-@pytest.mark.parametrize(
+@each_case(
     "address",
     [
         "TCPIP0::192.168.1.5::inst0::INSTR",
@@ -64,7 +64,7 @@ def test_names_of_visa_resources_are_accepted(address):
     assert visa_resource_name("address", address) == address
 
 
-@pytest.mark.parametrize(
+@each_case(
     "address",
     ["", "192.168.1.5", "::", "GPIB0::", "::INSTR", "A::b c", "A::\n", "A::ñ", "A::" + "b" * 126],
 )

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,8 +51,8 @@ def test_trailing_comma_can_be_left_out():
     assert payload(np.array([1.0, 2.0]), DataFormat.ASCII, style, 1) == b"1.0E+00,2.0E+00"
 
 
-@pytest.mark.parametrize(
-    ("length", "digits", "header"),
+@each_case(
+    "length, digits, header",
     [(2204, 0, b"#42204"), (78, 4, b"#40078"), (5, 0, b"#15"), (123456, 4, b"#6123456")],
 )
 def test_header_tells_the_length(length, digits, header):
@@ -67,7 +68,7 @@ DELAY_S = 0.2e-9
 VALUES = 0.5 * np.exp(-2j * np.pi * FREQUENCY_HZ * DELAY_S)
 
 
-@pytest.mark.parametrize("graph_type", [short_form(one) for one in GRAPH_TYPES])
+@each_case("graph_type", [short_form(one) for one in GRAPH_TYPES])
 def test_every_graph_type_shows_finite_numbers(graph_type):
     for values in (VALUES, np.zeros(11), np.ones(11), -np.ones(11)):
         shown = display_data(FREQUENCY_HZ, values.astype(np.complex64), graph_type)

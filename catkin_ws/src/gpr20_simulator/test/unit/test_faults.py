@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_simulator.errors import FaultError
@@ -71,7 +72,7 @@ def test_damage_lasts_longer_than_the_fault_until_it_is_cleared(board):
     assert not board.has_damaged(VnaFault.LOSES_CALIBRATION)
 
 
-@pytest.mark.parametrize(("device", "axis"), [("endstop_x", AxisId.X), ("endstop_y", AxisId.Y)])
+@each_case("device, axis", [("endstop_x", AxisId.X), ("endstop_y", AxisId.Y)])
 def test_fault_of_an_endstop_reaches_the_state(switch, state, device, axis):
     switch.set(device, "stuck_closed", 0)
     assert state.endstop_fault(axis) is EndstopFault.STUCK_CLOSED
@@ -87,8 +88,8 @@ def test_fault_of_the_converter_reaches_the_state(switch, state):
     assert switch.names() == "adc OUT_OF_RANGE"
 
 
-@pytest.mark.parametrize(
-    ("device", "fault", "count", "shown"),
+@each_case(
+    "device, fault, count, shown",
     [
         ("gpu", "HANG", 0, ("'gpu'", "vna, endstop_x, endstop_y, adc")),
         ("vna", "STUCK", 0, ("'STUCK'", "NONE, HANG")),

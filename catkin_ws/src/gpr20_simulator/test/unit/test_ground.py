@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
@@ -83,8 +84,8 @@ def test_refraction_finds_the_quickest_way(height_m, depth_m, distance_m, permit
     assert delay_s == pytest.approx(expected_s, rel=1e-9)
 
 
-@pytest.mark.parametrize("permittivity", [2.0, 4.0, 16.0])
-@pytest.mark.parametrize("depth_m", [0.03, 0.1, 0.3])
+@each_case("permittivity", [2.0, 4.0, 16.0])
+@each_case("depth_m", [0.03, 0.1, 0.3])
 def test_echo_of_a_target_below_comes_at_its_delay(permittivity, depth_m):
     soil = Soil(permittivity, 0.0)
     values = ground(point(depth_m=depth_m), soil=soil).s21(FREQUENCY_HZ, OVER, 1)
@@ -92,7 +93,7 @@ def test_echo_of_a_target_below_comes_at_its_delay(permittivity, depth_m):
     assert strongest_delay_s(values) == pytest.approx(expected_s, abs=2e-12)
 
 
-@pytest.mark.parametrize(("x_mm", "y_mm"), [(180.0, 200.0), (0.0, 80.0), (500.0, 700.0)])
+@each_case("x_mm, y_mm", [(180.0, 200.0), (0.0, 80.0), (500.0, 700.0)])
 def test_echo_of_a_target_to_the_side_comes_by_the_quickest_way(x_mm, y_mm):
     here = AntennaPosition(x_mm, y_mm, 0.0)
     values = ground(point()).s21(FREQUENCY_HZ, here, 1)
@@ -176,8 +177,8 @@ def quickest_delay_s(uneven, here, target, permittivity):
                              options={"xatol": 1e-3, "fatol": 1e-9}).fun * 1e-9  # fmt: skip
 
 
-@pytest.mark.parametrize("x_mm, y_mm", [(100.0, 200.0), (20.0, 260.0), (300.0, 100.0)])
-@pytest.mark.parametrize(
+@each_case("x_mm, y_mm", [(100.0, 200.0), (20.0, 260.0), (300.0, 100.0)])
+@each_case(
     "surface, steepest",
     [
         (Surface(), 0.0),
@@ -195,17 +196,13 @@ def test_waves_cross_an_uneven_surface_by_the_quickest_way(surface, steepest, x_
     assert delay_s == pytest.approx(quickest_delay_s(uneven, here, target, 4.0), abs=allowed_m / C)
 
 
-@pytest.mark.parametrize(("rotation_deg", "share"), [(0.0, 1.0), (90.0, 0.0), (60.0, 0.25)])
-def test_line_is_seen_by_its_own_polarization(rotation_deg, share):
-    wire = point(size_m=0.1, x_pol_strength=0.05, y_pol_strength=0.0)
-    here = AntennaPosition(100.0, 200.0, rotation_deg)
-    aligned = ground(wire).s21(FREQUENCY_HZ, OVER, 1)
-    assert ground(wire).s21(FREQUENCY_HZ, here, 1) == pytest.approx(share * aligned, abs=1e-9)
-
-
-@pytest.mark.parametrize(("rotation_deg", "share"), [(0.0, 0.0), (-90.0, 1.0), (-45.0, 0.5)])
-def test_turning_either_way_shows_the_other_polarization(rotation_deg, share):
-    wire = point(x_pol_strength=0.0, y_pol_strength=0.05)
+@each_case(
+    "x_pol_strength, rotation_deg, share",
+    [(0.05, 0.0, 1.0), (0.05, 90.0, 0.0), (0.05, 60.0, 0.25)]
+    + [(0.0, 0.0, 0.0), (0.0, -90.0, 1.0), (0.0, -45.0, 0.5)],
+)
+def test_a_line_is_seen_by_its_own_polarization(x_pol_strength, rotation_deg, share):
+    wire = point(x_pol_strength=x_pol_strength, y_pol_strength=0.05 - x_pol_strength)
     here = AntennaPosition(100.0, 200.0, rotation_deg)
     full = ground(point(x_pol_strength=0.05, y_pol_strength=0.05)).s21(FREQUENCY_HZ, OVER, 1)
     assert ground(wire).s21(FREQUENCY_HZ, here, 1) == pytest.approx(share * full, abs=1e-9)

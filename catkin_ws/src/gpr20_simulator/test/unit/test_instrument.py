@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from case_kit import each_case
 from vna_bench import (
     ascii_numbers,
     new_bench,
@@ -50,8 +50,8 @@ def test_power_on_state_is_that_of_the_manual(bench):
     assert bench.ask(":INST?;:INST:NSEL?;:RFON?") == '"MWVNA";26;1'
 
 
-@pytest.mark.parametrize(
-    ("command", "query", "answer"),
+@each_case(
+    "command, query, answer",
     [
         ("FREQ:STAR 600MHZ", "FREQ:STAR?", "600000000"),
         ("SENSE:FREQUENCY:STOP 2.5 GHZ", "SENS:FREQ:STOP?", "2500000000"),
@@ -78,12 +78,13 @@ def test_power_on_state_is_that_of_the_manual(bench):
     ],
 )
 def test_settings_are_read_back_in_their_short_form(bench, command, query, answer):
+    bench.send(":SYST:PRES")
     bench.send(command)
     assert bench.ask(query) == answer
 
 
-@pytest.mark.parametrize(
-    ("command", "query"),
+@each_case(
+    "command, query",
     [
         ("FREQ:STAR 4999", "FREQ:STAR?"),
         ("FREQ:STOP 6.1GHZ", "FREQ:STOP?"),
@@ -119,7 +120,7 @@ def test_centre_and_span_set_both_ends(bench):
     assert bench.ask("FREQ:STAR?;:FREQ:STOP?") == "1500000000;2500000000"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "query",
     ["*OPC?", "*ESR?", ":SYST:ERR?", ":CALC9:DATA? SDAT", ":CALC1:DATA? SMEM", ":FOO?", "?", ":?"],
 )
@@ -128,7 +129,7 @@ def test_unknown_queries_get_no_answer(bench, query):
     assert (outcome.answer, outcome.fault) == (b"", NetworkFault.NONE)
 
 
-@pytest.mark.parametrize(("accuracy", "state", "mask"), [(0, "0", "0"), (3, "4", "15")])
+@each_case("accuracy, state, mask", [(0, "0", "0"), (3, "4", "15")])
 def test_calibration_is_that_of_the_scene(request, accuracy, state, mask):
     bench = new_bench(request, calibration_accuracy=accuracy)
     assert bench.ask(":SENS:CORR:COLL:STAT:ACC?") == str(accuracy)

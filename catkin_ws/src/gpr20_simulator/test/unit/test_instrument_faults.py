@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rpc_wire import wait_until
 from vna_bench import (
@@ -30,8 +31,8 @@ def test_hang_gets_no_reply_for_as_many_messages_as_counted(bench):
     assert bench.instrument.opened() is NetworkFault.NONE
 
 
-@pytest.mark.parametrize(
-    ("fault", "conduct"), [("HANG", NetworkFault.NO_REPLY), ("DROP", NetworkFault.DROP_CONNECTIONS)]
+@each_case(
+    "fault, conduct", [("HANG", NetworkFault.NO_REPLY), ("DROP", NetworkFault.DROP_CONNECTIONS)]
 )
 def test_fault_that_stays_hits_new_links_too_until_it_is_cleared(bench, fault, conduct):
     bench.faults.set(fault)
@@ -48,7 +49,7 @@ def test_silent_fault_keeps_answers_back(bench):
     assert bench.send("*IDN?").answer != b""
 
 
-@pytest.mark.parametrize("data_format", ["ASC", "REAL,32"])
+@each_case("data_format", ["ASC", "REAL,32"])
 def test_truncated_block_lacks_its_last_nine_bytes(bench, data_format):
     swept(bench)
     bench.send(f"FORM {data_format}")
@@ -108,9 +109,7 @@ def test_refused_setting_counts_as_one(bench):
     assert bench.ask("SWE:POIN?;:FREQ:STAR?") == "201;1000000000"
 
 
-@pytest.mark.parametrize(
-    ("name", "count", "shown"), [("EXPLODE", 0, "HANG"), ("", 0, "HANG"), ("HANG", -1, 0)]
-)
+@each_case("name, count, shown", [("EXPLODE", 0, "HANG"), ("", 0, "HANG"), ("HANG", -1, 0)])
 def test_unknown_fault_is_refused_with_what_is_allowed(name, count, shown):
     with raises_fault(UNKNOWN_FAULT, shown, error=FaultError):
         FaultBoard().set(name, count)
@@ -139,7 +138,6 @@ COMMANDS = st.builds(
 )
 
 
-@settings(max_examples=150)
 @given(st.one_of(st.binary(max_size=60), st.lists(COMMANDS, max_size=4).map(";".join)))
 def test_no_message_breaks_the_instrument(fuzzed, message):
     data = message if isinstance(message, bytes) else message.encode("utf-8")

@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from rpc_wire import wait_until
 from vna_bench import (
     HandClock,
     ascii_numbers,
     block_content,
-    complex_numbers,
     new_bench,
     real_numbers,
     swept,
 )
 
-from gpr20_simulator.low.message_device import NetworkFault
-from gpr20_simulator.mid.world.medium import PositionProbe, probed_sweep
-
-
-def test_triggered_sweep_gives_points_of_one_new_sweep(bench):
-    first = complex_numbers(real_numbers(swept(bench)))
-    number = probed_sweep(first[0])
-    assert [probed_sweep(value) for value in first] == [number] * 11
-    second = complex_numbers(real_numbers(swept(bench)))
-    assert [probed_sweep(value) for value in second] == [number + 1] * 11
+from gpr20_simulator.mid.world.medium import PositionProbe
 
 
 def test_status_bit_is_off_while_a_triggered_sweep_runs(request):
@@ -125,12 +116,6 @@ def test_preamble_describes_the_sweep(bench):
     )
 
 
-def test_reset_loses_the_network(bench):
-    assert not bench.instrument.network_lost
-    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
-    assert bench.instrument.network_lost
-
-
 def test_data_replies_are_captured_byte_by_byte(bench):
     data = swept(bench)
     bench.ask("*IDN?")
@@ -138,8 +123,8 @@ def test_data_replies_are_captured_byte_by_byte(bench):
     assert bench.captured == [("sdat", data), ("freq", frequencies)]
 
 
-@pytest.mark.parametrize(
-    ("commands", "gain"),
+@each_case(
+    "commands, gain",
     [
         ("", 1.0),
         (":SWE:IFBW 100", 0.1),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from case_kit import each_case
 
 from gpr20_common.low.clock import Clock
 from gpr20_height_sensor.errors import SensorRangeError, SensorStuckError
@@ -33,7 +34,7 @@ def driver_of(sensor):
     return HeightDriver(adc, HeightParameters(), NoClock(), lambda: 0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "distance_m, voltage_v", [(0.80, 0.4), (0.10, 2.3)]
 )  # fmt: skip
 def test_the_output_is_that_of_the_data_sheet(distance_m, voltage_v):
@@ -48,7 +49,7 @@ def test_the_output_falls_on_both_sides_of_its_peak():
     assert (np.diff(voltages_v[: peak + 1]) > 0).all() and (np.diff(voltages_v[peak:]) < 0).all()
 
 
-@pytest.mark.parametrize("height_m", [0.12, 0.20, 0.30, 0.40])
+@each_case("height_m", [0.12, 0.20, 0.30, 0.40])
 def test_the_driver_finds_the_true_height_within_5_mm(height_m):
     assert driver_of(sensor_at(height_m)).take_measurement().height_m == pytest.approx(
         height_m, abs=0.005
@@ -77,6 +78,6 @@ def test_other_channels_are_grounded():
     assert sensor_at(0.2).code(1) == 0
 
 
-@pytest.mark.parametrize("height_m", [0.0, -0.1, 0.07, 100.0])
+@each_case("height_m", [0.0, -0.1, 0.07, 100.0])
 def test_any_height_gives_a_code_of_the_converter(height_m):
     assert 0 <= sensor_at(height_m).code(0) <= 1023

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 from rpc_wire import call, opaque, unpack_words, words
@@ -97,7 +98,7 @@ def test_procedure_may_leave_a_call_without_reply():
     assert answered(call(PROGRAM, VERSION, SILENT)) is None
 
 
-@pytest.mark.parametrize("message", [b"", b"\0\0\0", words(7, 1, 0), words(7, 0, 2, PROGRAM)])
+@each_case("message", [b"", b"\0\0\0", words(7, 1, 0), words(7, 0, 2, PROGRAM)])
 def test_what_is_no_call_is_refused(message):
     with pytest.raises(XdrError):
         answered(message)

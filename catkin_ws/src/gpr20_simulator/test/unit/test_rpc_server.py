@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import contextlib
 import os
-import random
 import socket
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from rpc_wire import LAST, RawClient, call, record, unpack_words, wait_until, words
 
@@ -95,14 +95,6 @@ def test_client_that_leaves_in_mid_record_is_forgotten(server, gone):
         assert echoed(client)
 
 
-def test_random_bytes_never_stop_the_server(server):
-    dice = random.Random(1)
-    for _ in range(60):
-        with RawClient(server.port) as client:
-            client.send(dice.getrandbits(8 * 60).to_bytes(60, "big"))
-    wait_until(lambda: _is_served(server), "service of a good client")
-
-
 def _is_served(server):
     with RawClient(server.port) as client:
         try:
@@ -120,15 +112,6 @@ def test_connections_beyond_the_limit_are_turned_away(server):
     wait_until(lambda: _is_served(server), "a free place")
     for client in clients[1:]:
         client.sock.close()
-
-
-def test_dropped_clients_can_come_again(server):
-    with RawClient(server.port) as client:
-        assert echoed(client)
-        server.drop_connections()
-        assert client.is_closed()
-    with RawClient(server.port) as client:
-        assert echoed(client)
 
 
 def test_stopped_server_drops_its_clients_and_listens_no_more(server):
@@ -169,13 +152,13 @@ GETPORTS = [
 ]
 
 
-@pytest.mark.parametrize(("wanted", "port"), GETPORTS)
+@each_case("wanted, port", GETPORTS)
 def test_portmapper_tells_ports_on_tcp(portmapper, wanted, port):
     with RawClient(portmapper.port) as client:
         assert client.result(PMAP, 2, 3, words(*wanted)) == words(port)
 
 
-@pytest.mark.parametrize(("wanted", "port"), GETPORTS)
+@each_case("wanted, port", GETPORTS)
 def test_portmapper_tells_ports_on_udp(portmapper, wanted, port):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.settimeout(5.0)
@@ -193,7 +176,7 @@ def test_portmapper_lists_what_it_knows(portmapper):
         ]
 
 
-@pytest.mark.parametrize("procedure", [1, 2])
+@each_case("procedure", [1, 2])
 def test_nobody_can_change_the_portmapper(portmapper, procedure):
     with RawClient(portmapper.port) as client:
         assert client.result(PMAP, 2, procedure, words(395183, 1, 6, 1)) == words(0)

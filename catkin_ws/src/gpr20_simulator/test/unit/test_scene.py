@@ -3,14 +3,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_simulator.errors import SceneError
 from gpr20_simulator.faults import WRONG_SCENE
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
-from gpr20_simulator.mid.world.scene import Scene, Shape, read_scene
+from gpr20_simulator.mid.world.scene import Scene, read_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FREQUENCY_HZ = np.linspace(0.6e9, 6e9, 501)
@@ -24,19 +24,12 @@ def scene_from(tmp_path, text):
     return read_scene(str(path))
 
 
-@pytest.mark.parametrize("name", ["two_targets", "three_targets"])
+@each_case("name", ["two_targets", "three_targets"])
 def test_scenes_of_the_package_are_good(name):
     scene = read_scene(str(SCENES / f"{name}.yaml"))
     assert scene.name == name
     values = Ground(scene).s21(FREQUENCY_HZ, AntennaPosition(150.0, 150.0, 0.0), 1)
     assert np.max(np.abs(values)) < 0.1
-
-
-def test_three_targets_differ_in_kind():
-    targets = read_scene(str(SCENES / "three_targets.yaml")).targets
-    assert [one.shape for one in targets] == [Shape.SPHERE, Shape.DISC, Shape.LINE]
-    assert targets[2].x_pol_strength == 0.0
-    assert targets[2].y_pol_strength > 0.0
 
 
 def test_targets_of_the_default_scene_stand_out_of_the_noise():
@@ -70,8 +63,8 @@ def test_numbers_without_point_become_floats(tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
+@each_case(
+    "text, shown",
     [
         ("soil: {permitivity: 4}", ("scene/soil/permitivity", "loss_tangent")),
         ("soil: {relative_permittivity: 0.5}", ("relative_permittivity", 0.5, 1, 81)),

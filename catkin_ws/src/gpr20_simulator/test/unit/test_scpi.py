@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,8 +23,8 @@ def parts(message):
     return [(one.header, one.is_query, one.argument) for one in split_message(message)]
 
 
-@pytest.mark.parametrize(
-    ("message", "commands"),
+@each_case(
+    "message, commands",
     [
         (b"*IDN?", [("*IDN", True, "")]),
         (b":CALC1:DATA? SDAT\r\n", [(":CALC1:DATA", True, "SDAT")]),
@@ -46,8 +47,8 @@ def test_later_command_without_its_colon_is_not_understood():
     assert parts(b":FREQ:STAR 1;FREQ:STOP 2") == [(":FREQ:STAR", False, "1")]
 
 
-@pytest.mark.parametrize(
-    ("pattern", "header", "numbers"),
+@each_case(
+    "pattern, header, numbers",
     [
         ("[:SENSe]:FREQuency:STARt", ":SENS:FREQ:STAR", ()),
         ("[:SENSe]:FREQuency:STARt", ":sense:frequency:start", ()),
@@ -66,8 +67,8 @@ def test_documented_spellings_match(pattern, header, numbers):
     assert HeaderPattern(pattern).match(header) == numbers
 
 
-@pytest.mark.parametrize(
-    ("pattern", "header"),
+@each_case(
+    "pattern, header",
     [
         ("[:SENSe]:FREQuency:STARt", ":SENS:FREQU:STAR"),
         ("[:SENSe]:FREQuency:STARt", ":FREQ:STA"),
@@ -86,8 +87,8 @@ def test_short_form_is_the_capitals():
     assert [short_form(one) for one in ("SMITh", "LM/2", "REAL,32")] == ["SMIT", "LM/2", "REAL,32"]
 
 
-@pytest.mark.parametrize(
-    ("text", "hertz"),
+@each_case(
+    "text, hertz",
     [
         ("600000000", 6e8),
         ("6E8", 6e8),
@@ -102,7 +103,7 @@ def test_frequencies_with_units_are_understood(text, hertz):
     assert frequency_between(text, 5e3, 6e9) == pytest.approx(hertz, rel=1e-15)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     ["", "nan", "inf", "1_000", "600 MS", "1e999", "-6e8", "7GHZ", "4999", "0x10", "6e8 6e8"],
 )
@@ -111,13 +112,13 @@ def test_what_is_no_frequency_in_range_is_refused(text):
         frequency_between(text, 5e3, 6e9)
 
 
-@pytest.mark.parametrize("text", ["1", "4002", "500.5", "NAN", "500HZ", ""])
+@each_case("text", ["1", "4002", "500.5", "NAN", "500HZ", ""])
 def test_what_is_no_number_of_points_is_refused(text):
     with pytest.raises(ScpiError):
         whole_number_between(text, 2, 4001)
 
 
-@pytest.mark.parametrize(("text", "on"), [("ON", True), ("1", True), ("off", False), ("0", False)])
+@each_case("text, on", [("ON", True), ("1", True), ("off", False), ("0", False)])
 def test_switches_are_understood(text, on):
     assert switch(text) is on
 

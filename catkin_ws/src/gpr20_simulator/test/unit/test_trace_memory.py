@@ -7,21 +7,14 @@ import random
 
 import numpy as np
 import pytest
+from case_kit import each_case
+from vna_bench import CountingProbe
 
 from gpr20_simulator.mid.analyzer.trace_memory import MOST_WAITING_SWEEPS, SweepPart, TraceMemory
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 
 DRAWS = int(os.environ.get("GPR20_TRACE_MEMORY_DRAWS", "40"))
 POINTS = 24
-
-
-class CountingProbe(PositionProbe):
-    def __init__(self):
-        self.calls = 0
-
-    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
-        self.calls += 1
-        return super().s21(frequency_hz, position, sweep_number, noise_gain)
 
 
 def memory(medium=None):
@@ -38,10 +31,9 @@ def share_of(sweep_number, averages):
     return 1.0 / min(sweep_number, averages)
 
 
-@pytest.mark.parametrize("averages", [1, 3])
-@pytest.mark.parametrize("seed", range(DRAWS))
+@each_case("averages", [1, 3])
+@each_case("seed", range(DRAWS))
 def test_later_is_as_good_as_at_once(seed, averages):
-    """The seed is in the name of the test that fails."""
     draw = random.Random(seed)
     at_once, later = memory(), memory()
     for number in range(1, draw.randrange(2, MOST_WAITING_SWEEPS)):

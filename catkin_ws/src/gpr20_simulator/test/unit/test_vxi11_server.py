@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 import pytest
+from case_kit import each_case
 from rpc_wire import RawClient, call, opaque, record, unpack_words, wait_until, words
 from vxi11_wire import (
     ABORT,
@@ -61,11 +62,6 @@ def test_receive_size_below_what_the_standard_demands_is_refused():
         Limits(receive_size=1023)
 
 
-def test_links_have_different_numbers(server, link):
-    with CoreLink(server.port) as other:
-        assert other.link != link.link
-
-
 def test_unknown_device_name_gets_error_3(server):
     with CoreLink(server.port, name=b"gpib0,5") as other:
         assert other.error == 3
@@ -93,11 +89,6 @@ def test_message_without_end_cannot_fill_the_memory(device, link):
     assert link.write(b"x" * 1024, flags=0)[0] == 9
     assert link.write(b"B")[0] == 0
     assert device.messages == [b"B"]
-
-
-def test_answer_is_read_with_its_end(link):
-    link.write(b"abc?")
-    assert link.read() == (0, END_REASON, b"abc?")
 
 
 def test_read_in_pieces_says_why_each_piece_ended(link):
@@ -136,13 +127,6 @@ def test_premature_read_times_out_with_error_15_in_time(link):
     assert 0.15 <= time.monotonic() - started_s < 0.15 + LIMIT_S
 
 
-def test_answers_not_read_stay_in_front_of_later_ones(link):
-    link.write(b"first?")
-    link.write(b"second?")
-    assert link.read()[2] == b"first?"
-    assert link.read()[2] == b"second?"
-
-
 def test_late_answer_comes_in_front_of_the_next_one(device, link):
     device.fault = NetworkFault.ANSWER_LATE
     assert link.write(b"first?")[0] == 0
@@ -171,23 +155,6 @@ def test_clear_forgets_answers_and_half_messages(device, link):
     link.write(b"new?")
     assert link.read()[2] == b"new?"
     assert device.messages[-1] == b"new?"
-
-
-def test_status_byte_says_whether_an_answer_waits(link):
-    assert link.generic(13) == (0, 0)
-    link.write(b"?")
-    assert link.generic(13) == (0, 0x10)
-
-
-def test_trigger_is_not_supported(link):
-    assert link.generic(14) == (8,)
-
-
-def test_remote_and_local_reach_the_device(device, link):
-    assert link.generic(16) == (0,)
-    assert device.is_remote
-    assert link.generic(17) == (0,)
-    assert not device.is_remote
 
 
 def test_clear_that_is_not_supported_gets_error_8_and_clears_nothing(device, link):
@@ -245,10 +212,11 @@ def test_service_requests_and_commands_are_not_supported(link):
     assert link.result(CORE, 1, 26) == words(8)
 
 
-@pytest.mark.parametrize("size", [1025, 4000, 70_000])
+@each_case("size", [1025, 4000, 70_000])
 def test_call_above_the_receive_size_leaves_the_link_usable(device, link, size):
+    before = list(device.messages)
     assert link.write(b"x" * size) == (5, 0)
-    assert device.messages == []
+    assert device.messages == before
     assert link.write(b"B") == (0, 1)
 
 
@@ -260,18 +228,15 @@ def test_call_above_the_record_size_ends_the_connection(device):
     server.stop()
 
 
-@pytest.mark.parametrize("procedure", [13, 14, 15, 16, 17])
-def test_calls_on_no_link_get_error_4(link, procedure):
-    assert link.generic(procedure, link=9999)[0] == 4
-
-
-def test_read_write_and_destroy_on_no_link_get_error_4(link):
+def test_calls_on_no_link_get_error_4(link):
     link.destroy()
     assert link.write(b"x") == (4, 0)
     assert link.read() == (4, 0, b"")
     assert link.lock() == 4
     assert link.unlock() == 4
     assert link.destroy() == 4
+    # Status byte, trigger, clear, remote and local.
+    assert [link.generic(procedure, link=9999)[0] for procedure in range(13, 18)] == [4] * 5
 
 
 def test_nobody_can_use_the_link_of_another_connection(server, link):

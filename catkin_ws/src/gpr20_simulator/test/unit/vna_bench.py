@@ -35,16 +35,29 @@ class HandClock(Clock):
         return event.wait(min(timeout_s, 0.001))
 
 
+class CountingProbe(PositionProbe):
+    """Counts how often it is measured."""
+
+    def __init__(self):
+        self.calls = 0
+
+    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
+        self.calls += 1
+        return super().s21(frequency_hz, position, sweep_number, noise_gain)
+
+
 class Carriage:
-    """Antennas that are where the test put them."""
+    """Antennas that are where the test put them; counts who looks where they are."""
 
     def __init__(self):
         self.here = AntennaPosition(0.0, 0.0, 0.0)
+        self.looks = 0
 
     def move(self, x_mm, y_mm=0.0, rotation_deg=0.0):
         self.here = AntennaPosition(x_mm, y_mm, rotation_deg)
 
     def position(self):
+        self.looks += 1
         return self.here
 
 

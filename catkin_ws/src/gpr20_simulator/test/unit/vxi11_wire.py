@@ -24,7 +24,6 @@ class EchoDevice:
         self.open_conduct = NetworkFault.NONE
         self.clear_support = ClearSupport.FULL
         self.reachable = True
-        self.is_remote = False
 
     def is_reachable(self):
         return self.reachable
@@ -41,7 +40,7 @@ class EchoDevice:
         return self.clear_support
 
     def set_remote(self, remote):
-        self.is_remote = remote
+        """It has no keys."""
 
 
 class CoreLink(RawClient):

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from annotation_examples import EXAMPLE, REFUSED, REFUSED_POSITIONS, annotations
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -38,13 +39,13 @@ def test_an_annotation_comes_out_of_the_fields_of_a_message_as_it_went_in(annota
     assert repr(from_fields(SimpleNamespace(**annotation.fields()))) == repr(annotation)
 
 
-@pytest.mark.parametrize(("changes", "shown"), REFUSED)
+@each_case("changes, shown", REFUSED)
 def test_a_text_that_is_too_long_or_cannot_be_shown_is_refused(changes, shown):
     with raises_fault("value.not_allowed", *shown, error=InvalidValueError):
         Annotation(**changes)
 
 
-@pytest.mark.parametrize(("numbers", "shown"), REFUSED_POSITIONS)
+@each_case("numbers, shown", REFUSED_POSITIONS)
 def test_a_position_that_is_not_on_the_earth_is_refused(numbers, shown):
     with raises_fault("value.not_allowed", *shown, error=InvalidValueError):
         Wgs84Position(*numbers)
@@ -60,7 +61,7 @@ def test_a_survey_from_before_there_were_names_is_read():
     assert Annotation("Ana", "El Carmen").values() == older
 
 
-@pytest.mark.parametrize(
+@each_case(
     "values",
     [
         None,
@@ -99,7 +100,7 @@ def test_a_heading_is_stored_and_stays_with_its_position(annotation, heading_deg
     assert kept == (replace(moved, heading_deg=heading_deg) if moved == annotation else moved)
 
 
-@pytest.mark.parametrize("heading_deg", [-0.1, 360.1, float("nan"), "12", True])
+@each_case("heading_deg", [-0.1, 360.1, float("nan"), "12", True])
 def test_a_heading_that_is_no_direction_is_refused(heading_deg):
     with raises_fault("value.not_allowed", error=InvalidValueError):
         Annotation(heading_deg=heading_deg)
@@ -109,8 +110,6 @@ def test_a_damaged_former_annotation_has_no_heading():
     assert keeping_heading(EXAMPLE, {"annotation": {"site": 5}}) == EXAMPLE
 
 
-@pytest.mark.parametrize(
-    "text", ["4.5,-74.25", "4.5; -74.25", "4,5; -74,25", " 4.50 , -74.250 ", "4,5;-74.25"]
-)
+@each_case("text", ["4.5,-74.25", "4.5; -74.25", "4,5; -74,25", " 4.50 , -74.250 ", "4,5;-74.25"])
 def test_a_position_is_read_with_decimal_points_and_commas(text):
     assert position_from_text(text) == Wgs84Position(4.5, -74.25)

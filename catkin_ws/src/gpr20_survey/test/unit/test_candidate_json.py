@@ -5,6 +5,7 @@ import random
 
 import pytest
 from candidate_examples import SURVEY, candidate, candidate_list, candidate_lists
+from case_kit import each_case
 from hypothesis import given
 
 from gpr20_common.errors import InvalidValueError
@@ -36,20 +37,20 @@ def test_a_list_comes_out_of_json_as_it_went_in(found):
     assert repr(list_from(json_text(found), found.survey_id)) == repr(found)
 
 
-@pytest.mark.parametrize("name", NEEDED)
+@each_case("name", NEEDED)
 def test_a_list_without_something_is_refused(name):
     with pytest.raises(InvalidValueError):
         list_from(json.dumps({key: value for key, value in LIST.items() if key != name}))
 
 
-@pytest.mark.parametrize("name", NEEDED_OF_EACH)
+@each_case("name", NEEDED_OF_EACH)
 def test_a_candidate_without_something_is_refused(name):
     first = {key: value for key, value in LIST["candidates"][0].items() if key != name}
     with pytest.raises(InvalidValueError):
         list_from(json.dumps({**LIST, "candidates": [first, LIST["candidates"][1]]}))
 
 
-@pytest.mark.parametrize("name", NEEDED)
+@each_case("name", NEEDED)
 def test_a_wrong_value_is_refused(name):
     for value in (*WRONG, *(() if name in MAY_BE_NONE else (None,))):
         if value not in RIGHT.get(name, []):
@@ -57,7 +58,7 @@ def test_a_wrong_value_is_refused(name):
                 list_from(json.dumps({**LIST, name: value}))
 
 
-@pytest.mark.parametrize("name", NEEDED_OF_EACH)
+@each_case("name", NEEDED_OF_EACH)
 def test_a_wrong_value_of_a_candidate_is_refused(name):
     for value in (*WRONG, *(() if name in MAY_BE_NONE else (None,))):
         if value not in RIGHT_OF_EACH.get(name, []):
@@ -66,7 +67,7 @@ def test_a_wrong_value_of_a_candidate_is_refused(name):
                 list_from(json.dumps({**LIST, "candidates": [first, LIST["candidates"][1]]}))
 
 
-@pytest.mark.parametrize(
+@each_case(
     "changes",
     [
         {"listed": 1},

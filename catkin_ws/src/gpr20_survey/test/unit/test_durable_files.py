@@ -4,6 +4,7 @@ import errno
 import os
 
 import pytest
+from case_kit import each_case
 
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.append_only_file import AppendOnlyFile
@@ -29,7 +30,7 @@ def test_writing_the_same_file_again_is_no_error(tmp_path):
     assert os.listdir(tmp_path) == ["a.json"]
 
 
-@pytest.mark.parametrize("write", [durable_files.write_new_file, durable_files.replace_file])
+@each_case("write", [durable_files.write_new_file, durable_files.replace_file])
 def test_a_full_disk_leaves_no_part_of_a_file(tmp_path, monkeypatch, write):
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(OSError, match="No space"):
@@ -56,13 +57,13 @@ def test_a_file_and_its_name_are_on_the_disk_before_the_call_returns(tmp_path, m
     assert seen == [[], [tmp_path / "a.json"]]
 
 
-@pytest.mark.parametrize("make", [durable_files.make_new_folder, AppendOnlyFile])
+@each_case("make", [durable_files.make_new_folder, AppendOnlyFile])
 def test_the_name_of_a_new_folder_or_recording_is_durable(tmp_path, monkeypatch, make):
     synced = []
     monkeypatch.setattr(
         os, "fsync", lambda descriptor: synced.append(os.readlink(f"/proc/self/fd/{descriptor}"))
     )
-    make(tmp_path / "new")
+    make(tmp_path / make.__name__)
     assert synced == [str(tmp_path)]
 
 

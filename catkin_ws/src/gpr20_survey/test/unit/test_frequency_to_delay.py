@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -42,8 +43,8 @@ def test_depth_counts_from_the_surface_in_ground_of_the_permittivity():
     assert one_way_path_m(1e-9, 9.0) == pytest.approx(0.05, rel=1e-3)
 
 
-@pytest.mark.parametrize("window", Window)
-@pytest.mark.parametrize("count", [2, 3, 101])
+@each_case("window", Window)
+@each_case("count", [2, 3, 101])
 def test_a_window_is_symmetric_and_leaves_the_level_of_an_echo(window, count):
     shares = window.shares(count)
     assert shares == pytest.approx(shares[::-1])

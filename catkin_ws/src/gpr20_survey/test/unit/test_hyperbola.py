@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -45,7 +46,7 @@ def test_the_apex_is_the_earliest_point_and_both_sides_are_equal():
     assert (np.diff(delays_s[2:]) > 0.0).all()
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 1.0])
+@each_case("delay_s", [0.0, 1.0])
 def test_a_point_that_no_ground_explains_ends_at_the_limits(delay_s):
     fitted = Hyperbola(100.0, 2e-9, 0.1, 6.0).through(200.0, delay_s)
     assert fitted.permittivity == pytest.approx(1.0 if delay_s == 0.0 else 81.0, rel=1e-6)

@@ -3,6 +3,7 @@
 import itertools
 
 import pytest
+from case_kit import each_case
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -51,7 +52,7 @@ def fastest_duration_s(ramp, steps, levels):
     return best
 
 
-@pytest.mark.parametrize("steps", range(1, 8))
+@each_case("steps", range(1, 8))
 def test_no_allowed_schedule_is_faster(steps):
     ramp = Ramp(0.02, 0.05, 0.01)
     best = fastest_duration_s(ramp, steps, [0.02, 0.03, 0.04, 0.05])

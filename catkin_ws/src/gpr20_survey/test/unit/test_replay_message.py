@@ -3,6 +3,7 @@
 from pathlib import PurePosixPath
 
 import pytest
+from case_kit import each_case
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import MESSAGES
 
@@ -30,13 +31,13 @@ def test_another_library_reads_what_is_recorded():
     assert RecordedSurvey.decode(SURVEY.encode()) == SURVEY
 
 
-@pytest.mark.parametrize("size", range(12))
+@each_case("size", range(12))
 def test_a_message_that_is_cut_off_is_refused(size):
     with pytest.raises(ValueError, match="incomplete"):
         RecordedSurvey.decode(bytes(size))
 
 
-@pytest.mark.parametrize("description", [{}, {"survey_id": 7, "started": None}])
+@each_case("description", [{}, {"survey_id": 7, "started": None}])
 def test_a_description_that_is_not_whole_gives_the_folder_alone(description):
     survey = RecordedSurvey.of(description, PurePosixPath("/data/20260921T141320_0f8fad5b"))
     assert survey == RecordedSurvey("", "", "20260921T141320_0f8fad5b")

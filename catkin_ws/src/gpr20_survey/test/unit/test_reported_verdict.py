@@ -1,6 +1,6 @@
 """The verdict of a report in survey.json is that of the coverage which it holds."""
 
-import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,7 +22,7 @@ def test_a_verdict_is_read_as_it_was_given(states):
     assert reported_verdict({"coverage": letters}) == coverage.verdict()
 
 
-@pytest.mark.parametrize("report", [None, [], "m", {}, {"coverage": ""}, {"coverage": ["m"]}])
+@each_case("report", [None, [], "m", {}, {"coverage": ""}, {"coverage": ["m"]}])
 def test_a_report_without_coverage_has_no_verdict(report):
     assert reported_verdict(report) is None
 

@@ -9,6 +9,7 @@ import random
 import shutil
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from trace_examples import SURVEY
 
@@ -111,7 +112,7 @@ def test_a_description_that_was_damaged_is_not_sealed_again(folder):
         sealing.reseal_description(folder, CHANGED)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "change",
     [
         {"survey_id": SURVEY[:-1] + "f"},
@@ -150,8 +151,8 @@ def test_every_bit_of_a_manifest_is_covered(folder):
             manifest.decode(whole[:end])
 
 
-@pytest.mark.parametrize("key", ["rewritten", "replacing", "files", "survey_id"])
-@pytest.mark.parametrize("value", [None, 1, [1], "x"])
+@each_case("key", ["rewritten", "replacing", "files", "survey_id"])
+@each_case("value", [None, 1, [1], "x"])
 def test_a_manifest_with_entries_of_another_type_is_damaged(folder, key, value):
     values = json.loads((folder / "manifest.json").read_text())
     if type(value) is type(values[key]):

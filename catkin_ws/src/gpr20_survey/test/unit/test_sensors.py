@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
@@ -25,37 +26,26 @@ def test_four_keys_are_enough():
     assert sensor.is_plausible(-1e300)
 
 
-@pytest.mark.parametrize("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
+@each_case("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
 def test_a_field_may_lie_inside_others(field):
     assert made(field=field).field == field
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("name", "Soil"),
-        ("name", ""),
-        ("name", "a" * 65),
-        ("topic", "~soil"),
-        ("topic", "soil moisture"),
-        ("topic", ""),
-        ("message", "Float64"),
-        ("message", "std_msgs/msg/Float64"),
-        ("field", "data["),
-        ("field", "a..b"),
-        ("field", "__class__.x()"),
-        ("unit", "u" * 33),
-        ("unit", "\n"),
-        ("unit", 5),
-        ("longest_age_s", 0.0),
-        ("longest_age_s", math.nan),
-        ("longest_age_s", 1e9),
-        ("required", "yes"),
-        ("low", math.inf),
-        ("high", math.nan),
-        ("higher", 1.0),
-    ],
-)
+WRONG = {
+    "name": ("Soil", "", "a" * 65),
+    "topic": ("~soil", "soil moisture", ""),
+    "message": ("Float64", "std_msgs/msg/Float64"),
+    "field": ("data[", "a..b", "__class__.x()"),
+    "unit": ("u" * 33, "\n", 5),
+    "longest_age_s": (0.0, math.nan, 1e9),
+    "required": ("yes",),
+    "low": (math.inf,),
+    "high": (math.nan,),
+    "higher": (1.0,),
+}
+
+
+@each_case("key, value", [(key, value) for key in WRONG for value in WRONG[key]])
 def test_the_message_names_a_key_or_value_that_is_wrong(key, value):
     with pytest.raises(InvalidValueError) as caught:
         made(**{key: value})
@@ -75,7 +65,7 @@ def test_low_is_below_high():
             made(low=low, high=high)
 
 
-@pytest.mark.parametrize("key", SOIL)
+@each_case("key", SOIL)
 def test_a_key_that_is_missing_is_named(key):
     values = {name: value for name, value in SOIL.items() if name != key}
     with raises_fault("config.value_not_allowed", f"sensors[0]/{key}", error=InvalidValueError):

@@ -1,4 +1,5 @@
 import pytest
+from case_kit import each_case
 
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
 
@@ -11,7 +12,7 @@ RANGES = {
 }
 
 
-@pytest.mark.parametrize("soil", Soils)
+@each_case("soil", Soils)
 def test_the_permittivity_of_a_soil_lies_within_the_published_range(soil):
     low, high = RANGES[soil]
     assert MIN_PERMITTIVITY < low <= soil.value.permittivity <= high < MAX_PERMITTIVITY

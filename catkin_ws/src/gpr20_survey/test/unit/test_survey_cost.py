@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from survey_examples import AXES, TRAVEL
@@ -42,8 +43,8 @@ def test_more_settling_costs_its_time_at_every_trace():
     assert settled.duration_s - cost.duration_s == pytest.approx(50 * 3.0)
 
 
-@pytest.mark.parametrize(
-    ("analyzer", "expected_s"),
+@each_case(
+    "analyzer, expected_s",
     [
         (AnalyzerSettings(), 501 * 350e-6),
         (AnalyzerSettings(100_000.0, 1), 501 * 350e-6),

@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,7 +21,7 @@ def test_a_survey_folder_is_named_by_time_and_id():
     assert folder == DATA / "20260921T141320_0f8fad5b"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "survey_id",
     ["", "..", "../../../../etc", "/etc/passwd", SURVEY.upper(), SURVEY + "\n", SURVEY + "/..",
      "0f8fad5b-d9cb-469f-a165-7086772895\u0660e", "{" + SURVEY + "}", SURVEY.replace("-", "")],
@@ -31,7 +31,7 @@ def test_an_id_that_is_no_uuid_never_becomes_a_path(survey_id):
         survey_folder.survey_folder(DATA, survey_id, STARTED_US)
 
 
-@pytest.mark.parametrize("started_us", [0, 1, 1_000_000_000_000_000])
+@each_case("started_us", [0, 1, 1_000_000_000_000_000])
 def test_a_survey_of_1970_is_refused(started_us):
     with raises_fault("clock.wrong", error=SurveyRefusedError):
         survey_folder.survey_folder(DATA, SURVEY, started_us)
@@ -51,8 +51,8 @@ def test_a_trace_file_name_is_one_plain_name_that_sorts_by_index(index, x_mm, y_
     assert name.endswith(".json")
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
+@each_case(
+    "text, shown",
     [
         ("", ()),
         ("[1]", ("list",)),

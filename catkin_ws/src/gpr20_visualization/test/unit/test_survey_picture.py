@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from case_kit import each_case
 
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
@@ -143,7 +144,7 @@ def test_the_area_is_that_of_the_plan():
     assert area.line_samples == 6
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "",
