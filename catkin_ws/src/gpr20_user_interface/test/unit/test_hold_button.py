@@ -1,18 +1,12 @@
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from fake_clock import FakeClock
 from PyQt5.QtCore import QEvent, QPoint, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFrame, QWidget
-from window_helpers import application
 
 from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.views.hold_button import TICK_MS, HoldButton
-
-__all__ = ["application"]
 
 
 class Held:

@@ -3,16 +3,12 @@ import time
 
 import numpy as np
 import pytest
+from test_look import contrast
 
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_patterns import Ink, StopPattern
-from gpr20_user_interface.views.palette import PALETTES, Mark, Theme
-
-pytest.importorskip("PyQt5")
-
-from test_look import contrast
-
 from gpr20_user_interface.views.map_canvas import INKS
+from gpr20_user_interface.views.palette import PALETTES, Mark, Theme
 
 
 def inks_of(state, cell_px):

@@ -1,15 +1,8 @@
-import os
-
 import pytest
-
-pytest.importorskip("PyQt5")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
 from view_kit import make_grid, trace_at
 from window_helpers import Storage
 
@@ -25,11 +18,6 @@ from gpr20_user_interface.mid.survey_additions import AdditionsRead, RelatedSurv
 from gpr20_user_interface.views.look import Look
 from gpr20_user_interface.views.map_view import MapView
 from gpr20_user_interface.views.palette import Mark
-
-
-@pytest.fixture(scope="module")
-def application():
-    yield QApplication.instance() or QApplication([])
 
 
 class Shown:

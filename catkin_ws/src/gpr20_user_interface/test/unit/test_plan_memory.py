@@ -3,7 +3,7 @@ import threading
 
 import pytest
 import yaml
-from window_helpers import ROBOT
+from view_kit import TRAVEL as ROBOT
 
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_user_interface import faults

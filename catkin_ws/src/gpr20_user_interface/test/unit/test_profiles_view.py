@@ -1,12 +1,11 @@
 import pytest
 from PyQt5.QtCore import QPoint, QRect
 from PyQt5.QtWidgets import QLabel
-from window_helpers import application, click, enter, hold, show, snapshot, window
+from view_kit import snapshot
+from window_helpers import click, enter, hold, show
 
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface import faults
-
-__all__ = ["application", "window"]
 
 
 @pytest.fixture(autouse=True)

@@ -1,12 +1,6 @@
-import os
-
+import numpy as np
 import pytest
 from candidate_examples import candidate, candidate_list
-
-pytest.importorskip("PyQt5")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-
-import numpy as np
 from PyQt5 import sip
 from PyQt5.QtCore import QEvent, QPointF, Qt
 from PyQt5.QtGui import QColor, QMouseEvent
@@ -27,11 +21,6 @@ from gpr20_user_interface.views.shade_colours import LAST_SHADE, NOT_MEASURED
 
 ID = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOISE = 1e-4
-
-
-@pytest.fixture(scope="module")
-def application():
-    yield QApplication.instance() or QApplication([])
 
 
 @pytest.fixture

@@ -8,15 +8,12 @@ import random
 import sys
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from fake_clock import FakeClock
 from finger import Finger, place_of
 from PyQt5.QtCore import QPoint
 from PyQt5.QtWidgets import QAbstractButton
-from view_kit import description
-from window_helpers import Storage, application, close, new_window, show, snapshot, wishes
+from view_kit import description, snapshot
+from window_helpers import Storage, close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -29,8 +26,6 @@ from gpr20_user_interface.mid.trace_events import SurveyRead, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 TOUCHES = int(os.environ.get("GPR20_TOUCHES", "10000"))
 SEEDS = int(os.environ.get("GPR20_SEEDS", "1"))

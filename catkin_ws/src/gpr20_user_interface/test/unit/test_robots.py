@@ -5,12 +5,10 @@ import sys
 
 import pytest
 from fake_clock import FakeClock
-
-pytest.importorskip("PyQt5")
-
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from window_helpers import application, close, new_window, show, snapshot
+from view_kit import snapshot
+from window_helpers import close, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -19,8 +17,6 @@ from gpr20_user_interface.low.next_window import NAMESPACE, command, with_namesp
 from gpr20_user_interface.mid.events import ControlState, Request
 from gpr20_user_interface.mid.robots import RobotReported, Robots, RobotsFound, robots_on_master
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)
 

@@ -1,18 +1,12 @@
 """The window covers the screen, also one that is rotated or replaced, or fits on it."""
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from PyQt5.QtCore import QRect, Qt
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QWidget
-from window_helpers import application
 
 from gpr20_user_interface.views.screen_placement import ScreenPlacement
-
-__all__ = ["application"]
 
 
 @pytest.fixture

@@ -2,24 +2,22 @@ import dataclasses
 
 import pytest
 from PyQt5.QtWidgets import QApplication
-from view_kit import SURVEY, description, make_grid, trace_at
-from window_helpers import (
-    Storage,
-    application,
-    click,
-    close,
-    hold_to_start,
-    new_window,
-    show,
+from view_kit import (
+    FOLDER,
+    PAST,
+    SURVEY,
+    description,
+    make_grid,
+    past_survey,
     snapshot,
-    wishes,
+    state_of,
+    trace_at,
 )
+from window_helpers import click, hold_to_start, show, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.mid.events import ControlState, CurrentPosition, TargetPosition
+from gpr20_user_interface.mid.events import CurrentPosition, TargetPosition
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.trace_events import (
@@ -33,27 +31,9 @@ from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES
 from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT, WHAT
-from gpr20_user_interface.views.translation import Languages
 
-__all__ = ["application"]
-
-OTHER = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+OTHER = PAST
 GRID = make_grid()
-FOLDER = "20261121T051000_7c9e6679"
-
-
-@pytest.fixture
-def storage():
-    return Storage()
-
-
-@pytest.fixture
-def window(application, storage):
-    languages = Languages(application, Language.ENGLISH)
-    window = new_window(languages, storage=storage)
-    window.show()
-    yield window
-    close(window)
 
 
 def stored(count, survey=SURVEY, planned=40):
@@ -179,15 +159,6 @@ def listed(*surveys, before="", more=False):
     return SurveysListed(before, surveys, more)
 
 
-def past(outcome="stopped", complete=False, survey_id=OTHER, problem=None, folder=FOLDER):
-    started = "" if problem else "2026-11-21T05:10:00.000000+00:00"
-    count = 0 if problem else 7
-    verdict = verbatim("INCOMPLETE: 7 of 40")
-    return SurveySummary(
-        folder, survey_id, started, outcome, count, 40, verdict, complete, True, problem
-    )
-
-
 def cell(window, row, column):
     return window.past.table.item(row, column).text()
 
@@ -195,11 +166,13 @@ def cell(window, row, column):
 def test_the_list_says_what_became_of_each_survey(window, storage):
     window.show_tab(TabName.SURVEYS)
     assert storage.asked == [("list", "")]
-    damaged = past(
-        problem=verbatim("survey.json cannot be read"), folder="20261120T051000_0f8fad5b"
+    damaged = past_survey(
+        started="",
+        problem=verbatim("survey.json cannot be read"),
+        folder="20261120T051000_0f8fad5b",
     )
-    window.on_event(listed(past(), damaged, past("finished", True)))
-    assert cell(window, 0, WHAT) == past().local_time()
+    window.on_event(listed(past_survey(), damaged, past_survey(outcome="finished", complete=True)))
+    assert cell(window, 0, WHAT) == past_survey().local_time()
     assert "INCOMPLETE" in cell(window, 0, VERDICT)
     assert cell(window, 0, AREA).endswith("7 / 40")
     assert "UNREADABLE" in cell(window, 1, VERDICT)
@@ -210,7 +183,13 @@ def test_the_list_says_what_became_of_each_survey(window, storage):
 def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
     view = window.past
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past(), past("finished", True), past(problem=verbatim("torn"))))
+    window.on_event(
+        listed(
+            past_survey(),
+            past_survey(outcome="finished", complete=True),
+            past_survey(started="", problem=verbatim("torn")),
+        )
+    )
     allowed = []
     for row in range(3):
         view.table.selectRow(row)
@@ -221,19 +200,15 @@ def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window
     assert wishes(window) == []
     hold_to_start(window)
     assert wishes(window) == [f"resume {FOLDER}"]
-    show(window, snapshot_of(SurveyState.SURVEYING, OTHER))
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER)))
     assert not view.resume.isEnabled()
     assert "running" in cell(window, 0, VERDICT)
-
-
-def snapshot_of(code, survey_id, **known):
-    return snapshot(code, state=ControlState(code, verbatim(""), survey_id, True), **known)
 
 
 def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, storage):
     window.on_event(SurveyDescribed(description()))
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past()))
+    window.on_event(listed(past_survey()))
     window.past.table.selectRow(0)
     click(window.past.open)
     assert storage.asked[-1] == ("survey", FOLDER)
@@ -248,7 +223,7 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     for tab in (TabName.MAP, TabName.RADAR):
         window.show_tab(tab)
         band = window.tabs.currentWidget().band
-        assert band.isVisible() and f"{past().local_time()}, 7c9e6679" in band.text.whole
+        assert band.isVisible() and f"{past_survey().local_time()}, 7c9e6679" in band.text.whole
     click(window.radar_page.band.back)
     assert window.traces.shown is window.traces.live
     assert not window.radar_page.band.isVisible()
@@ -262,7 +237,7 @@ def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window
     window.show_tab(TabName.MAP)
     done = window.map.legend[StopState.DONE]
     assert done.text() == "Done: 20" and window.map_page.band.isVisible()
-    show(window, snapshot_of(SurveyState.CHECKING, SURVEY))
+    show(window, snapshot(state=state_of(SurveyState.CHECKING, survey_id=SURVEY)))
     assert done.text() == "Done: —" and not window.map_page.band.isVisible()
     window.on_event(SurveyDescribed(description()))
     window.on_event(stored(2))
@@ -273,9 +248,9 @@ def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window
 
 def test_pages_of_the_list_are_joined(window, storage):
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past(), more=True))
+    window.on_event(listed(past_survey(), more=True))
     assert storage.asked[-1] == ("list", FOLDER)
-    older = past(folder="20261120T051000_0f8fad5b")
+    older = past_survey(folder="20261120T051000_0f8fad5b")
     window.on_event(listed(older, before=FOLDER))
     assert window.past.table.rowCount() == 2
     assert storage.asked.count(("list", FOLDER)) == 1
@@ -292,9 +267,9 @@ def test_the_target_is_the_current_stop(window):
         "target": TargetPosition(125.0, 70.0, 0.0),
         "current": CurrentPosition(120.0, 70.0, 0.0),
     }
-    show(window, snapshot_of(SurveyState.SURVEYING, SURVEY, **there))
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY), **there))
     assert window.traces.live.map.current == Stop(1, 1)
-    show(window, snapshot_of(SurveyState.FINISHED, SURVEY))
+    show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
     assert window.traces.live.map.current is None
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
-from window_helpers import application, click, close, enter, hold_to_start, new_window, start
+from window_helpers import click, close, enter, hold_to_start, new_window, start
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -24,8 +24,6 @@ from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimated
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 
 class ControlThatRecords:
