@@ -176,14 +176,6 @@ def test_nothing_is_red_before_something_was_written(window):
         click(window.values.done)
 
 
-def test_too_many_points_in_all_are_said(window):
-    show(window, snapshot(SurveyState.IDLE))
-    for name in ("x_points", "y_points"):
-        enter(window, name, "1000")
-    assert "at most 1000000 traces per survey" in window.control.start.problem.text()
-    assert not window.control.start.isEnabled()
-
-
 def test_limits_that_become_known_are_applied_to_what_is_planned(window):
     enter(window, "x_stop_mm", "700")
     show(window, snapshot(SurveyState.IDLE, travel=None))
@@ -206,14 +198,6 @@ def test_start_says_why_it_is_locked(window):
         show(window, shown)
         assert not window.control.start.isEnabled()
         assert window.control.start.problem.text() == reason
-
-
-def test_the_plan_is_locked_while_a_survey_runs_and_only_then(window):
-    for code in SurveyState:
-        show(window, snapshot(code))
-        for tile in VALUE_TILES:
-            assert window.control.tiles[tile].isEnabled() is not code.running
-        assert window.control.start.isEnabled() is not code.running
 
 
 def test_a_replay_offers_no_notes(window):

@@ -11,27 +11,8 @@ from gpr20_user_interface.mid.events import ControlState, Progress
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
-from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX
+from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
-
-
-def test_stop_is_one_touch_from_every_tab_and_told_before_the_finger_leaves(window):
-    received = wishes(window)
-    show(window, snapshot(SurveyState.SURVEYING))
-    for number, tab in enumerate(TabName, 1):
-        window.show_tab(tab)
-        QTest.mousePress(window.top_bar.stop, 1)
-        assert received == ["stop"] * number
-        QTest.mouseRelease(window.top_bar.stop, 1)
-        assert received == ["stop"] * number
-
-
-def test_stop_can_be_pressed_while_there_may_be_something_to_stop(window):
-    for code in SurveyState:
-        show(window, snapshot(code))
-        assert window.top_bar.stop.isEnabled() is code.running
-        show(window, snapshot(code, alive=False))
-        assert window.top_bar.stop.isEnabled()
 
 
 def test_state_and_progress_are_seen_from_every_tab(window):
@@ -65,23 +46,6 @@ def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window):
         show(window, snapshot(SurveyState.SURVEYING))
         assert window.top_bar.sign.level is JobLevel.WORKING
         assert words not in window.top_bar.message.whole
-
-
-def test_pause_and_resume_are_beside_stop_on_every_tab(window):
-    received, bar = wishes(window), window.top_bar
-    for code in SurveyState:
-        show(window, snapshot(code))
-        assert bar.pause.isVisible() is code.running
-        assert bar.pause.isEnabled() is (code in (SurveyState.SURVEYING, SurveyState.PAUSED))
-        click(bar.pause)
-        assert received == (["pause"] if code is SurveyState.SURVEYING else [])
-        # RESUME asks first.
-        assert window.start_sheet.isVisible() is (code is SurveyState.PAUSED)
-        if code.running:
-            assert min(bar.pause.height(), bar.stop.height()) >= TOUCH_PX
-            assert bar.stop.x() - bar.pause.geometry().right() >= GAP_PX - 1
-        window.start_sheet.hide()
-        received.clear()
 
 
 def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window):

@@ -2,7 +2,7 @@
 
 import numpy as np
 from finger import place_of
-from layout_kit import LONG, assert_fits, busiest, screen, seen, spoken
+from layout_kit import LONG, assert_fits, assert_touchable, busiest, screen, seen, spoken
 from map_kit import FINER, MARKER, focused
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
@@ -71,6 +71,8 @@ def test_nothing_of_a_tab_is_cut_off(spoken):
             show(spoken, busiest(code))
             spoken.notice.hide()
             assert_fits(spoken, spoken.top_bar, spoken.tabs)
+        if code.running:
+            assert_touchable(spoken, spoken.top_bar)
     if spoken.look.scale == 1.0:
         hint = spoken.minimumSizeHint()
         assert hint.width() <= spoken.width() and hint.height() <= spoken.height()

@@ -88,7 +88,7 @@ def test_what_is_wrong_is_named_on_its_tile_and_locks(form):
         check = form.check()
         (tile,) = [one for one in VALUE_TILES if name in TILE_FIELDS[one]]
         assert words in str(tile_problem(tile, check)), (name, text)
-        assert check.parameters is None, (name, text)
+        assert (list(check.problems), check.parameters) == ([name], None), text
         form.set_texts(right)
 
 
@@ -133,15 +133,14 @@ def context(form, last_area=None, address="10.0.0.2"):
 
 WRONG = (
     ("vna_address", "10.0.0.256", "four whole numbers"),
-    ("start_frequency_hz", "0", "from 0.005 to 6000"),
+    *(("start_frequency_hz", text, "from 0.005 to 6000") for text in ("0", "-1")),
     ("start_frequency_hz", "6000", "below the stop frequency"),
     ("stop_frequency_hz", "6000.1", "from 0.005 to 6000"),
     ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
-    ("frequency_points", "0", "from 2 to 4000"),
-    ("frequency_points", "4001", "from 2 to 4000"),
-    ("x_start_mm", "-1", "from 0 to 650"),
-    ("x_stop_mm", "651", "from 0 to 650"),
-    ("y_start_mm", "nan", "from 0 to 800"),
+    *(("frequency_points", text, "from 2 to 4000") for text in ("0", "1", "4001")),
+    *(("x_start_mm", text, "from 0 to 650") for text in ("-1", "inf", "nan", "-inf")),
+    *(("x_stop_mm", text, "from 0 to 650") for text in ("650.01", "651")),
+    *(("y_start_mm", text, "from 0 to 800") for text in ("nan", "801")),
     ("y_stop_mm", "800,1", "from 0 to 800"),
     ("x_points", "2", "3 or more"),
     ("y_points", "x", "3 or more"),
@@ -149,8 +148,9 @@ WRONG = (
     *((Y_SPACING, text, "above 0") for text in ("0", "-5", "x", "", "1e400")),
     *((PERMITTIVITY, text, "permittivity: from 1 to 81") for text in ("0.9", "82", "wet", "")),
     ("polarizations_deg", "0, 91", "from -90 to 90"),
-    ("if_bandwidth_hz", "0.1", "as set on the VNA; else 1 to 1e+07"),
-    ("averages", "70000", "a whole number from 1 to 65535"),
+    ("polarizations_deg", "0, 0", "different"),
+    *(("if_bandwidth_hz", text, "as set on the VNA; else 1 to 1e+07") for text in ("0.5", "-10")),
+    ("averages", "65536", "a whole number from 1 to 65535"),
     ("output_power", "a b", "the MS2026C has LOW and HIGH"),
 )
 

@@ -5,8 +5,6 @@ import sys
 
 import pytest
 from fake_clock import FakeClock
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import close, new_window, show
 
@@ -144,14 +142,6 @@ def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
         assert window.top_bar.message.whole.startswith("/: ")
     finally:
         close(window)
-
-
-def test_stop_is_free_while_the_list_is_open(opened):
-    show(opened, snapshot(SurveyState.SURVEYING))
-    found(opened, "/robot1", "/robot2")
-    opened.settings.sheet.robot_button.click()
-    QTest.mouseClick(opened.top_bar.stop, Qt.LeftButton)
-    assert opened.survey.asked == ["stop"]
 
 
 def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():

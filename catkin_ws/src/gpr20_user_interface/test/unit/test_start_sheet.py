@@ -48,14 +48,6 @@ def test_the_sheet_closes_when_it_is_too_late(window):
         assert not sheet.isVisible()
 
 
-def test_the_sheet_leaves_stop_free(window):
-    show(window, snapshot(SurveyState.PAUSED))
-    window.start_sheet.ask_resume()
-    assert not window.start_sheet.geometry().intersects(window.top_bar.geometry())
-    click(window.top_bar.stop)
-    assert wishes(window) == ["stop"]
-
-
 def test_each_question_is_answered_once(window):
     show(window, snapshot(SurveyState.PAUSED))
     window.start_sheet.ask_resume()

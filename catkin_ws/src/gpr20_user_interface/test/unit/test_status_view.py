@@ -15,13 +15,6 @@ from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import shown_text
 
 
-def test_title_is_what_main_control_says(window):
-    for code in SurveyState:
-        show(window, snapshot(code))
-        assert window.status.message.title == code.name
-        assert window.status.message.message == "as it is"
-
-
 def test_progress_is_shown_and_never_full_before_the_end(window):
     progress = Progress("id", 99.999, 20000, 19999, 1128.0)
     show(window, snapshot(SurveyState.SURVEYING, progress=progress))

@@ -42,15 +42,6 @@ def start_sheet(window, finger):
     return window.start_sheet
 
 
-def test_start_takes_a_touch_and_a_hold(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.hold(sheet.hold, 0.9)
-    assert wishes(window) == []
-    finger.hold(sheet.hold)
-    assert wishes(window) == [window.control.parameters]
-    assert not sheet.isVisible()
-
-
 def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger):
     pressed = []
     for button in window.control.findChildren(QPushButton):
@@ -243,13 +234,3 @@ def test_a_touch_of_a_locked_screen_shows_why_it_does_nothing(window, finger):
     assert not window.touch_binding.band.text.property("flash")
     finger.tap(QPoint(400, 300))
     assert window.touch_binding.band.text.property("flash")
-
-
-def test_the_sheet_of_start_closes_when_another_client_was_faster(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.press(sheet.hold)
-    finger.wait(0.9)
-    show(window, snapshot(SurveyState.CHECKING))
-    assert not sheet.isVisible()
-    finger.wait(1.0)
-    assert wishes(window) == []

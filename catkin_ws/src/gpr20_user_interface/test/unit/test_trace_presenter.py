@@ -27,13 +27,22 @@ from gpr20_user_interface.mid.trace_events import (
     SurveysListed,
     TracesRead,
 )
-from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES
+from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES, TracePresenter
 from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT, WHAT
 
 OTHER = PAST
 GRID = make_grid()
+
+
+@pytest.fixture
+def traces(storage):
+    """What MAP and RADAR show, without a window."""
+    problems = []
+    traces = TracePresenter(storage, problems.append)
+    traces.problems = problems
+    return traces
 
 
 def stored(count, survey=SURVEY, planned=40):
@@ -45,114 +54,113 @@ def page(first_index, *indices, unreadable=None, grid=GRID):
     return TracesRead(grid.survey_id, first_index, traces, unreadable or {})
 
 
-def refresh(window, times=1):
+def refresh(traces, times=1):
     for _ in range(times):
-        window.draw()
+        traces.refresh()
 
 
-def test_a_window_that_comes_late_reads_what_was_measured_before(window, storage):
-    window.on_event(stored(6))
-    window.on_event(SurveyDescribed(description()))
-    refresh(window, 2)
+def test_a_window_that_comes_late_reads_what_was_measured_before(traces, storage):
+    traces.on_event(stored(6))
+    traces.on_event(SurveyDescribed(description()))
+    refresh(traces, 2)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert window.traces.shown.map.counts()[StopState.DONE] == 3
-    window.on_event(page(0, 0, 1, 2))
-    refresh(window, 3)
+    assert traces.shown.map.counts()[StopState.DONE] == 3
+    traces.on_event(page(0, 0, 1, 2))
+    refresh(traces, 3)
     assert storage.asked[1:] == [("traces", SURVEY, 3)]
-    window.on_event(page(3, 3, 4, 5))
-    refresh(window, 5)
-    assert window.traces.shown.radar.count == 6
+    traces.on_event(page(3, 3, 4, 5))
+    refresh(traces, 5)
+    assert traces.shown.radar.count == 6
     assert len(storage.asked) == 2
 
 
-def test_traces_on_their_way_on_the_topic_are_not_read(window, storage):
-    window.on_event(SurveyDescribed(description()))
+def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
     for index in range(5):
-        window.on_event(stored(index + 1))
-        window.draw()  # reported as stored, not received yet
-        window.on_event(trace_at(GRID, index))
-        window.draw()
+        traces.on_event(stored(index + 1))
+        traces.refresh()  # reported as stored, not received yet
+        traces.on_event(trace_at(GRID, index))
+        traces.refresh()
     assert storage.asked == []
-    assert window.traces.shown.radar.count == 5
+    assert traces.shown.radar.count == 5
 
 
-def test_a_trace_that_the_topic_lost_is_read(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(trace_at(GRID, 0))
-    window.on_event(trace_at(GRID, 2))
-    window.on_event(stored(3))
-    refresh(window, 2)
+def test_a_trace_that_the_topic_lost_is_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(GRID, 0))
+    traces.on_event(trace_at(GRID, 2))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
     assert storage.asked == [("traces", SURVEY, 1)]
 
 
-def test_a_file_that_cannot_be_read_is_told_once(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(3))
-    refresh(window, 2)
-    window.on_event(page(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
-    refresh(window, 4)
+def test_a_file_that_cannot_be_read_is_told_once(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
+    traces.on_event(page(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
+    refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert list(map(str, window.problems)) == ["trace 1: no strict JSON"]
-    assert window.traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
+    assert list(map(str, traces.problems)) == ["trace 1: no strict JSON"]
+    assert traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
 
 
-def test_an_answer_without_the_trace_does_not_ask_for_ever(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(2))
-    refresh(window, 2)
-    window.on_event(page(0, 1))
-    refresh(window, 4)
+def test_an_answer_without_the_trace_does_not_ask_for_ever(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(page(0, 1))
+    refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert "no file" in str(window.traces.shown.radar.given_up[0])
+    assert "no file" in str(traces.shown.radar.given_up[0])
 
 
-def test_a_storage_that_does_not_answer_is_asked_again(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(2))
-    refresh(window, 2)
-    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
-    refresh(window, RETRY_REFRESHES + 2)
+def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(ReadingFailed(verbatim("the storage did not answer")))
+    refresh(traces, RETRY_REFRESHES + 2)
     assert storage.asked == [("traces", SURVEY, 0)] * 2
 
 
-def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(window):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(trace_at(GRID, 0))
-    window.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
-    assert window.traces.shown.radar.count == 1
-    window.on_event(SurveyDescribed(description(survey_id=OTHER)))
-    assert window.traces.shown.radar.count == 0
+def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(GRID, 0))
+    traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
+    assert traces.shown.radar.count == 1
+    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    assert traces.shown.radar.count == 0
 
 
-def test_coverage_of_another_survey_waits_for_its_plan(window):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(4, OTHER))
-    window.draw()
-    assert window.traces.shown.map.counts() is None
-    window.on_event(SurveyDescribed(description(survey_id=OTHER)))
-    window.draw()
-    assert window.traces.shown.map.counts()[StopState.DONE] == 2
+def test_coverage_of_another_survey_waits_for_its_plan(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(4, OTHER))
+    traces.refresh()
+    assert traces.shown.map.counts() is None
+    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    traces.refresh()
+    assert traces.shown.map.counts()[StopState.DONE] == 2
 
 
-@pytest.mark.parametrize(
-    "event",
-    [
+def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
+    for event in (
         SurveyDescribed("{"),
         CoverageRuns(SURVEY, 40, (3,), (0,)),
         CoverageRuns(SURVEY, 41, (0,), (0,)),
         trace_at(GRID, 3, x_coord_mm=1.0),
         dataclasses.replace(trace_at(GRID, 3), index=99),
         SurveyRead(FOLDER, "{}", (0,)),
-    ],
-)
-def test_what_cannot_be_shown_is_told_and_the_window_goes_on(window, event):
-    window.on_event(SurveyDescribed(description()))
-    window.traces.open_survey(FOLDER)
-    window.on_event(event)
-    window.draw()
-    assert len(window.problems) == 1
-    window.on_event(trace_at(GRID, 0))
-    assert window.traces.shown.radar.count == 1
+    ):
+        problems = []
+        traces = TracePresenter(storage, problems.append)
+        traces.on_event(SurveyDescribed(description()))
+        traces.open_survey(FOLDER)
+        traces.on_event(event)
+        traces.refresh()
+        assert len(problems) == 1, event
+        traces.on_event(trace_at(GRID, 0))
+        assert traces.shown.radar.count == 1
 
 
 def listed(*surveys, before="", more=False):
@@ -214,7 +222,8 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     assert storage.asked[-1] == ("survey", FOLDER)
     window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
     assert window.tabs.currentWidget() is window.radar_page
-    refresh(window, 2)
+    window.draw()
+    window.draw()
     assert storage.asked[-1] == ("traces", OTHER, 0)
     window.on_event(page(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
     window.on_event(trace_at(GRID, 0))
