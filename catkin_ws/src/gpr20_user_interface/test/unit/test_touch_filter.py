@@ -103,18 +103,6 @@ def test_a_finger_that_stays_while_a_sheet_closes_holds_nothing_below_it(window,
     assert wishes(window) == []
 
 
-def test_what_opens_while_a_button_is_held_ends_the_hold(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.press(sheet.hold)
-    finger.wait(0.8)
-    window.notice.show_notice(NOTICE)
-    finger.wait(0.5)
-    window.notice.hide()
-    finger.wait(3.0)
-    finger.release(sheet.hold)
-    assert wishes(window) == []
-
-
 def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger):
     pressed = []
     window.control.start.clicked.connect(lambda: pressed.append("start"))
