@@ -47,7 +47,11 @@ def test_start_says_nothing_of_people_who_are_not_known():
 
 
 def test_resume_says_what_is_stored_and_how_long_it_takes():
-    for seconds, words in ((60.1, "about 2 min"), (float("nan"), "not known yet")):
+    for seconds, words in (
+        (0.0, "less than 1 min"),
+        (60.1, "about 2 min"),
+        (float("nan"), "not known yet"),
+    ):
         question = resume_question(Progress("id", 50.0, 242, 121, seconds))
         assert rows(question) == {"Stored": "121 of 242 traces", "Time left": words}
     assert resume_question(None).rows == ()

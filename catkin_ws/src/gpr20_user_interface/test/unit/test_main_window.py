@@ -1,5 +1,4 @@
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QPushButton
 from view_kit import snapshot
 from window_helpers import click, show, wishes
 
@@ -11,7 +10,6 @@ from gpr20_user_interface.mid.events import ControlState, Progress
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
-from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 
 
@@ -62,16 +60,6 @@ def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(win
         assert received == ["stop"] * number
         click(window.notice.close_button)
         assert not window.notice.isVisible()
-
-
-def test_everything_to_touch_is_large_enough_for_a_glove(window):
-    for tab in (TabName.CONTROL, TabName.STATUS):
-        window.show_tab(tab)
-        show(window, snapshot(SurveyState.IDLE))
-        touched = [one for one in window.findChildren(QPushButton) if one.isVisible()]
-        for widget in touched:
-            assert min(widget.height(), widget.width()) >= TOUCH_PX, widget.objectName()
-    assert window.tabs.tabBar().height() >= TOUCH_PX
 
 
 NO_SPACE = Message(

@@ -53,6 +53,7 @@ NOTICES = (
 
 def test_the_tabs_are_all_seen(spoken):
     bar = spoken.tabs.tabBar()
+    assert bar.height() >= spoken.look.px(TOUCH_PX) - 1
     for index in range(bar.count()):
         text, area = bar.tabText(index), bar.tabRect(index)
         needed_px = bar.fontMetrics().horizontalAdvance(text) + 2 * spoken.look.px(TAB_PADDING_PX)
@@ -84,6 +85,8 @@ def test_nothing_of_the_pages_of_status_is_cut_off(spoken):
         click(button)
         show(spoken, busiest())
         assert_fits(spoken, spoken.top_bar, spoken.status)
+        for one in seen(spoken.status, QPushButton):
+            assert min(one.height(), one.width()) >= spoken.look.px(TOUCH_PX), one.text()
 
 
 def test_no_alarm_is_cut_off(spoken):

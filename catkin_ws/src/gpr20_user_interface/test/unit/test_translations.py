@@ -54,12 +54,16 @@ def test_every_tab_changes_its_language_at_once(window, application, spanish):
     spanish.use(Language.ENGLISH)
     window.on_event(SurveysListed("", (past_survey(),), True))
     window.traces.live.begin(make_grid())
+    window.show_tab(TabName.SERVICE)
+    show(window, snapshot(SurveyState.IDLE))
+    hint = window.service.hint.text()
     spanish.use(Language.SPANISH)
     window.show_tab(TabName.RADAR)
     application.processEvents()
     assert "Sin eco no significa sin mina." in window.radar.note.text()
     assert window.map.next_problem.text() == "Siguiente\nincompleto"
     assert window.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
+    assert window.service.hint.text() not in ("", hint)
     sheet = window.radar_binding.sheet
     sheet.background.click()
     assert sheet.background.text() == "Fondo\nincluido"

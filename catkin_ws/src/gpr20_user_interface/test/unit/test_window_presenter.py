@@ -171,6 +171,10 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert control.asked[1:] == [f"resume {folder}".strip(), f"resume {folder} {OTHER}"]
     window.on_event(Answer(Request.RESUME, True, verbatim("")))
     assert not window.notice.isVisible() and not window.question.isVisible()
+    # Another refusal after the question is a notice.
+    window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
+    assert window.notice.reason.toPlainText() == "The VNA does not answer"
+    assert window.notice.isVisible() and not window.question.isVisible()
 
 
 def test_another_vna_is_not_used_if_the_operator_declines(parts):
@@ -184,15 +188,6 @@ def test_another_vna_is_not_used_if_the_operator_declines(parts):
     window.refresh()
     assert window.top_bar.pause.isEnabled()
     assert control.asked[1:] == ["resume"]
-
-
-def test_another_refusal_after_the_question_is_a_notice(parts):
-    window, _, _ = parts
-    window.on_event(REFUSED)
-    click(window.question.accept_button)
-    window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
-    assert window.notice.reason.toPlainText() == "The VNA does not answer"
-    assert window.notice.isVisible() and not window.question.isVisible()
 
 
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
