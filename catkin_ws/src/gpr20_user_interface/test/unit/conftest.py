@@ -1,9 +1,11 @@
+import os
 import sys
 from pathlib import Path
 
 import pytest
 from fake_clock import FakeClock
 
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 # The example annotations of gpr20_survey's tests.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test" / "unit"))
 
@@ -11,3 +13,34 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test
 @pytest.fixture
 def clock() -> FakeClock:
     return FakeClock()
+
+
+@pytest.fixture(scope="session")
+def application():
+    from PyQt5.QtWidgets import QApplication
+
+    yield QApplication.instance() or QApplication([])
+
+
+@pytest.fixture
+def storage():
+    from window_helpers import Storage
+
+    return Storage()
+
+
+@pytest.fixture
+def node():
+    from window_helpers import ImagingNode
+
+    return ImagingNode()
+
+
+@pytest.fixture
+def window(application, tmp_path, storage, node):
+    """A window in English, without ROS."""
+    from window_helpers import close, opened_window
+
+    window = opened_window(application, storage=storage, profiles=tmp_path, imaging=node)
+    yield window
+    close(window)

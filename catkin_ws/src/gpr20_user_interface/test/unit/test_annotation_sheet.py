@@ -5,30 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from annotation_examples import EXAMPLE
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from view_kit import SURVEY
-from window_helpers import (
-    Storage,
-    application,
-    click,
-    close,
-    new_window,
-    show,
-    snapshot,
-    start,
-)
+from view_kit import FOLDER, SURVEY, past_survey, snapshot, state_of
+from window_helpers import click, show, start
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, ControlState, Request
+from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
 from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.mid.trace_events import (
     AnnotationFailed,
@@ -37,30 +23,11 @@ from gpr20_user_interface.mid.trace_events import (
     SurveysListed,
 )
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
-
-FOLDER = "20261121T051000_7c9e6679"
-RUNS = snapshot(
-    SurveyState.SURVEYING, state=ControlState(SurveyState.SURVEYING, verbatim(""), SURVEY, True)
-)
 
 
-@pytest.fixture
-def storage():
-    return Storage()
-
-
-@pytest.fixture
-def window(application, storage, tmp_path):
-    window = new_window(
-        Languages(application, Language.ENGLISH), storage=storage, profiles=tmp_path
-    )
-    window.show()
+@pytest.fixture(autouse=True)
+def idle(window):
     show(window, snapshot(SurveyState.IDLE))
-    yield window
-    close(window)
 
 
 @pytest.fixture
@@ -141,19 +108,18 @@ def test_the_defaults_of_the_robot_fill_what_is_empty(window):
     assert window.control_binding.next_annotation.value == Annotation("Ana", "here")
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "reason"),
-    [
+def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet):
+    for name, text, reason in (
         ("latitude", "91", "latitude is 91 deg; it must lie between -90 and 90 deg"),
         ("longitude", "1-", "longitude is '1-'; it must be a decimal number of degrees"),
         ("longitude", "10", "a position needs latitude and longitude"),
-    ],
-)
-def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet, name, text, reason):
-    click(window.control.tiles[Tile.NAME])
-    write(sheet, name, text)
-    assert not sheet.save.isEnabled()
-    assert sheet.problem.text().startswith(reason)
+    ):
+        click(window.control.tiles[Tile.NAME])
+        write(sheet, name, text)
+        assert not sheet.save.isEnabled()
+        assert sheet.problem.text().startswith(reason)
+        click(sheet.close_button)
+        assert window.control_binding.next_annotation.value == EMPTY
 
 
 def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
@@ -181,7 +147,7 @@ def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):
 
 
 def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, sheet):
-    show(window, RUNS)
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY)))
     click(window.control.tiles[Tile.NAME])
     assert storage.asked[-1] == ("annotation", SURVEY)
     window.on_event(AnnotationRead(SURVEY, EXAMPLE))
@@ -210,8 +176,7 @@ def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
 
 def test_a_past_survey_is_annotated_from_the_list(window, storage, sheet):
     window.show_tab(TabName.SURVEYS)
-    survey = SurveySummary(FOLDER, SURVEY, "", "finished", 18, 18, None, True, True, None)
-    window.on_event(SurveysListed("", (survey,), False))
+    window.on_event(SurveysListed("", (past_survey(),), False))
     assert not window.past.notes.isEnabled()
     window.past.table.selectRow(0)
     click(window.past.notes)

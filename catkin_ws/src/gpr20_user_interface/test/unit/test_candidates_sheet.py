@@ -4,32 +4,24 @@ import dataclasses
 import math
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from candidate_examples import candidate, candidate_list
 from PyQt5.QtTest import QTest
-from test_nothing_cut_off import assert_fits
-from view_kit import SURVEY
-from window_helpers import ImagingNode, application, close, new_window, show, snapshot
+from view_kit import FOLDER, SURVEY, past_survey, snapshot
+from window_helpers import show
 
-from gpr20_common.low.catalogue_file import languages
+from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.candidate_search import OTHER_SURVEY, SearchState
 from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages, shown_text
+from gpr20_user_interface.views.translation import shown_text
 
-__all__ = ["application"]
-
-FOLDER = "20261121T051000_7c9e6679"
-LISTED = SurveySummary(FOLDER, SURVEY, "2026-11-21T05:10:00", "", 40, 40, None, True, True, None)
+LISTED = past_survey(survey_id=SURVEY, outcome="", stored_traces=40, complete=True)
 RUNS = ControlState(SurveyState.SURVEYING, verbatim(""), "other", True)
 LIST = candidate_list(
     [
@@ -47,27 +39,12 @@ MANY = candidate_list(
 )
 
 
-@pytest.fixture
-def node():
-    return ImagingNode()
-
-
-@pytest.fixture(params=languages())
-def window(request, application, node):
-    languages = Languages(application, request.param)
-    window = new_window(languages, imaging=node)
-    window.node = node
-    window.show()
-    idle(window)
+@pytest.fixture(autouse=True)
+def listed(window):
+    show(window, snapshot())
     window.show_tab(TabName.SURVEYS)
     window.on_event(SurveysListed("", (LISTED,), False))
     window.past.table.selectRow(0)
-    yield window
-    close(window)
-
-
-def idle(window, **other):
-    show(window, snapshot(**other))
 
 
 def last_request(window):
@@ -110,35 +87,6 @@ def test_the_list_is_shown_with_what_it_is_not(window, node):
     for seen in (sheet.no_clearance, sheet.simulated):
         assert seen.isVisible()
     assert sheet.no_clearance.text() == shown_text(NO_CLEARANCE)
-    assert_fits(window)
-
-
-def test_nothing_is_cut_off_in_any_state(window):
-    window.past.candidates.click()
-    assert_fits(window)
-    sheet = window.candidates
-    sheet.permittivity.tapped.emit()
-    assert_fits(window)
-    sheet.number_pad.hide()
-    sheet.find_button.click()
-    assert_fits(window)
-    ended(window, MANY, remarks="note: something about the survey. " * 30)
-    assert_fits(window)
-    assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
-    assert sheet.table.rowCount() == 32 + 10
-    assert "12353" in sheet.details.text()
-    assert sheet.table.height() >= 100
-    sheet.find_button.click()
-    failed(window, "gpr20 candidates: the reason of the refusal. " * 30)
-    assert_fits(window)
-
-
-def test_a_refusal_is_shown_from_its_beginning(window):
-    reason = "the echoes agree with every permittivity. " + "word " * 60 + "give the permittivity"
-    sheet = search(window)
-    failed(window, reason)
-    assert sheet.details.text() == reason
-    assert_fits(window)
 
 
 def test_the_sentence_is_visible_in_every_state(window):
@@ -179,14 +127,14 @@ def test_cancelling_ends_the_search_and_its_late_end_changes_nothing(window, nod
 
 def test_never_during_a_survey(window, node):
     sheet = search(window)
-    idle(window, state=RUNS)
+    show(window, snapshot(state=RUNS))
     assert len(node.cancelled) == 1 and not sheet.find_button.isEnabled()
     assert not window.past.candidates.isEnabled()
     ended(window)
     assert sheet.table.rowCount() == 0
     sheet.find_button.click()
     assert len(node.of("find")) == 1
-    idle(window)
+    show(window, snapshot())
     assert sheet.find_button.isEnabled() and window.past.candidates.isEnabled()
 
 
@@ -198,11 +146,12 @@ def test_the_list_of_another_survey_is_said_and_not_shown(window):
     assert sheet.find_button.isEnabled()
 
 
-def test_a_failure_shows_its_reason_and_no_list(window):
+def test_a_failure_shows_all_of_its_reason_and_no_list(window):
+    reason = "the echoes agree with every permittivity. " + "word " * 60 + "give the permittivity"
     sheet = search(window)
-    failed(window, "The analysis is not installed on the computer of the storage.")
+    failed(window, reason)
     assert sheet.search.state is SearchState.FAILED and sheet.table.rowCount() == 0
-    assert sheet.details.text() == "The analysis is not installed on the computer of the storage."
+    assert sheet.details.text() == reason
 
 
 def test_what_was_found_in_another_survey_is_forgotten(window):
@@ -215,18 +164,13 @@ def test_what_was_found_in_another_survey_is_forgotten(window):
 
 
 def test_the_language_changes_at_once(window):
-    search(window)
+    sheet = search(window)
     ended(window, MANY)
-    before = (
-        cells(window.candidates.table)[20][-1],
-        window.candidates.no_clearance.text(),
-    )
-    window.languages.use(next(one for one in languages() if one != window.languages.language))
+    assert sheet.table.rowCount() == 32 + 10 and "12353" in sheet.details.text()
+    before = (cells(sheet.table)[20][-1], sheet.no_clearance.text())
+    window.languages.use(Language.SPANISH)
     QTest.qWait(1)
-    after = (
-        cells(window.candidates.table)[20][-1],
-        window.candidates.no_clearance.text(),
-    )
+    after = (cells(sheet.table)[20][-1], sheet.no_clearance.text())
     assert after[1] != before[1] and after[0] != before[0]
 
 

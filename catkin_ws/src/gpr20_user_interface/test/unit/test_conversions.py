@@ -8,15 +8,11 @@ pytest.importorskip("gpr20_msgs.msg")
 pytest.importorskip("diagnostic_updater")
 
 from annotation_examples import EXAMPLE, annotations
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hypothesis import given, settings
 
-from gpr20_common.high.diagnostics import MESSAGE_JSON
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_common.sent_message import message_fields
-from gpr20_doctor.high.node_reports import node_healths
-from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadSurveyResponse, ReadTracesResponse
@@ -28,30 +24,13 @@ FULL = Message("the disk is full", details="errno 28")
 PAUSED = Message("Paused: {reason}", reason=FULL)
 
 
-def test_status_of_the_survey_has_its_template_values_and_details():
+def test_status_of_the_survey_has_its_template_values_and_details_or_its_text():
     status = ControlStatus(code=ControlStatus.PAUSED, survey_id="id", **message_fields(PAUSED))
     state = conversions.control_state(status)
     assert state.message == PAUSED
     assert state.message.all_details == ("errno 28",)
-
-
-def test_status_without_templates_is_its_text():
-    status = ControlStatus(code=ControlStatus.PAUSED, message="Paused: why")
-    assert conversions.control_state(status).message == verbatim("Paused: why")
-
-
-def test_report_of_a_node_has_its_template_which_is_no_value_of_its_own():
-    values = {MESSAGE_JSON: FULL.to_json(), "free disk [MB]": "0.0"}
-    status = DiagnosticStatus(
-        name="/robot1/vna_processing: state",
-        level=DiagnosticStatus.ERROR,
-        message=str(FULL),
-        values=[KeyValue(key, value) for key, value in values.items()],
-    )
-    (health,) = node_healths(DiagnosticArray(status=[status]), "/robot1/")
-    assert (health.name, health.level) == ("vna_processing", HealthLevel.ERROR)
-    assert health.message == FULL
-    assert health.values == {"free disk [MB]": "0.0"}
+    plain = ControlStatus(code=ControlStatus.PAUSED, message="Paused: why")
+    assert conversions.control_state(plain).message == verbatim("Paused: why")
 
 
 def test_coverage_has_a_reason_for_each_trace_that_failed():
@@ -103,10 +82,10 @@ def test_the_annotation_of_a_survey_is_read_and_one_of_an_older_survey_is_empty(
     assert read == AnnotationRead("id", EMPTY)
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"annotation": 1}', '{"annotation": {"site": 1}}'])
-def test_an_annotation_that_cannot_be_read_is_a_failure(text):
-    read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
-    assert isinstance(read, AnnotationFailed)
+def test_an_annotation_that_cannot_be_read_is_a_failure():
+    for text in ("", "[]", '{"annotation": 1}', '{"annotation": {"site": 1}}'):
+        read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
+        assert isinstance(read, AnnotationFailed), text
 
 
 REMEDY = Message("Free some space on the disk.")

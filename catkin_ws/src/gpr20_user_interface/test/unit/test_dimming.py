@@ -1,23 +1,17 @@
 """The screen is dimmed after a while; the touch that wakes it does nothing else."""
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
-from window_helpers import application, close, new_window, show, snapshot, wishes
+from view_kit import snapshot
+from window_helpers import close, opened_window, show, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.dimming import Dimming
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 NEVER, AFTER_S = None, 120.0
 
@@ -59,12 +53,10 @@ def test_what_must_be_seen_wakes_it_and_keeps_it_awake(clock):
 
 
 @pytest.fixture
-def window(application, tmp_path, clock):
-    languages = Languages(application, Language.ENGLISH)
-    window = new_window(languages, profiles=tmp_path, clock=clock)
+def window(application, clock):
+    window = opened_window(application, clock=clock)
     window.settings.sheet.dimming_chosen.emit(2)
     show(window, snapshot(SurveyState.SURVEYING))
-    window.show()
     yield window
     close(window)
 
@@ -105,27 +97,21 @@ def test_stop_is_seen_and_acts_on_a_dimmed_screen(window, clock):
     assert not window.settings.cover.isVisible()
 
 
-@pytest.mark.parametrize(
-    "shown",
-    [
+def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(window, clock):
+    for shown in (
         snapshot(SurveyState.SURVEYING, alarm=Alarm(AlarmKind.CONTROL_LOST, 9.0)),
         snapshot(SurveyState.FAILED),
         snapshot(SurveyState.PAUSED),
-    ],
-)
-def test_an_alarm_or_a_fault_is_never_dimmed(window, clock, shown):
-    assert not dim(window, clock, shown)
-    window.notice.hide()
-    assert not dim(window, clock, shown)
-    assert dim(window, clock)
-    show(window, shown)
-    assert not window.settings.cover.isVisible()
-
-
-def test_a_notice_is_never_dimmed(window, clock):
+    ):
+        assert not dim(window, clock, shown)
+        window.notice.hide()
+        assert not dim(window, clock, shown)
+        assert dim(window, clock)
+        show(window, shown)
+        assert not window.settings.cover.isVisible()
+        window.notice.hide()
     window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
     assert not dim(window, clock)
-    window.notice.hide()
 
 
 def test_the_cover_follows_the_size_of_the_window(window, clock):

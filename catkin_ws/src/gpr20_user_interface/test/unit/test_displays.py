@@ -57,10 +57,14 @@ def test_bar_carries_everything_within_the_width_of_the_terminal(columns, monkey
     assert text.endswith("\n")
 
 
-def test_bar_that_never_moved_leaves_no_trace():
+def test_bar_that_never_moved_leaves_no_trace_and_one_that_moved_has_the_language():
     stream = io.StringIO()
-    BarDisplay(TerminalBar(stream), ENGLISH).close()
+    display = BarDisplay(TerminalBar(stream), SPANISH)
+    display.close()
     assert stream.getvalue() == ""
+    display.show(progress(50), SURVEYING)
+    display.close()
+    assert "SIMULADO MIDIENDO" in stream.getvalue()
 
 
 def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them():
@@ -75,11 +79,3 @@ def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them(
         "permiso denegado ([Errno 13] Permission denied: '/data')",
         " 25.0 %  50/200 trazas  quedan 3 min (según lo medido)",
     ]
-
-
-def test_bar_is_in_the_language_of_the_terminal():
-    stream = io.StringIO()
-    display = BarDisplay(TerminalBar(stream), SPANISH)
-    display.show(progress(50), SURVEYING)
-    display.close()
-    assert "SIMULADO MIDIENDO" in stream.getvalue()

@@ -52,14 +52,13 @@ def warned(status):
     return Message("Warning: {warning}. {status}", warning=CLOCK.as_warning(), status=status)
 
 
-@pytest.mark.parametrize("code", sorted(set(SurveyState) - {SurveyState.PAUSED, *ENDED}))
-def test_what_is_reported_while_a_survey_runs_is_no_card(code):
-    assert not is_fault(state(code, FULL))
+def test_what_is_reported_while_a_survey_runs_is_no_card():
+    for code in set(SurveyState) - {SurveyState.PAUSED, *ENDED}:
+        assert not is_fault(state(code, FULL)), code
 
 
-@pytest.mark.parametrize(
-    ("code", "message", "fault"),
-    [
+def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for():
+    for code, message, fault in (
         (SurveyState.FAILED, verbatim("x"), True),
         (SurveyState.FAILED, ASKED_STOP, True),
         (SurveyState.PAUSED, Message(PAUSED, reason=FULL), True),
@@ -72,15 +71,12 @@ def test_what_is_reported_while_a_survey_runs_is_no_card(code):
         (SurveyState.STOPPED, verbatim("x"), False),
         (SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL]), True),
         (SurveyState.FINISHED, warned(verbatim("x")), False),
-    ],
-)
-def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for(code, message, fault):
-    assert is_fault(state(code, message)) is fault
+    ):
+        assert is_fault(state(code, message)) is fault, (code, message)
 
 
-@pytest.mark.parametrize(
-    ("code", "message", "may_move"),
-    [
+def test_a_stop_is_confirmed_only_by_a_status_that_says_so():
+    for code, message, may_move in (
         (SurveyState.STOPPED, in_a_row([ASKED_STOP, MOVING]), True),
         (SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL]), False),
         (SurveyState.STOPPED, ASKED_STOP, False),
@@ -89,10 +85,8 @@ def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for(code, message, fau
         (SurveyState.STOPPED, verbatim("x").with_fault(Fault("later.code")), True),
         (SurveyState.FAILED, FULL, True),
         (SurveyState.FINISHED, verbatim("x"), False),
-    ],
-)
-def test_a_stop_is_confirmed_only_by_a_status_that_says_so(code, message, may_move):
-    assert axis_may_move(state(code, message)) is may_move
+    ):
+        assert axis_may_move(state(code, message)) is may_move, (code, message)
 
 
 def test_an_axis_that_moves_comes_before_everything():
@@ -101,20 +95,14 @@ def test_an_axis_that_moves_comes_before_everything():
     assert notice.text == in_a_row([FULL, MOVING])
 
 
-@pytest.mark.parametrize(
-    "message",
-    [
-        verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True)),
-        in_a_row([verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True)), FULL]),
-        Message("{inner}", inner=MOVING).with_fault(
-            Fault("later.outer", remedies.NEW_SURVEY, replaces=True)
-        ),
-    ],
-)
-def test_an_axis_that_moves_comes_first_whatever_else_is_known(message):
-    for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED):
-        assert fault_notice(state(code, message)).first == remedies.MOTORS_OFF
-    assert refusal_notice(Refused.START, message).first == remedies.MOTORS_OFF
+def test_an_axis_that_moves_comes_first_whatever_else_is_known():
+    hot = verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True))
+    outer = Fault("later.outer", remedies.NEW_SURVEY, replaces=True)
+    replaced = Message("{inner}", inner=MOVING).with_fault(outer)
+    for message in (hot, in_a_row([hot, FULL]), replaced):
+        for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED):
+            assert fault_notice(state(code, message)).first == remedies.MOTORS_OFF, message
+        assert refusal_notice(Refused.START, message).first == remedies.MOTORS_OFF, message
 
 
 def test_a_fault_that_moves_something_and_knows_what_to_do_keeps_its_remedy():
@@ -137,14 +125,11 @@ def test_the_innermost_remedy_counts_and_the_outermost_sentence_is_shown():
     assert notice.text == outer and notice.first == remedies.MAKE_SPACE
 
 
-@pytest.mark.parametrize("code", [SurveyState.PAUSED, SurveyState.FAILED])
-def test_resume_is_not_offered_for_a_survey_that_cannot_continue(code):
-    notice = fault_notice(state(code, Message(PAUSED, reason=LOST)))
-    assert not notice.resumable
-    assert notice.then != fault_notice(state(code, FULL)).then
-
-
-def test_a_refused_resume_is_not_repeated_for_a_survey_that_cannot_continue():
+def test_resume_is_not_offered_for_a_survey_that_cannot_continue():
+    for code in (SurveyState.PAUSED, SurveyState.FAILED):
+        notice = fault_notice(state(code, Message(PAUSED, reason=LOST)))
+        assert not notice.resumable
+        assert notice.then != fault_notice(state(code, FULL)).then
     notice = refusal_notice(Refused.RESUME, Message("{reason}", reason=LOST))
     assert notice.first == remedies.NEW_SURVEY and notice.then is None
     assert refusal_notice(Refused.RESUME, FULL).then is not None
@@ -230,24 +215,22 @@ def test_a_fault_that_this_version_does_not_know_has_the_remedy_that_travelled_w
     assert "mast.warped" in notice.details
 
 
-@pytest.mark.parametrize("can_continue", [True, False])
-@pytest.mark.parametrize("may_move", [True, False])
-def test_what_an_unknown_fault_allows_is_known(can_continue, may_move):
-    fault = {"can_continue": can_continue, "may_move": may_move}
-    assert fault_notice(received(SurveyState.PAUSED, fault)).resumable is can_continue
-    assert axis_may_move(received(SurveyState.STOPPED, fault)) is may_move
+def test_what_an_unknown_fault_allows_is_known():
+    for one in (True, False):
+        assert fault_notice(received(SurveyState.PAUSED, {"can_continue": one})).resumable is one
+        assert axis_may_move(received(SurveyState.STOPPED, {"may_move": one})) is one
 
 
-@pytest.mark.parametrize("message_json", ["", "{", "[]", "x" * 20_000, '{"template": 1}'])
-def test_a_code_without_a_readable_message_is_a_fault_with_its_text(message_json):
-    now = received(SurveyState.PAUSED, message_json=message_json)
-    notice = fault_notice(now)
-    assert is_fault(now) and notice.resumable
-    assert str(notice.text) == "Paused: the mast is warped."
-    assert notice.first == remedies.CHECK_STATUS
-    assert "mast.warped" in notice.details
-    ended = received(SurveyState.STOPPED, message_json=message_json)
-    assert is_fault(ended) and axis_may_move(ended)
+def test_a_code_without_a_readable_message_is_a_fault_with_its_text():
+    for message_json in ("", "{", "[]", "x" * 20_000, '{"template": 1}'):
+        now = received(SurveyState.PAUSED, message_json=message_json)
+        notice = fault_notice(now)
+        assert is_fault(now) and notice.resumable, message_json
+        assert str(notice.text) == "Paused: the mast is warped."
+        assert notice.first == remedies.CHECK_STATUS
+        assert "mast.warped" in notice.details
+        ended = received(SurveyState.STOPPED, message_json=message_json)
+        assert is_fault(ended) and axis_may_move(ended), message_json
 
 
 def test_a_status_of_a_version_without_faults_is_a_fault_with_its_text():
@@ -260,10 +243,10 @@ def test_a_status_of_a_version_without_faults_is_a_fault_with_its_text():
     assert axis_may_move(received(SurveyState.STOPPED, message_json=before, fault_code=""))
 
 
-@pytest.mark.parametrize("fault_code", ["", "mast.warped", "no code"])
-def test_a_refusal_of_another_version_is_shown_with_its_text(fault_code):
-    fields = {**message_fields(verbatim("warped")), "fault_code": fault_code}
-    answer = _answer_from(Request.START, CommandResponse(success=False, **fields))
-    notice = refusal_notice(Refused.START, answer.message)
-    assert str(notice.text) == "warped" and notice.first == remedies.CHECK_STATUS
-    assert notice.details == ((fault_code,) if "." in fault_code else ())
+def test_a_refusal_of_another_version_is_shown_with_its_text():
+    for fault_code in ("", "mast.warped", "no code"):
+        fields = {**message_fields(verbatim("warped")), "fault_code": fault_code}
+        answer = _answer_from(Request.START, CommandResponse(success=False, **fields))
+        notice = refusal_notice(Refused.START, answer.message)
+        assert str(notice.text) == "warped" and notice.first == remedies.CHECK_STATUS
+        assert notice.details == ((fault_code,) if "." in fault_code else ())

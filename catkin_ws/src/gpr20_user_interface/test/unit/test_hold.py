@@ -32,31 +32,6 @@ def test_a_finger_that_stays_completes_the_hold_once(hold, clock):
     assert (hold.active, hold.fraction) == (False, 0.0)
 
 
-@pytest.mark.parametrize("held_s", [0.0, 0.12, 0.5, 0.97])
-def test_a_finger_that_leaves_early_does_nothing(hold, clock, held_s):
-    hold.begin()
-    wait(hold, clock, held_s)
-    hold.cancel()
-    assert wait(hold, clock, 5.0) == 0
-
-
-def test_a_bounce_begins_again(hold, clock):
-    hold.begin()
-    wait(hold, clock, 0.9)
-    hold.cancel()
-    clock.advance(0.02)
-    hold.begin()
-    assert wait(hold, clock, 0.9) == 0
-    assert wait(hold, clock, 0.2) == 1
-
-
-def test_a_second_finger_ends_the_hold(hold, clock):
-    hold.begin()
-    wait(hold, clock, 0.9)
-    hold.begin()
-    assert wait(hold, clock, 5.0) == 0
-
-
 def test_a_window_that_was_busy_does_not_take_a_tap_for_a_hold(hold, clock):
     hold.begin()
     # The finger has left long ago, but the window comes to its release only after this tick.
@@ -65,10 +40,9 @@ def test_a_window_that_was_busy_does_not_take_a_tap_for_a_hold(hold, clock):
     assert hold.fraction <= MAX_STEP_S / HOLD_S
 
 
-STEPS = st.lists(
-    st.tuples(st.sampled_from(["begin", "cancel", "tick", "tick", "tick"]), st.floats(0.0, 0.3)),
-    max_size=80,
-)
+# Mostly ticks: a hold needs ten of them without a break.
+ACTS = ["begin", "cancel", *["tick"] * 18]
+STEPS = st.lists(st.tuples(st.sampled_from(ACTS), st.floats(0.0, 0.3)), max_size=80)
 
 
 @given(STEPS)
@@ -93,13 +67,3 @@ def test_nothing_but_a_second_without_a_break_completes_a_hold(steps):
             hold.cancel()
             seen_s = None
         looked_s = now_s
-
-
-@given(st.lists(st.floats(0.001, 0.099), min_size=1, max_size=60))
-def test_breaks_between_short_touches_never_add_up(touches_s):
-    clock = FakeClock()
-    hold = Hold(clock)
-    for touch_s in touches_s:
-        hold.begin()
-        assert wait(hold, clock, 9.0 * touch_s) == 0
-        hold.cancel()

@@ -1,18 +1,12 @@
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from fake_clock import FakeClock
 from PyQt5.QtCore import QEvent, QPoint, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFrame, QWidget
-from window_helpers import application
 
 from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.views.hold_button import TICK_MS, HoldButton
-
-__all__ = ["application"]
 
 
 class Held:
@@ -55,20 +49,17 @@ def held(application):
     held.window.close()
 
 
-def test_a_tap_does_nothing(held):
-    held.press()
-    held.release()
-    held.wait(2.0 * HOLD_S)
-    assert held.times == 0
-
-
 def test_a_finger_that_rests_acts_once_and_not_before_its_time(held):
-    held.press()
-    held.wait(0.9 * HOLD_S)
+    for _bounce in range(3):
+        held.press()
+        held.wait(0.9 * HOLD_S)
+        held.release()
     assert held.times == 0
+    held.press()
     held.wait(2.0 * HOLD_S)
     assert held.times == 1
     held.release()
+    held.wait(2.0 * HOLD_S)
     assert held.times == 1
 
 
@@ -93,17 +84,6 @@ def test_a_finger_that_leaves_does_nothing_even_if_it_comes_back(held):
     assert held.times == 0
 
 
-def test_a_finger_that_bounces_has_to_begin_again(held):
-    held.press()
-    held.wait(0.9 * HOLD_S)
-    held.release()
-    held.press()
-    held.wait(0.9 * HOLD_S)
-    assert held.times == 0
-    held.wait(0.2 * HOLD_S)
-    assert held.times == 1
-
-
 def test_a_second_finger_ends_the_hold(held):
     held.press()
     held.wait(0.5 * HOLD_S)
@@ -122,15 +102,16 @@ def test_what_opens_over_the_button_ends_the_hold(held):
     assert held.times == 0
 
 
-@pytest.mark.parametrize("end", [lambda one: one.hide(), lambda one: one.setEnabled(False)])
-def test_a_button_that_goes_away_ends_the_hold(held, end):
-    held.press()
-    held.wait(0.5 * HOLD_S)
-    end(held.button)
-    held.button.setEnabled(True)
-    held.button.show()
-    held.wait(2.0 * HOLD_S)
-    assert held.times == 0
+def test_a_button_that_goes_away_ends_the_hold(held):
+    for end in (held.button.hide, lambda: held.button.setEnabled(False)):
+        held.press()
+        held.wait(0.5 * HOLD_S)
+        end()
+        held.button.setEnabled(True)
+        held.button.show()
+        held.wait(2.0 * HOLD_S)
+        assert held.times == 0
+        held.release()
 
 
 def test_time_as_it_passes_completes_a_hold(application):

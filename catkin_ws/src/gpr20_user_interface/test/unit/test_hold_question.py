@@ -1,11 +1,9 @@
 from dataclasses import replace
 
-import pytest
+from view_kit import FOLDER, past_survey
 
-from gpr20_common.message import verbatim
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.events import Progress
 from gpr20_user_interface.mid.hold_question import (
     LONGEST_NAME,
@@ -20,7 +18,6 @@ from gpr20_user_interface.mid.survey_preview import preview
 
 PARAMETERS = default_parameters()
 FIGURES = preview(PARAMETERS, 9.0)
-FOLDER = "20261121T051000_7c9e6679"
 
 
 def rows(question):
@@ -49,51 +46,37 @@ def test_start_says_nothing_of_people_who_are_not_known():
     assert rows(question)["Time"] == "not known yet"
 
 
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [
+def test_resume_says_what_is_stored_and_how_long_it_takes():
+    for seconds, words in (
         (0.0, "less than 1 min"),
         (60.1, "about 2 min"),
-        (3600.0, "about 1 h 0 min"),
-        (90000.0, "about 1 d 1 h"),
         (float("nan"), "not known yet"),
-    ],
-)
-def test_times_are_rounded_up_to_minutes(seconds, words):
-    question = resume_question(Progress("id", 50.0, 242, 121, seconds))
-    assert rows(question) == {"Stored": "121 of 242 traces", "Time left": words}
-
-
-def test_resume_without_any_progress_has_only_its_warning():
+    ):
+        question = resume_question(Progress("id", 50.0, 242, 121, seconds))
+        assert rows(question) == {"Stored": "121 of 242 traces", "Time left": words}
     assert resume_question(None).rows == ()
 
 
 def test_a_past_survey_is_named_before_it_is_resumed():
-    survey = SurveySummary(
-        *(FOLDER, "7c9e6679", "2026-11-21T05:10:00", "stopped", 7, 40),
-        *(verbatim(""), False, True, None),
-    )
+    survey = past_survey()
     assert rows(resume_past_question(FOLDER, survey)) == {
         "Survey": FOLDER,
         "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
     }
-    named = rows(resume_past_question(FOLDER, replace(survey, name="field 3")))
+    named = rows(resume_past_question(FOLDER, past_survey(name="field 3")))
     assert named["Survey"] == "field 3"
     assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}
 
 
-@pytest.mark.parametrize(
-    "question",
-    [
+def test_whatever_moves_the_robot_warns_of_it():
+    for question in (
         start_question(PARAMETERS, FIGURES, EMPTY),
         resume_question(None),
         resume_past_question(FOLDER, None),
         other_analyzer_question("Anritsu,MS2026C"),
-    ],
-)
-def test_whatever_moves_the_robot_warns_of_it(question):
-    assert str(question.warning).startswith("Hands clear!")
+    ):
+        assert str(question.warning).startswith("Hands clear!")
 
 
 def test_what_is_deleted_is_named():

@@ -1,48 +1,23 @@
-import pytest
-
-pytest.importorskip("PyQt5")
+import itertools
 
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QLabel
+from PyQt5.QtWidgets import QLabel
 from test_fault_messages import ASKED_STOP, FULL, paused
-from view_kit import description, make_grid
-from window_helpers import (
-    application,
-    click,
-    close,
-    hold_to_start,
-    new_window,
-    show,
-    snapshot,
-    window,
-    wishes,
-)
+from view_kit import description, make_grid, snapshot
+from window_helpers import click, hold_to_start, show, wishes
 
-from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, TargetPosition
 from gpr20_user_interface.mid.hold import HOLD_S
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import fault_notice
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.mid.survey_name import survey_name
 from gpr20_user_interface.mid.trace_events import SurveyDescribed
-from gpr20_user_interface.views.elided_label import ElidedLabel
-from gpr20_user_interface.views.lines_label import LinesLabel
-from gpr20_user_interface.views.look import BORDER_PX, Look
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.palette import Theme
-from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application", "window"]
 
 AT_REST = ControlState(SurveyState.STOPPED, ASKED_STOP, "id", True)
-LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
-SIZES = [(480, 320), (800, 480), (1280, 800)]
 
 
 def shown(code, message="as it is", **other):
@@ -59,12 +34,14 @@ def is_job_shown(window):
     return window.control_pages.currentWidget() is window.job
 
 
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_control_shows_the_job_from_its_begin_until_the_next_is_planned(window, code):
-    show(window, shown(code))
-    assert is_job_shown(window) is (code in RUNNING or code in ENDED)
-    assert window.job.plan.isVisible() is (code in ENDED)
-    if code in ENDED:
+def test_control_shows_the_job_until_the_next_is_planned(window):
+    show(window, shown(SurveyState.IDLE))
+    assert not is_job_shown(window)
+    for code in ENDED:
+        show(window, shown(SurveyState.SURVEYING))
+        assert not window.job.plan.isVisible()
+        show(window, shown(code))
+        assert is_job_shown(window)
         click(window.job.plan)
         assert not is_job_shown(window)
         show(window, shown(code))
@@ -99,8 +76,8 @@ def test_the_small_map_is_drawn_only_when_it_changes(window, monkeypatch):
     assert len(drawn) == 2
 
 
-@pytest.mark.parametrize("code", (SurveyState.CHECKING, SurveyState.HOMING), ids=str)
-def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, monkeypatch, code):
+def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, monkeypatch):
+    code = SurveyState.CHECKING
     drawn = []
     monkeypatch.setattr(window.job.map, "set_model", drawn.append)
     window.on_event(SurveyDescribed(description(survey_id="id", annotation={"name": "Field 4"})))
@@ -119,25 +96,27 @@ def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, m
     assert drawn[-1].grid.survey_id == "next"
 
 
-@pytest.mark.parametrize("code", [SurveyState.PAUSED, SurveyState.FAILED])
-def test_a_survey_that_rests_differs_from_one_that_measures_without_colours(window, code):
-    pictures, words = [], []
-    for one in (SurveyState.SURVEYING, code):
-        show(window, shown(one))
-        sign = window.job.sign
-        picture = sign.grab().toImage()
-        ground = picture.pixelColor(1, picture.height() // 2).lightness()
-        pictures.append(
-            [
-                abs(picture.pixelColor(x, y).lightness() - ground) > 60
-                for x in range(0, picture.width(), 2)
-                for y in range(0, picture.height(), 2)
-            ]
-        )
-        words.append(window.job.title.text())
-    different = sum(a != b for a, b in zip(*pictures))
-    assert different > len(pictures[0]) * 0.1
-    assert words[0] != words[1]
+def test_a_survey_that_rests_differs_from_one_that_measures_without_colours(window):
+    measuring, *resting = [
+        drawn(window, code)
+        for code in (SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
+    ]
+    for title, dots in resting:
+        different = sum(one != other for one, other in zip(dots, measuring[1]))
+        assert different > len(dots) * 0.1
+        assert title != measuring[0]
+
+
+def drawn(window, code):
+    """Return the title of a job, and which dots of its sign differ from the ground."""
+    show(window, shown(code))
+    picture = window.job.sign.grab().toImage()
+    ground = picture.pixelColor(1, picture.height() // 2).lightness()
+    return window.job.title.text(), [
+        abs(picture.pixelColor(x, y).lightness() - ground) > 60
+        for x in range(0, picture.width(), 2)
+        for y in range(0, picture.height(), 2)
+    ]
 
 
 def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window):
@@ -231,102 +210,9 @@ def test_a_name_is_read_from_a_description_whatever_it_holds():
         assert survey_name(text) == ("", "")
 
 
-CASES = {
-    "surveying": shown(SurveyState.SURVEYING, LONG),
-    "paused": shown(SurveyState.PAUSED, state=paused(verbatim(LONG))),
-    "failed": shown(SurveyState.FAILED, LONG),
-    "finished": shown(SurveyState.FINISHED, LONG),
-    "checking": shown(SurveyState.CHECKING, LONG),
-    "homing": shown(SurveyState.HOMING, LONG),
-    "interrupted": shown(SurveyState.IDLE, alarm=Alarm(AlarmKind.SURVEY_INTERRUPTED)),
-    "gone": shown(SurveyState.SURVEYING, alarm=Alarm(AlarmKind.CONTROL_LOST, 86399.0)),
-}
-
-
-@pytest.fixture(
-    scope="module", params=[(size, one) for size in SIZES for one in languages()], ids=str
-)
-def screen(request, application):
-    """One window for all tests on a screen."""
-    size, language = request.param
-    languages = Languages(application, language)
-    window = new_window(languages)
-    window.use_look(Look(Theme.NIGHT if size == (480, 320) else Theme.SUN))
-    window.resize(*size)
-    window.show()
-    yield window
-    close(window)
-
-
-@pytest.fixture
-def sized(screen):
-    for overlay in screen.findChildren(Overlay):
-        overlay.hide()
-    screen.show_tab(TabName.CONTROL)
-    # Without a survey, so that the next fault opens its card again.
-    show(screen, snapshot(SurveyState.IDLE))
-    return screen
-
-
-def assert_fits(window, parts):
-    """Check that no text of these parts is cut."""
-    QTest.qWait(1)
-    for part in parts:
-        for widget in [*part.findChildren(QLabel), *part.findChildren(QAbstractButton)]:
-            if not widget.isVisible() or isinstance(widget, (ElidedLabel, LinesLabel)):
-                continue
-            corner = widget.mapTo(window, widget.rect().bottomRight())
-            assert corner.x() < window.width() and corner.y() < window.height(), widget.text()
-            if isinstance(widget, QLabel) and widget.wordWrap():
-                assert widget.heightForWidth(widget.width()) <= widget.height(), widget.text()
-                continue
-            frame_px = 0 if isinstance(widget, QLabel) else 2 * BORDER_PX
-            needed_px = widget.fontMetrics().horizontalAdvance(widget.text()) + frame_px
-            assert needed_px <= widget.contentsRect().width(), widget.text()
-            assert widget.fontMetrics().height() <= widget.height(), widget.text()
-
-
-@pytest.mark.parametrize("case", list(CASES))
-def test_nothing_of_the_job_is_cut_off(sized, case):
-    show(sized, CASES[case])
-    show(sized, CASES[case])
-    assert_fits(sized, [sized.top_bar, sized.job, sized.notice])
-    assert sized.top_bar.message.height() >= sized.top_bar.message.fontMetrics().lineSpacing()
-    assert sized.notice.isVisible() is (case in ("paused", "failed"))
-    if sized.notice.isVisible():
-        click(sized.notice.details_button)
-        assert_fits(sized, [sized.notice])
-        assert sized.notice.reason.fontMetrics().height() * 2 <= sized.notice.height() / 3
-
-
-def test_nothing_of_status_and_of_the_stop_warning_is_cut_off(sized):
-    nodes = tuple(
-        NodeHealth(name, level, verbatim(LONG), {"calibration": "MODERATE_POWER"})
-        for name, level in zip((*EXPECTED_NODES, "simulator"), list(HealthLevel) * 2)
-    )
-    target = TargetPosition(650.1234, 800.1234, -90.0)
-    now = shown(
-        SurveyState.SURVEYING, LONG, target=target, height_m=0.123, health=HealthReport(nodes)
-    )
-    sized.show_tab(TabName.STATUS)
-    for button in (sized.status.robot_button, sized.status.parts_button):
-        click(button)
-        show(sized, now)
-        assert_fits(sized, [sized.top_bar, sized.status])
-    click(sized.status.robot_button)
-    assert sized.status.positions.cell("target", 1) == "650.12"
-    click(sized.top_bar.stop)
-    QTest.qWait(300)
-    assert sized.stop_warning.isVisible()
-    assert_fits(sized, [sized.stop_warning])
-
-
-@pytest.mark.parametrize("level", list(JobLevel))
-def test_every_level_has_its_own_sign(window, level):
-    others = [one for one in JobLevel if one is not level]
-    sign = window.top_bar.sign
-    sign.show_level(level)
-    picture = sign.grab().toImage()
-    for other in others:
-        sign.show_level(other)
-        assert sign.grab().toImage() != picture
+def test_every_level_has_its_own_sign(window):
+    pictures = []
+    for level in JobLevel:
+        window.top_bar.sign.show_level(level)
+        pictures.append(window.top_bar.sign.grab().toImage())
+    assert not any(one == other for one, other in itertools.combinations(pictures, 2))

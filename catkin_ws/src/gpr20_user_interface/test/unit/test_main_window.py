@@ -1,49 +1,16 @@
-import pytest
-
-pytest.importorskip("PyQt5")
-
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QPushButton
-from window_helpers import application, click, show, snapshot, window, wishes
+from view_kit import snapshot
+from window_helpers import click, show, wishes
 
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState, Progress, Request
+from gpr20_user_interface.mid.events import ControlState, Progress
 from gpr20_user_interface.mid.job import JobLevel
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind, HealthReport
-from gpr20_user_interface.views.look import GAP_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
-
-__all__ = ["application", "window"]
-
-
-@pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])
-def test_stop_is_one_touch_from_every_tab(window, tab):
-    received = wishes(window)
-    show(window, snapshot(SurveyState.SURVEYING))
-    window.show_tab(tab)
-    click(window.top_bar.stop)
-    assert received == ["stop"]
-
-
-def test_stop_is_told_at_the_touch_and_not_when_the_finger_leaves(window):
-    received = wishes(window)
-    show(window, snapshot(SurveyState.SURVEYING))
-    QTest.mousePress(window.top_bar.stop, 1)
-    assert received == ["stop"]
-    QTest.mouseRelease(window.top_bar.stop, 1)
-    assert received == ["stop"]
-
-
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_stop_can_be_pressed_while_there_may_be_something_to_stop(window, code):
-    show(window, snapshot(code))
-    assert window.top_bar.stop.isEnabled() is code.running
-    show(window, snapshot(code, alive=False))
-    assert window.top_bar.stop.isEnabled()
 
 
 def test_state_and_progress_are_seen_from_every_tab(window):
@@ -53,82 +20,46 @@ def test_state_and_progress_are_seen_from_every_tab(window):
     assert window.top_bar.simulated.isVisible()
 
 
-@pytest.mark.parametrize(
-    ("alarm", "title", "words"),
-    [
-        (
-            Alarm(AlarmKind.MASTER_GONE),
-            "NO CONTACT",
-            "ROS master does not answer: the robot may still move",
-        ),
+def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window):
+    reason, may_move = verbatim("no answer"), ": the robot may still move"
+    for alarm, title, words in (
+        (Alarm(AlarmKind.MASTER_GONE), "NO CONTACT", f"ROS master does not answer{may_move}"),
         (Alarm(AlarmKind.NO_CONTROL), "NO CONTACT", "roslaunch gpr20 survey.launch"),
         (
             Alarm(AlarmKind.CONTROL_LOST, 7.9),
             "NO CONTACT",
-            "No contact with the main control for 7 s: the robot may still move",
+            f"No contact with the main control for 7 s{may_move}",
         ),
         (
             Alarm(AlarmKind.SURVEY_INTERRUPTED),
             "INTERRUPTED",
             "the survey is INTERRUPTED. Resume it on SURVEYS",
         ),
-        (
-            Alarm(AlarmKind.ANALYZER_FAULT, reason=verbatim("no answer")),
-            "SURVEYING",
-            "VNA fault: no answer",
-        ),
-    ],
-)
-def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window, alarm, title, words):
-    show(window, snapshot(SurveyState.SURVEYING, alarm=alarm))
-    assert window.top_bar.sign.level in (JobLevel.FAULT, JobLevel.ATTENTION)
-    assert words in window.top_bar.message.whole
-    assert window.top_bar.title.text() == title
-    show(window, snapshot(SurveyState.SURVEYING))
-    assert window.top_bar.sign.level is JobLevel.WORKING
-    assert words not in window.top_bar.message.whole
+        (Alarm(AlarmKind.ANALYZER_FAULT, reason=reason), "SURVEYING", "VNA fault: no answer"),
+    ):
+        show(window, snapshot(SurveyState.SURVEYING, alarm=alarm))
+        assert window.top_bar.sign.level in (JobLevel.FAULT, JobLevel.ATTENTION)
+        assert words in window.top_bar.message.whole
+        assert window.top_bar.title.text() == title
+        show(window, snapshot(SurveyState.SURVEYING))
+        assert window.top_bar.sign.level is JobLevel.WORKING
+        assert words not in window.top_bar.message.whole
 
 
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_pause_and_resume_are_beside_stop_on_every_tab(window, code):
-    received = wishes(window)
-    bar = window.top_bar
-    show(window, snapshot(code))
-    assert bar.pause.isVisible() is code.running
-    assert bar.pause.isEnabled() is (code in (SurveyState.SURVEYING, SurveyState.PAUSED))
-    click(bar.pause)
-    assert received == (["pause"] if code is SurveyState.SURVEYING else [])
-    # RESUME asks first.
-    assert window.start_sheet.isVisible() is (code is SurveyState.PAUSED)
-    if code.running:
-        assert min(bar.pause.height(), bar.stop.height()) >= TOUCH_PX
-        assert bar.stop.x() - bar.pause.geometry().right() >= GAP_PX - 1
-
-
-@pytest.mark.parametrize("request_", list(Request))
-def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window, request_):
+def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window):
     received = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
     reason = verbatim("<b>the reason</b>")
-    window.notice.show_notice(refusal_notice(Refused[request_.name], reason))
-    assert window.notice.isVisible()
-    assert window.notice.reason.toPlainText() == "<b>the reason</b>"
-    assert window.notice.first.isVisible() and window.notice.first.text()
-    assert not window.notice.geometry().intersects(window.top_bar.geometry())
-    click(window.top_bar.stop)
-    assert received == ["stop"]
-    click(window.notice.close_button)
-    assert not window.notice.isVisible()
-
-
-def test_everything_to_touch_is_large_enough_for_a_glove(window):
-    for tab in (TabName.CONTROL, TabName.STATUS):
-        window.show_tab(tab)
-        show(window, snapshot(SurveyState.IDLE))
-        touched = [one for one in window.findChildren(QPushButton) if one.isVisible()]
-        for widget in touched:
-            assert min(widget.height(), widget.width()) >= TOUCH_PX, widget.objectName()
-    assert window.tabs.tabBar().height() >= TOUCH_PX
+    for number, refused in enumerate(Refused, 1):
+        window.notice.show_notice(refusal_notice(refused, reason))
+        assert window.notice.isVisible()
+        assert window.notice.reason.toPlainText() == "<b>the reason</b>"
+        assert window.notice.first.isVisible() and window.notice.first.text()
+        assert not window.notice.geometry().intersects(window.top_bar.geometry())
+        click(window.top_bar.stop)
+        assert received == ["stop"] * number
+        click(window.notice.close_button)
+        assert not window.notice.isVisible()
 
 
 NO_SPACE = Message(

@@ -1,34 +1,20 @@
 import pytest
+from map_kit import MARKER, SURE, focused
+from view_kit import SURVEY, description, make_grid, snapshot, trace_at
+from window_helpers import click, hold, show
 
-pytest.importorskip("PyQt5")
-
-from map_kit import FINER, MARKER, SURE, focused
-from PyQt5.QtTest import QTest
-from view_kit import SURVEY, description, make_grid, trace_at
-from window_helpers import application, click, close, hold, new_window, show, snapshot, window
-
-from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.imaging_events import ImageFocused
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.map_geometry import Area
 from gpr20_user_interface.mid.survey_additions import (
     AdditionsRead,
     MarkersStored,
     MarkingFailed,
-    RelatedSurvey,
 )
 from gpr20_user_interface.mid.trace_events import SurveyDescribed
-from gpr20_user_interface.views.look import Look
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.palette import Theme
-from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application", "window"]
-
-SIZES = [(480, 320), (800, 480), (1280, 800)]
 
 
 def fill(window):
@@ -183,39 +169,3 @@ def test_what_belongs_to_a_survey_is_read_when_it_is_shown_and_when_one_ends(win
     show(window, in_state(SurveyState.SURVEYING))
     show(window, in_state(SurveyState.FINISHED))
     assert len(asked(window, "additions")) == 3
-
-
-@pytest.mark.parametrize("theme", list(Theme))
-@pytest.mark.parametrize("language", languages())
-@pytest.mark.parametrize("size", SIZES)
-def test_nothing_on_map_is_cut(application, tmp_path, size, language, theme):
-    languages = Languages(application, language)
-    window = new_window(languages, profiles=tmp_path)
-    window.use_look(Look(theme))
-    window.resize(*size)
-    window.show()
-    fill(window)
-    related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
-    window.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
-    for open_sheet, sheet in (
-        (lambda: window.map.next_candidate.click(), window.map),
-        (lambda: window.map.finer.click(), window.map_binding.finer),
-        (lambda: window.map.markers.click(), window.map_binding.markers),
-        (lambda: window.map.trace.click(), window.map_binding.trace),
-    ):
-        open_sheet()
-        window.draw()
-        QTest.qWait(1)
-        assert sheet.isVisible()
-        for button in sheet.findChildren(type(window.map.trace)):
-            if not button.isVisible():
-                continue
-            lines = button.text().split("\n")
-            need_px = max(button.fontMetrics().horizontalAdvance(one) for one in lines)
-            assert need_px <= button.width() - 4, (size, button.text())
-            assert button.height() >= round(60 * window.look.scale), button.text()
-            assert sheet.rect().contains(sheet.mapFromGlobal(button.mapToGlobal(
-                button.rect().bottomRight())))  # fmt: skip
-        if sheet is not window.map:
-            sheet.hide()
-    close(window)

@@ -67,9 +67,8 @@ def test_coverage_of_a_past_survey_has_exactly_the_stored_traces(planned, stored
     assert set(np.flatnonzero(states)) == {index for index in stored if index < planned}
 
 
-@pytest.mark.parametrize(
-    ("planned", "starts", "states"),
-    [
+def test_contradicting_coverage_is_refused():
+    for planned, starts, states in (
         (5, (), ()),
         (5, (1,), (0,)),
         (5, (0, 0), (0, 1)),
@@ -78,11 +77,9 @@ def test_coverage_of_a_past_survey_has_exactly_the_stored_traces(planned, stored
         (5, (0, 3), (0,)),
         (5, (0,), (4,)),
         (2**32 - 1, (0,), (0,)),
-    ],
-)
-def test_contradicting_coverage_is_refused(planned, starts, states):
-    with pytest.raises(SurveyNotReadableError):
-        CoverageRuns(SURVEY, planned, starts, states).trace_states()
+    ):
+        with pytest.raises(SurveyNotReadableError):
+            CoverageRuns(SURVEY, planned, starts, states).trace_states()
 
 
 def filled_map(stored=(), failed=()):
@@ -97,49 +94,34 @@ def filled_map(stored=(), failed=()):
 
 
 def test_a_stop_is_done_only_with_all_its_polarizations():
-    model = filled_map(stored=[0, 1, 2])
-    assert model.state_at(Stop(0, 0)) is StopState.DONE
-    assert model.state_at(Stop(0, 1)) is StopState.PARTLY
-    assert model.state_at(Stop(0, 2)) is StopState.MISSING
-    counts = model.counts()
-    assert counts == {
-        StopState.DONE: 1,
+    # 5 columns with 2 polarizations: trace 10 is the first of row 1, at the last column.
+    model = filled_map(stored=[0, 1, 2, 4, 10, 11], failed=[5])
+    states = [model.state_at(Stop(row, column)) for row in (0, 1) for column in range(5)]
+    missing = StopState.MISSING
+    first_row = [StopState.DONE, StopState.PARTLY, StopState.FAILED, missing, missing]
+    assert states == [*first_row, *[missing] * 4, StopState.DONE]
+    assert model.reasons_at(Stop(0, 2)) == (verbatim("reason 5"),)
+    assert model.counts() == {
+        StopState.DONE: 2,
         StopState.PARTLY: 1,
-        StopState.MISSING: 18,
-        StopState.FAILED: 0,
+        StopState.MISSING: 16,
+        StopState.FAILED: 1,
     }
     assert model.verdict == VERDICT
 
 
-def test_the_second_row_runs_back():
-    # 5 columns with 2 polarizations: trace 10 is the first of row 1, at the last column.
-    model = filled_map(stored=[10, 11])
-    assert model.state_at(Stop(1, 4)) is StopState.DONE
-    assert model.state_at(Stop(1, 0)) is StopState.MISSING
-
-
-def test_one_failed_polarization_makes_the_stop_failed_and_says_why():
-    model = filled_map(stored=[0], failed=[1])
-    assert model.state_at(Stop(0, 0)) is StopState.FAILED
-    assert model.reasons_at(Stop(0, 0)) == (verbatim("reason 1"),)
-
-
-@pytest.mark.parametrize(
-    ("place", "stop"),
-    [
+def test_the_target_is_the_current_stop():
+    model = filled_map()
+    for place, stop in (
         ((100.0, 50.0), Stop(0, 0)),
         ((126.0, 71.0), Stop(1, 1)),
         ((213.0, 50.0), None),
         ((float("nan"), 50.0), None),
         ((-1.0, -1.0), None),
-    ],
-)
-def test_the_target_is_the_current_stop(place, stop):
-    model = filled_map()
-    model.set_target(place)
-    assert model.current == stop
-    model.set_target(None)
-    assert model.current is None
+        (None, None),
+    ):
+        model.set_target(place)
+        assert model.current == stop
 
 
 def test_coverage_of_another_survey_is_not_shown_on_this_plan():
@@ -170,25 +152,13 @@ def test_the_plan_is_read_from_survey_json():
     grid = grid_from_description(description())
     assert (grid.shape, grid.planned, grid.simulated) == ((4, 5), 40, True)
     assert grid.holds(cell(0, 0), 100.0, 50.0, 0.0)
-
-
-def test_data_of_unknown_origin_count_as_simulated():
+    # Data of unknown origin count as simulated.
     assert grid_from_description(description(simulated="no")).simulated
     assert not grid_from_description(description(simulated=False)).simulated
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "[]",
-        "{}",
-        "[" * 100_000,
-        description(parameters={}),
-        description(axes=None),
-        "x" * 3_000_000,
-    ],
-)
-def test_what_describes_no_survey_is_refused(text):
-    with pytest.raises(SurveyNotReadableError):
-        grid_from_description(text)
+def test_what_describes_no_survey_is_refused():
+    wrong = [description(parameters={}), description(axes=None), "x" * 3_000_000, "[" * 100_000]
+    for text in ("", "[]", "{}", *wrong):
+        with pytest.raises(SurveyNotReadableError):
+            grid_from_description(text)

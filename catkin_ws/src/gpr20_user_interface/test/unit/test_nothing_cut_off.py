@@ -1,25 +1,24 @@
-"""Every text of the tabs, sheets and dialogs fits, in each language and size of the screen."""
+"""Every text of the tabs and dialogs fits, in each language and size of the screen."""
 
-from dataclasses import replace
-
-import pytest
-
-pytest.importorskip("PyQt5")
-
-from pseudo_language import PSEUDO, write_pseudo_catalogue
+import numpy as np
+from finger import place_of
+from layout_kit import LONG, assert_fits, assert_touchable, busiest, screen, seen, spoken
+from map_kit import FINER, MARKER, focused
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
-from window_helpers import application, close, new_window, show, snapshot
+from PyQt5.QtWidgets import QPushButton
+from test_fault_messages import paused
+from view_kit import SURVEY, depth_echo, description, make_grid, past_survey, state_of, trace_at
+from window_helpers import click, show
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState, CurrentPosition, Progress, TargetPosition
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_user_interface.mid.imaging_events import ImageFocused
+from gpr20_user_interface.mid.map_coverage import CoverageRuns
+from gpr20_user_interface.mid.map_geometry import Area
 from gpr20_user_interface.mid.notices import (
     Refused,
     analyzer_notice,
@@ -27,249 +26,110 @@ from gpr20_user_interface.mid.notices import (
     refusal_notice,
     state_notice,
 )
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.plan_form import PLAN_FIELDS
-from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
-from gpr20_user_interface.mid.robot_health import (
-    EXPECTED_NODES,
-    Alarm,
-    AlarmKind,
-    HealthReport,
-)
+from gpr20_user_interface.mid.radar_records import RadarSettings
+from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 from gpr20_user_interface.mid.robots import RobotReported, RobotsFound
-from gpr20_user_interface.mid.survey_preview import SurveyPreview
-from gpr20_user_interface.views.elided_label import ElidedLabel
-from gpr20_user_interface.views.lines_label import LinesLabel
-from gpr20_user_interface.views.look import BORDER_PX, TEXT_PX, TOUCH_PX, look_of
+from gpr20_user_interface.mid.service_events import AxisMoved, EndstopState, HeightTested
+from gpr20_user_interface.mid.shown_band import ShownBand
+from gpr20_user_interface.mid.survey_additions import AdditionsRead, RelatedSurvey
+from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
+from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.palette import Theme
 from gpr20_user_interface.views.style_sheet import TAB_PADDING_PX
-from gpr20_user_interface.views.touch_edit import TouchEdit
-from gpr20_user_interface.views.translation import Languages
 
-__all__ = ["application"]
+__all__ = ["screen", "spoken"]
 
-# These leave out what has no room, and say so.
-CUT = (ElidedLabel, LinesLabel)
-
-LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
 WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
-LARGEST = SurveyPreview(
-    stops=500000,
-    traces=1000000,
-    x_spacing_mm=0.1234,
-    y_spacing_mm=0.1234,
-    frequency_step_hz=1.350675e6,
-    depth_m=110.98,
-    resolution_m=0.02776,
-    quarter_wavelength_mm=0.1,
-    cost=SurveyCost(99 * 86400.0 + 86399.0, 123456 * 10**6),
-)
-
-
-SIZES = ((480, 320), (800, 480), (1280, 800))
-# The colours change no size: each theme once with each size.
-SCREENS = [
-    (size, language, theme)
-    for size in SIZES
-    for language, theme in ((Language.ENGLISH, Theme.SUN), (Language.SPANISH, Theme.NIGHT))
-]
-# A language of somebody else's, on the robot's screen.
-SCREENS.append(((800, 480), PSEUDO, Theme.SUN))
-
-
-@pytest.fixture(scope="module", params=SCREENS, ids=lambda screen: f"{screen[0]}-{screen[1].value}")
-def screen(request, application, tmp_path_factory):
-    """One window for all tests on a screen."""
-    size, language, theme = request.param
-    own_folder = tmp_path_factory.mktemp("translations")
-    if language == PSEUDO:
-        write_pseudo_catalogue(own_folder)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(VARIABLE, str(own_folder))
-        languages = Languages(application, language)
-        window = new_window(languages, profiles=tmp_path_factory.mktemp("profiles"))
-        window.use_look(replace(window.look, theme=theme))
-        window.show()
-        window.resize(*size)
-        yield window
-        close(window)
-
-
-@pytest.fixture
-def spoken(screen):
-    for overlay in screen.findChildren(Overlay):
-        overlay.hide()
-    screen.survey.preview = LARGEST
-    screen.show_tab(TabName.CONTROL)
-    show(screen, busiest())
-    # The changes of language, size and theme are events.
-    QTest.qWait(1)
-    return screen
-
-
-def busiest(**other):
-    level = HealthLevel.STALE
-    values = {"calibration": "MODERATE_POWER"}
-    nodes = tuple(
-        NodeHealth(name, level, verbatim(LONG), values) for name in (*EXPECTED_NODES, "simulator")
-    )
-    values = {
-        "state": ControlState(SurveyState.SURVEYING, verbatim(LONG), "id", True),
-        "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
-        "current": CurrentPosition(650.0, 800.0, -90.0),
-        "target": TargetPosition(650.0, 800.0, -90.0),
-        "height_m": 0.123,
-        "health": HealthReport(nodes),
-        **other,
-    }
-    return snapshot(SurveyState.SURVEYING, **values)
-
-
-def assert_fits(window):
-    QTest.qWait(1)
-    assert (window.width(), window.height()) in SIZES
-    for kind in (QLabel, QAbstractButton, QLineEdit):
-        for widget in window.findChildren(kind):
-            if widget.isVisible() and not isinstance(widget, CUT):
-                assert_inside(window, widget)
-                assert_text_fits(widget)
-
-
-def assert_inside(window, widget):
-    corner = widget.mapTo(window, widget.rect().bottomRight())
-    assert corner.x() < window.width() and corner.y() < window.height(), widget.text()
-
-
-def assert_text_fits(widget):
-    if isinstance(widget, QLabel) and widget.wordWrap():
-        assert widget.heightForWidth(widget.width()) <= widget.height(), widget.text()
-    else:
-        text = widget.text().replace("&", "")
-        if isinstance(widget, QLineEdit):
-            text = text or widget.placeholderText()
-        frame_px = 0 if isinstance(widget, QLabel) else 2 * look_of(widget).px(BORDER_PX)
-        if isinstance(widget, TouchEdit) and widget.property("fit") == "small":
-            return  # its beginning is seen: test_touch_edit.py
-        lines = text.splitlines() or [""]
-        metrics = widget.fontMetrics()
-        needed_px = max(map(metrics.horizontalAdvance, lines)) + frame_px
-        assert needed_px <= widget.contentsRect().width(), text
-        assert len(lines) * metrics.height() <= widget.height(), text
-
-
-@pytest.mark.parametrize("code", [SurveyState.IDLE, SurveyState.SURVEYING, SurveyState.FAILED])
-@pytest.mark.parametrize("tab", [TabName.MAP, TabName.RADAR, TabName.SURVEYS, TabName.SERVICE])
-def test_nothing_of_the_other_tabs_is_cut_off(spoken, tab, code):
-    spoken.show_tab(tab)
-    show(spoken, busiest(state=ControlState(code, verbatim(LONG), "id", True)))
-    spoken.notice.hide()
-    assert_fits(spoken)
-
-
-def test_the_settings_are_not_cut_off(spoken):
-    spoken.settings.button.click()
-    assert_fits(spoken)
-    sheet = spoken.settings.sheet
-    for buttons in (sheet.languages, sheet.themes, sheet.dim_choices):
-        for button in buttons.values():
-            assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX)
-
-
-def test_neither_the_name_of_the_robot_nor_the_list_of_robots_is_cut_off(spoken):
-    names = frozenset(f"/{'w' * 20}{number}" for number in range(20))
-    spoken.on_event(RobotsFound(names | {"/"}))
-    try:
-        for code in SurveyState:
-            state = ControlState(code, verbatim(LONG), "id", True)
-            for name in names:
-                spoken.on_event(RobotReported(name, state))
-            show(spoken, busiest(state=state))
-            show(spoken, busiest(state=state))
-            assert spoken.top_bar.message.whole.startswith("/: ")
-            spoken.settings.button.click()
-            assert_fits(spoken)
-            spoken.settings.sheet.robot_button.click()
-            show(spoken, busiest(state=state))
-            assert_fits(spoken)
-            spoken.robots.sheet.hide()
-    finally:
-        spoken.on_event(RobotsFound(frozenset()))
-
-
-def test_the_start_sheet_is_not_cut_off(spoken):
-    show(spoken, busiest(state=ControlState(SurveyState.IDLE, verbatim(LONG), "id", True)))
-    spoken.control.start.click()
-    assert spoken.start_sheet.isVisible()
-    assert_fits(spoken)
-
-
-def test_text_has_the_size_of_the_design(spoken):
-    for label in spoken.findChildren(QLabel):
-        if label.isVisible() and label.text():
-            assert label.font().pixelSize() >= spoken.look.px(TEXT_PX), label.text()
-
-
-@pytest.mark.parametrize("tab", [TabName.CONTROL, TabName.STATUS])
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_nothing_of_a_tab_is_cut_off(spoken, tab, code):
-    spoken.show_tab(tab)
-    show(spoken, busiest(state=ControlState(code, verbatim(LONG), "id", True)))
-    assert_fits(spoken)
-
-
-@pytest.mark.parametrize("kind", list(AlarmKind))
-def test_no_alarm_is_cut_off(spoken, kind):
-    show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG))))
-    # What is shown for the first time has its size with the next refresh.
-    QTest.qWait(1)
-    show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG))))
-    message = spoken.top_bar.message
-    assert message.whole and message.fontMetrics().lineSpacing() * 2 <= message.height()
-    assert_fits(spoken)
-
-
-NOTICES = {
-    **{refused.value: refusal_notice(refused, WITH_DETAILS) for refused in Refused},
-    "state": state_notice(ControlState(SurveyState.PAUSED, WITH_DETAILS, "id", True)),
-    "node": node_notice(
+BAND = ShownBand(Message("PAST SURVEY: {name}", name="2026-11-21 05:10:00 UTC"), True)
+OTHER_TABS = (TabName.MAP, TabName.RADAR, TabName.SURVEYS, TabName.SERVICE)
+NOTICES = (
+    *(refusal_notice(refused, WITH_DETAILS) for refused in Refused),
+    state_notice(busiest(SurveyState.PAUSED, state=paused(WITH_DETAILS)).state),
+    node_notice(
         NodeHealth("height_sensor", HealthLevel.ERROR, WITH_DETAILS, {"a": LONG, "b": LONG})
     ),
-}
+)
 
 
-@pytest.mark.parametrize("name", list(NOTICES))
-def test_no_dialog_is_cut_off(spoken, name):
-    spoken.notice.show_notice(NOTICES[name])
-    assert_fits(spoken)
-    reason = spoken.notice.reason
-    assert reason.height() >= 3 * reason.fontMetrics().height()
-    if NOTICES[name].details:
-        spoken.notice.details_button.click()
-        assert_fits(spoken)
-        assert spoken.notice.details.height() >= spoken.look.px(TOUCH_PX)
+def test_the_tabs_are_all_seen(spoken):
+    bar = spoken.tabs.tabBar()
+    assert bar.height() >= spoken.look.px(TOUCH_PX) - 1
+    for index in range(bar.count()):
+        text, area = bar.tabText(index), bar.tabRect(index)
+        needed_px = bar.fontMetrics().horizontalAdvance(text) + 2 * spoken.look.px(TAB_PADDING_PX)
+        assert needed_px <= area.width(), text
+        # Otherwise there are small arrows that move the tabs.
+        assert area.right() < bar.width(), text
 
 
-def test_no_question_is_cut_off(spoken):
+def test_nothing_of_a_tab_is_cut_off(spoken):
+    for code in SurveyState:
+        tabs = [TabName.CONTROL, TabName.STATUS]
+        if code in (SurveyState.IDLE, SurveyState.SURVEYING, SurveyState.FAILED):
+            tabs += OTHER_TABS
+        for tab in tabs:
+            spoken.show_tab(tab)
+            show(spoken, busiest(code))
+            spoken.notice.hide()
+            assert_fits(spoken, spoken.top_bar, spoken.tabs)
+        if code.running:
+            assert_touchable(spoken, spoken.top_bar)
+    if spoken.look.scale == 1.0:
+        hint = spoken.minimumSizeHint()
+        assert hint.width() <= spoken.width() and hint.height() <= spoken.height()
+
+
+def test_nothing_of_the_pages_of_status_is_cut_off(spoken):
+    spoken.show_tab(TabName.STATUS)
+    for button in (spoken.status.parts_button, spoken.status.robot_button):
+        click(button)
+        show(spoken, busiest())
+        assert_fits(spoken, spoken.top_bar, spoken.status)
+        for one in seen(spoken.status, QPushButton):
+            assert min(one.height(), one.width()) >= spoken.look.px(TOUCH_PX), one.text()
+
+
+def test_no_alarm_is_cut_off(spoken):
+    for kind in AlarmKind:
+        # What is shown for the first time has its size with the next refresh.
+        for _ in range(2):
+            show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG))))
+            QTest.qWait(1)
+        message = spoken.top_bar.message
+        assert message.whole and message.fontMetrics().lineSpacing() * 2 <= message.height()
+        assert_fits(spoken, spoken.top_bar, spoken.tabs)
+
+
+def test_nothing_of_the_card_of_a_fault_and_of_the_stop_warning_is_cut_off(spoken):
+    for code in (SurveyState.PAUSED, SurveyState.FAILED):
+        show(spoken, busiest(SurveyState.SURVEYING))
+        show(spoken, busiest(code, state=paused(verbatim(LONG))))
+        assert spoken.notice.isVisible()
+        assert_fits(spoken, spoken.top_bar, spoken.notice)
+        click(spoken.notice.details_button)
+        assert_fits(spoken, spoken.notice)
+        assert spoken.notice.reason.fontMetrics().height() * 2 <= spoken.notice.height() / 3
+        spoken.notice.hide()
+    show(spoken, busiest(master_alive=False))
+    click(spoken.top_bar.stop)
+    assert spoken.stop_warning.isVisible()
+    assert_fits(spoken, spoken.stop_warning)
+
+
+def test_no_dialog_is_cut_off(spoken):
+    for notice in NOTICES:
+        spoken.notice.show_notice(notice)
+        assert_dialog_fits(spoken, spoken.notice)
     spoken.question.ask(analyzer_notice(WITH_DETAILS, "Anritsu,MS2026C/2,62011033,1.23"), list)
-    assert_fits(spoken)
-    reason = spoken.question.reason
-    assert reason.height() >= 3 * reason.fontMetrics().height()
-    spoken.question.details_button.click()
-    assert_fits(spoken)
-    assert spoken.question.details.height() >= spoken.look.px(TOUCH_PX)
+    assert_dialog_fits(spoken, spoken.question)
 
 
-def test_no_problem_of_a_tile_is_cut_off(spoken):
-    show(spoken, busiest(state=ControlState(SurveyState.IDLE, verbatim(LONG), "id", True)))
-    for name in PLAN_FIELDS:
-        before = spoken.control.form.texts[name]
-        spoken.control.form.set_text(name, "-7,5")
-        spoken.control.show_plan()
-        assert spoken.control.start.problem.isVisible()
-        assert_fits(spoken)
-        spoken.control.form.set_text(name, before)
+def assert_dialog_fits(window, dialog):
+    assert_fits(window, dialog)
+    assert dialog.reason.height() >= 3 * dialog.reason.fontMetrics().height()
+    dialog.details_button.click()
+    assert_fits(window, dialog)
+    assert dialog.details.height() >= window.look.px(TOUCH_PX)
 
 
 def test_what_is_longer_than_its_place_is_scrolled_with_a_gloved_finger(spoken):
@@ -282,68 +142,150 @@ def test_what_is_longer_than_its_place_is_scrolled_with_a_gloved_finger(spoken):
     assert bar.value() > 0
 
 
-@pytest.mark.parametrize("tile", VALUE_TILES)
-def test_no_sheet_of_a_tile_is_cut_off(spoken, tile):
-    show(spoken, busiest(state=ControlState(SurveyState.IDLE, verbatim(LONG), "id", True)))
-    spoken.values.last_area = {"x_start_mm": "1", "x_stop_mm": "2"}
-    spoken.values.show_tile(tile)
-    for name in list(spoken.values.fields):
-        spoken.values.choose(name)
-        assert_fits(spoken)
-        spoken.values.keys.press("7")
-        assert_fits(spoken)
+def test_neither_the_settings_nor_the_list_of_robots_is_cut_off(spoken):
+    names = frozenset(f"/{'w' * 20}{number}" for number in range(20))
+    spoken.on_event(RobotsFound(names | {"/"}))
+    try:
+        for code in SurveyState:
+            now = busiest(code)
+            for name in names:
+                spoken.on_event(RobotReported(name, now.state))
+            show(spoken, now)
+            show(spoken, now)
+            assert spoken.top_bar.message.whole.startswith("/: ")
+            spoken.settings.button.click()
+            assert_fits(spoken, spoken.top_bar, spoken.settings.sheet)
+            spoken.settings.sheet.robot_button.click()
+            show(spoken, now)
+            assert_fits(spoken, spoken.top_bar, spoken.robots.sheet)
+            spoken.robots.sheet.hide()
+    finally:
+        spoken.on_event(RobotsFound(frozenset()))
+    sheet = spoken.settings.sheet
+    for buttons in (sheet.languages, sheet.themes, sheet.dim_choices):
+        for button in buttons.values():
+            assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX)
 
 
-def test_no_figure_is_cut_off(spoken):
-    spoken.control.figures.click()
-    assert_fits(spoken)
-
-
-def test_no_number_pad_is_cut_off(spoken):
-    hint = "WGS 84, -180 to 180, east positive; empty if not known"
-    spoken.annotation.number_pad.ask(
-        *(lambda _text: None, "Longitude", hint, "-74.1"), judge=lambda _text: "", strict=False
+def fill_survey_tabs(window):
+    """Let MAP and RADAR show a survey with all that can be drawn there."""
+    grid = make_grid(x_stop_mm=583.33, x_start_mm=416.67, y_start_mm=683.33, y_stop_mm=783.33)
+    show(window, busiest(state=state_of(SurveyState.FINISHED, LONG, SURVEY)))
+    window.on_event(SurveyDescribed(description()))
+    live = window.traces.live
+    live.begin(grid)
+    failures = {10: verbatim("the VNA did not answer within 90 s; check cable and address")}
+    verdict = verbatim("INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 missing")
+    live.map.set_coverage(
+        CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
     )
-    assert_fits(spoken)
+    rng = np.random.default_rng(1)
+    for index in range(10):
+        noise = 1e-4 * (rng.standard_normal(501) + 1j * rng.standard_normal(501))
+        live.take_trace(trace_at(grid, index, depth_echo(0.1, level=0.05) + noise))
 
 
-def test_neither_profiles_nor_their_keys_are_cut_off(spoken):
-    for number in range(20):
-        spoken.profiles._save(f"{'a' * 30}{number:02d}")
-    spoken.profiles.show_profiles(default_parameters())
-    spoken.profiles.names.setCurrentRow(0)
-    assert_fits(spoken)
-    spoken.profiles.delete.click()
-    assert_fits(spoken)
-    spoken.profiles.save.click()
-    assert_fits(spoken)
+def test_nothing_of_map_is_cut_off(spoken):
+    fill_survey_tabs(spoken)
+    spoken.show_tab(TabName.MAP)
+    spoken.refresh()
+    related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
+    spoken.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
+    spoken.on_event(ImageFocused(focused()))
+    for button, sheet in (
+        (spoken.map.next_problem, spoken.map),
+        (spoken.map.next_candidate, spoken.map),
+        (spoken.map.finer, spoken.map_binding.finer),
+        (spoken.map.markers, spoken.map_binding.markers),
+        (spoken.map.trace, spoken.map_binding.trace),
+    ):
+        button.click()
+        spoken.draw()
+        assert sheet.isVisible()
+        assert_fits(spoken, sheet, padding_px=2)
+        for one in seen(sheet, QPushButton):
+            assert one.height() >= round(TOUCH_PX * spoken.look.scale), one.text()
+        if sheet is not spoken.map:
+            sheet.hide()
 
 
-def test_neither_notes_nor_their_keys_are_cut_off(spoken):
-    sheet = spoken.annotation
-    longest = Annotation("W" * 40, "W" * 40, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
-    for survey in ("", "20261121T051000_7c9e6679"):
-        sheet.show_annotation(survey, longest)
-        assert_fits(spoken)
-    sheet.fields["latitude"].setText("-100.123456")
-    assert sheet.problem.text()
-    assert_fits(spoken)
-    for name, field in sheet.fields.items():
-        field.tapped.emit()
-        assert_fits(spoken)
-        pad = sheet.number_pad if sheet.number_pad.isVisible() else sheet.text_pad
-        if pad is sheet.text_pad:
-            pad.shift.click()
-            assert_fits(spoken)
-            assert min(key.height() for key in pad.keys) >= spoken.look.px(TOUCH_PX), name
-        pad.hide()
+def test_nothing_of_radar_is_cut_off(spoken):
+    fill_survey_tabs(spoken)
+    spoken.show_tab(TabName.RADAR)
+    spoken.refresh()
+    view = spoken.radar
+    for band in (None, BAND):
+        spoken.radar_page.band.show_band(band)
+        view.presenter.settings = RadarSettings(depth_m=0.455)
+        view.enlarge(None)
+        view.refresh()
+        assert_radar_fits(spoken, [view.line_plot, view.slice_plot], 0.15)
+        assert view.slice_plot.notice
+        view.presenter.set_depth(0.1)
+        for plot in (view.trace_plot, view.line_plot, view.slice_plot):
+            view.enlarge(plot)
+            assert_radar_fits(spoken, [plot], 0.2)
+            assert view.readout.endswith(" dB")
+        view.enlarge(None)
+        view.presenter.change(permittivity=80.5)
+        view.begin_fit()
+        assert view.use.isVisible()
+        assert_radar_fits(spoken, [view.line_plot], 0.15)
+        view.presenter.end_hyperbola()
+        view.refresh()
+    spoken.radar.settings.click()
+    sheet = spoken.radar_binding.sheet
+    for _ in range(2):
+        assert_fits(spoken, sheet, padding_px=4)
+        for key in (sheet.polarization, sheet.axis, sheet.scale, sheet.background, sheet.follow):
+            key.click()
 
 
-def test_tabs_are_all_seen(spoken):
-    bar = spoken.tabs.tabBar()
-    for index in range(bar.count()):
-        text, area = bar.tabText(index), bar.tabRect(index)
-        needed_px = bar.fontMetrics().horizontalAdvance(text) + 2 * spoken.look.px(TAB_PADDING_PX)
-        assert needed_px <= area.width(), text
-        # Otherwise there are small arrows that move the tabs.
-        assert area.right() < bar.width(), text
+def assert_radar_fits(window, plots, least_part):
+    """Check the texts, and that plots are large enough and apart from everything else."""
+    view = window.radar
+    assert_fits(window, view, padding_px=4)
+    for button in seen(view, QPushButton):
+        assert min(button.height(), button.width()) >= window.look.px(TOUCH_PX), button.text()
+    for plot in plots:
+        assert plot.area().height() >= least_part * window.height()
+    parts = (view.trace_plot, view.line_plot, view.slice_plot, view.bar, view.top_bar, view.note)
+    shown = [place_of(window, one) for one in parts if one.isVisible()]
+    for number, one in enumerate(shown):
+        assert not any(one.intersects(other) for other in shown[number + 1 :])
+
+
+def test_nothing_of_the_list_of_surveys_is_cut_off(spoken):
+    spoken.show_tab(TabName.SURVEYS)
+    verdict = verbatim("INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 missing")
+    spoken.on_event(SurveysListed("", (past_survey(verdict=verdict),), True))
+    spoken.past.table.selectRow(0)
+    show(spoken, busiest(SurveyState.IDLE))
+    assert_fits(spoken, spoken.past, padding_px=2)
+    for button in seen(spoken.past, QPushButton):
+        assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX), button.text()
+
+
+def test_nothing_of_service_is_cut_off(spoken):
+    spoken.show_tab(TabName.SERVICE)
+    show(spoken, busiest(SurveyState.FINISHED))
+    view = spoken.service
+    view.entered.emit()
+    assert view.in_service
+    spoken.on_event(EndstopState(AxisId.X, True))
+    spoken.on_event(EndstopState(AxisId.Y, False))
+    spoken.on_event(
+        AxisMoved(False, Message("the axis is at the end of its range; move it the other way"))
+    )
+    spoken.refresh()
+    assert_fits(spoken, view)
+    for button in (*view.axes.rows[2].buttons, view.switch_button, view.leave_button):
+        assert min(button.width(), button.height()) >= spoken.look.px(TOUCH_PX), button.text()
+        assert button.fontInfo().pixelSize() >= spoken.look.px(TEXT_PX), button.text()
+    click(view.switch_button)
+    spoken.on_event(HeightTested(0.123, 0.001, 1.234))
+    identity = "Anritsu,MS2026C/2,6200412345,1.23"
+    accuracy = "MODERATE_TEMPERATURE"
+    spoken.on_event(AnalyzerTest("192.168.100.100", identity, accuracy, 4000, 12.345, -123.4))
+    spoken.refresh()
+    assert_fits(spoken, view)

@@ -1,43 +1,25 @@
 """Where a sheet has OK, CLOSE or Cancel, no other sheet and no tab has a button to hold."""
 
-import itertools
-
-import pytest
-
-pytest.importorskip("PyQt5")
-
 from finger import place_of
+from layout_kit import screen, spoken
 from PyQt5.QtWidgets import QApplication, QPushButton, QStackedWidget
-from window_helpers import application, close, new_window, show, snapshot
+from view_kit import snapshot
+from window_helpers import show
 
-from gpr20_common.low.catalogue_file import languages
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.views.hold_button import HoldButton
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.notice import NoticeView
 from gpr20_user_interface.views.overlay import Overlay
 from gpr20_user_interface.views.start_sheet import StartSheet
-from gpr20_user_interface.views.translation import Languages
 
-__all__ = ["application"]
+__all__ = ["screen", "spoken"]
 
 # How sheets call the buttons that close them.
 CLOSING = (
     *("accept_button", "cancel", "close_button", "done", "drop", "load", "save", "show_button"),
     *("undo", "use"),
 )
-SIZES = [(480, 320), (800, 480), (1280, 800)]
-
-
-@pytest.fixture(params=list(itertools.product(SIZES, languages())), ids=str)
-def window(request, application, tmp_path):
-    size, language = request.param
-    window = new_window(Languages(application, language), profiles=tmp_path)
-    window.resize(*size)
-    window.show()
-    show(window, snapshot(SurveyState.IDLE))
-    yield window
-    close(window)
 
 
 def settle():
@@ -50,7 +32,9 @@ def closing_buttons(overlay):
     return [one for one in found if isinstance(one, QPushButton)]
 
 
-def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
+def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(spoken):
+    window = spoken
+    show(window, snapshot(SurveyState.IDLE))
     closing, held = [], {}
     for overlay in window.findChildren(Overlay):
         own = closing_buttons(overlay)
@@ -94,7 +78,9 @@ def places(window, buttons):
     return {button: place_of(window, button) for button in buttons if button.isVisible()}
 
 
-def test_the_button_to_hold_is_not_where_it_was_asked_for(window):
+def test_the_button_to_hold_is_not_where_it_was_asked_for(spoken):
+    window = spoken
+    show(window, snapshot(SurveyState.IDLE))
     sheet = window.start_sheet
     sheet.ask_resume_with("Anritsu,MS2026C/2,62011033,1.23")
     window.profiles.confirm.open()

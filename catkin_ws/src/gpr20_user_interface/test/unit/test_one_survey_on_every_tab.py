@@ -3,21 +3,27 @@
 import dataclasses
 
 import pytest
-from view_kit import SURVEY, description, make_grid, trace_at
-from window_helpers import Storage, snapshot
+from view_kit import (
+    FOLDER,
+    PAST,
+    SURVEY,
+    description,
+    make_grid,
+    past_survey,
+    snapshot,
+    state_of,
+    trace_at,
+)
+from window_helpers import Storage
 
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.mid.events import ControlState
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveyRead, SurveysListed
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 
-PAST = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
-FOLDER = "20261121T051000_7c9e6679"
 ALL_STORED = tuple(range(40))
 
 
@@ -29,17 +35,12 @@ def problems():
 @pytest.fixture
 def traces(problems):
     traces = TracePresenter(Storage(), problems.append)
-    listed = SurveySummary(
-        *(FOLDER, PAST, "2026-11-21T05:10:00.000000+00:00", "finished", 40, 40),
-        *(verbatim("complete"), True, True, None),
-    )
-    traces.on_event(SurveysListed("", (listed,), False))
+    traces.on_event(SurveysListed("", (past_survey(outcome="finished", complete=True),), False))
     return traces
 
 
 def note(traces, code, survey=SURVEY, replay=None):
-    state = ControlState(code, verbatim(""), survey, True)
-    traces.note_state(snapshot(code, state=state, replay=replay))
+    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey), replay=replay))
 
 
 def open_past(traces):
@@ -53,18 +54,19 @@ def done(traces):
     return None if counts is None else counts[StopState.DONE]
 
 
-@pytest.mark.parametrize("code", sorted(RUNNING - {SurveyState.PAUSED}))
-def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces, code):
-    note(traces, SurveyState.FINISHED)
-    open_past(traces)
-    assert (done(traces), traces.shown.survey_id) == (20, PAST)
-    note(traces, code, NEXT)
-    assert traces.opened_folder == "" and traces.band is None
-    assert done(traces) is None
-    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
-    traces.on_event(CoverageRuns(NEXT, 40, (0, 2), (1, 0), {}, verbatim("")))
-    traces.refresh()
-    assert (done(traces), traces.shown.survey_id) == (1, NEXT)
+def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces):
+    for number, code in enumerate(sorted(RUNNING - {SurveyState.PAUSED})):
+        begun = f"{NEXT[:-1]}{number}"
+        note(traces, SurveyState.FINISHED)
+        open_past(traces)
+        assert (done(traces), traces.shown.survey_id) == (20, PAST)
+        note(traces, code, begun)
+        assert traces.opened_folder == "" and traces.band is None
+        assert done(traces) is None, code
+        traces.on_event(SurveyDescribed(description(survey_id=begun)))
+        traces.on_event(CoverageRuns(begun, 40, (0, 2), (1, 0), {}, verbatim("")))
+        traces.refresh()
+        assert (done(traces), traces.shown.survey_id) == (1, begun)
 
 
 def test_a_survey_that_is_resumed_takes_the_place_of_a_past_one(traces):
@@ -151,12 +153,12 @@ def test_a_replay_says_so_and_has_nothing_live_to_return_to(traces):
     assert traces.band is None
 
 
-@pytest.mark.parametrize("code", [SurveyState.SURVEYING, SurveyState.FINISHED])
-def test_the_survey_of_a_robot_that_has_left_is_not_shown_as_the_replayed_one(traces, code):
-    traces.on_event(SurveyDescribed(description()))
-    note(traces, SurveyState.FINISHED)
-    replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=code)
-    note(traces, code, PAST, replay)
-    assert traces.shown.map.grid is None
-    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
-    assert traces.shown.survey_id == PAST
+def test_the_survey_of_a_robot_that_has_left_is_not_shown_as_the_replayed_one(traces):
+    for code in (SurveyState.SURVEYING, SurveyState.FINISHED):
+        traces.on_event(SurveyDescribed(description()))
+        note(traces, SurveyState.FINISHED)
+        replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=code)
+        note(traces, code, PAST, replay)
+        assert traces.shown.map.grid is None
+        traces.on_event(SurveyDescribed(description(survey_id=PAST)))
+        assert traces.shown.survey_id == PAST

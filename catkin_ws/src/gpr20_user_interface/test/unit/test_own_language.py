@@ -4,13 +4,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from pseudo_language import PSEUDO, write_pseudo_catalogue
 from PyQt5.QtTest import QTest
 from tutorial_code import code_blocks
-from window_helpers import application, click, close, new_window
+from window_helpers import click, close, new_window
 
 from gpr20_analysis.commands import main as gpr20
 from gpr20_common.catalogue import Catalogue, Language
@@ -20,8 +17,6 @@ from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.survey_arguments import parse_arguments, terminal_language
 from gpr20_user_interface.mid.window_settings import WindowMemory
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 ROOT = Path(__file__).parents[5]
 PAGE = ROOT / "docs/extend/language.md"

@@ -4,53 +4,29 @@ import dataclasses
 import datetime
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from PyQt5.QtTest import QTest
-from view_kit import SURVEY, description
-from window_helpers import Storage, application, close, new_window, show, snapshot
+from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
+from window_helpers import show
 
-from gpr20_common.catalogue import Language
-from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
-from gpr20_user_interface.mid.events import ControlState
+from gpr20_survey.results.survey_summary import Thumbnail
 from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import AREA, MAP, WHAT
-from gpr20_user_interface.views.translation import Languages
 
-__all__ = ["application"]
-
-FOLDER = "20261121T051000_7c9e6679"
-RUNS = snapshot(
-    SurveyState.SURVEYING, state=ControlState(SurveyState.SURVEYING, verbatim(""), SURVEY, True)
-)
-ENDED = snapshot(
-    SurveyState.FINISHED, state=ControlState(SurveyState.FINISHED, verbatim(""), SURVEY, True)
+RUNS, ENDED = (
+    snapshot(state=state_of(code, survey_id=SURVEY))
+    for code in (SurveyState.SURVEYING, SurveyState.FINISHED)
 )
 
 
-@pytest.fixture
-def storage():
-    return Storage()
-
-
-@pytest.fixture
-def window(application, storage):
-    languages = Languages(application, Language.ENGLISH)
-    window = new_window(languages, storage=storage)
-    window.show()
+@pytest.fixture(autouse=True)
+def listed(window, storage):
     window.show_tab(TabName.SURVEYS)
-    survey = SurveySummary(
-        FOLDER, SURVEY, "2026-11-21T05:10:00", "", 7, 40, None, False, True, None
-    )
+    survey = past_survey(survey_id=SURVEY, outcome="", verdict=None)
     window.on_event(SurveysListed("", (survey,), False))
     window.past.table.selectRow(0)
     storage.asked.clear()
-    yield window
-    close(window)
 
 
 def test_a_survey_that_begins_is_told_and_cannot_be_resumed_any_more(window):

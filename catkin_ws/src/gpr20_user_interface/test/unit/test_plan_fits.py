@@ -1,40 +1,34 @@
-"""CONTROL and its sheets: nothing is cut off or overlaps, on any screen and in each language."""
+"""CONTROL and the sheets: nothing is cut off or overlaps, on any screen and in each language."""
 
-import pytest
-from PyQt5.QtCore import QPoint, QRect
+import random
+
+from layout_kit import assert_fits, assert_touchable, busiest, screen, spoken
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
-from window_helpers import application, close, new_window, show, snapshot
+from test_candidates_sheet import MANY
+from view_kit import past_survey, snapshot
+from window_helpers import click, open_field, show
 
-from gpr20_common.low.catalogue_file import languages
+from gpr20_common.message import verbatim
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.parameter_form import default_parameters, texts_of
+from gpr20_survey.results.volume import Volume
+from gpr20_user_interface.mid.imaging_events import (
+    CandidatesFound,
+    ExportDone,
+    RequestFailed,
+    RequestProgress,
+    VolumesListed,
+)
+from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.plan_form import PLAN_FIELDS
 from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
-from gpr20_user_interface.mid.survey_preview import SurveyPreview
-from gpr20_user_interface.views.elided_label import ElidedLabel
-from gpr20_user_interface.views.field_box import FieldBox
-from gpr20_user_interface.views.lines_label import LinesLabel
-from gpr20_user_interface.views.look import GAP_PX, TEXT_PX, TOUCH_PX
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.mid.trace_events import SurveysListed
+from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.plan_style import FITS
 
-__all__ = ["application"]
+__all__ = ["screen", "spoken"]
 
-SIZES = ((480, 320), (800, 480), (1280, 800))
-LARGEST = SurveyPreview(
-    stops=500000,
-    traces=1000000,
-    x_spacing_mm=12.34,
-    y_spacing_mm=23.45,
-    frequency_step_hz=1.350675e6,
-    depth_m=110.98,
-    resolution_m=0.02776,
-    quarter_wavelength_mm=1.234,
-    cost=SurveyCost(99 * 86400.0 + 86399.0, 123456 * 10**6),
-)
 LONGEST = {
     "vna_address": "192.168.100.100",
     "start_frequency_hz": "5999.999",
@@ -52,153 +46,206 @@ LONGEST = {
     "output_power": "HIGH",
     "permittivity": "12.345",
 }
+PEOPLE = Annotation("W" * 60, "W" * 60, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
+IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 with options K2, K4 and B16"
 
 
-@pytest.fixture(
-    scope="module", params=[(one, size) for one in languages() for size in SIZES], ids=str
-)
-def screen(request, application, tmp_path_factory):
-    """One window for all tests on a screen."""
-    language, size = request.param
-    window = new_window(
-        Languages(application, language), profiles=tmp_path_factory.mktemp("profiles")
-    )
-    window.resize(*size)
-    window.show()
-    window.survey.preview = LARGEST
-    yield window
-    close(window)
+def plan(window):
+    """Let CONTROL show the plan."""
+    show(window, busiest(SurveyState.IDLE))
+    return window.control
 
 
-@pytest.fixture
-def shown(screen):
-    for overlay in screen.findChildren(Overlay):
-        overlay.hide()
-    screen.control.form.set_texts(texts_of(default_parameters()))
-    show(screen, snapshot(SurveyState.IDLE))
-    return screen
-
-
-def parts(page, kind):
-    return [one for one in page.findChildren(kind) if one.isVisible()]
-
-
-def assert_fits(window, page):
-    """Check everything that is seen on a tab or sheet."""
-    QTest.qWait(1)
-    look = window.look
-    edge = QRect(QPoint(0, 0), window.size())
-    for label in parts(page, QLabel):
-        if isinstance(label, LinesLabel):
-            assert label.height() >= label.fontMetrics().height()
-            continue
-        assert edge.contains(place(window, label)), label.text()
-        assert label.fontInfo().pixelSize() >= look.px(TEXT_PX), label.text()
-        if label.wordWrap():
-            assert label.heightForWidth(label.width()) <= label.height(), label.text()
-        elif not isinstance(label, ElidedLabel):
-            assert label.sizeHint().width() <= label.width(), label.text()
-        assert label.fontMetrics().height() <= label.height() + 1, label.text()
-    for button in parts(page, QAbstractButton):
-        assert edge.contains(place(window, button)), button.text()
-        wide_px = max(map(button.fontMetrics().horizontalAdvance, button.text().split("\n")))
-        assert wide_px <= button.contentsRect().width() - 2, button.text()
-        # A pixel of rounding at the small scale.
-        assert button.height() >= look.px(TOUCH_PX) - 3, button.text()
-    for edit in parts(page, QLineEdit):
-        text = edit.text() or edit.placeholderText()
-        fits = edit.fontMetrics().horizontalAdvance(text) <= edit.room_px
-        assert fits or edit.property("fit") == "small", text
-    for box in parts(page, FieldBox):
-        assert box.height() >= look.px(TOUCH_PX), box.title.text()
-    touched = parts(page, QAbstractButton) + parts(page, FieldBox)
-    for number, one in enumerate(touched):
-        for other in touched[number + 1 :]:
-            assert apart(window, one, other) >= look.px(GAP_PX) - 1, (
-                one.text() if isinstance(one, QAbstractButton) else one,
-                place(window, one),
-                place(window, other),
-            )
-
-
-def place(window, widget):
-    return QRect(widget.mapTo(window, QPoint(0, 0)), widget.size())
-
-
-def apart(window, one, other):
-    """Return how far two places are apart [px]; negative if they overlap."""
-    first, second = place(window, one), place(window, other)
-    across = max(first.left() - second.right(), second.left() - first.right())
-    down = max(first.top() - second.bottom(), second.top() - first.bottom())
-    return max(across, down) - 1
+def assert_plan_fits(window, *parts):
+    assert_fits(window, *parts)
+    assert_touchable(window, *parts)
 
 
 def uncut(tile):
     return not any(line.is_cut for line in tile.lines if line.isVisible()) and not tile.title.is_cut
 
 
-def test_the_tiles_show_the_longest_values(shown):
-    shown.control.form.set_texts(LONGEST)
-    shown.control.show_plan()
-    assert_fits(shown, shown.control)
+def test_the_tiles_show_the_longest_values(spoken):
+    control = plan(spoken)
+    control.form.set_texts(LONGEST)
+    control.show_plan()
+    assert_plan_fits(spoken, control)
     for tile in VALUE_TILES[:-2]:
-        assert uncut(shown.control.tiles[tile]), tile
-    assert uncut(shown.control.figures) and uncut(shown.control.start)
+        assert uncut(control.tiles[tile]), tile
+    assert uncut(control.figures) and uncut(control.start)
 
 
-def test_what_is_wrong_fits_its_tile_and_start(shown):
+def test_what_is_wrong_fits_its_tile_and_start(spoken):
+    control = plan(spoken)
     for name in PLAN_FIELDS:
-        right = shown.control.form.texts[name]
-        shown.control.form.set_text(name, "-7 x5")
-        shown.control.show_plan()
-        assert_fits(shown, shown.control)
-        reason = shown.control.start.problem
-        assert reason.isVisible() and not reason._lines()[-1].endswith("…")
-        shown.control.form.set_text(name, right)
+        right = control.form.texts[name]
+        for wrong in ("-7 x5", "-7,5"):
+            control.form.set_text(name, wrong)
+            control.show_plan()
+            assert_plan_fits(spoken, control)
+            reason = control.start.problem
+            assert reason.isVisible() and not reason._lines()[-1].endswith("…")
+        control.form.set_text(name, right)
 
 
-def test_the_sheets_fit_with_right_and_wrong_values(shown):
-    shown.values.last_area = {"x_start_mm": "1", "x_stop_mm": "2"}
-    shown.control.form.set_texts(LONGEST)
+def test_the_sheets_of_the_tiles_fit_with_right_and_wrong_values(spoken):
+    values = spoken.values
+    plan(spoken).form.set_texts(LONGEST)
+    values.last_area = {"x_start_mm": "1", "x_stop_mm": "2"}
     for tile in VALUE_TILES:
-        shown.values.show_tile(tile)
-        for name in list(shown.values.fields):
-            shown.values.choose(name)
-            assert_fits(shown, shown.values)
-            shown.values.fields[name].setText("7 x")
-            shown.values._on_edited(shown.values._active)
-            assert_fits(shown, shown.values)
+        values.show_tile(tile)
+        for name in list(values.fields):
+            values.choose(name)
+            assert_plan_fits(spoken, values)
+            values.keys.press("7")
+            assert_fits(spoken, values)
+            values.fields[name].setText("7 x")
+            values._on_edited(values._active)
+            assert_plan_fits(spoken, values)
 
 
-def test_figures_fit(shown):
-    shown.control.figures.click()
-    assert_fits(shown, shown.control_binding.figures)
+def test_the_figures_fit(spoken):
+    plan(spoken).figures.click()
+    assert_plan_fits(spoken, spoken.control_binding.figures)
 
 
-def test_notes_and_their_keys_fit(shown):
-    sheet = shown.annotation
-    position = Wgs84Position(-89.123456, -179.123456)
-    longest = Annotation("W" * 60, "W" * 60, "W " * 2000, position, name="W" * 60)
+def test_the_sheets_to_hold_for_fit(spoken):
+    sheet = spoken.start_sheet
+    for ask in (
+        lambda: sheet.ask_start(default_parameters(), PEOPLE),
+        lambda: sheet.ask_resume_past("20261121T051000_7c9e6679"),
+        lambda: sheet.ask_resume_with(IDENTITY),
+    ):
+        plan(spoken)
+        ask()
+        assert_plan_fits(spoken, sheet)
+
+
+def test_the_notes_and_their_keys_fit(spoken):
+    sheet = spoken.annotation
+    plan(spoken)
     for survey in ("", "20261121T051000_7c9e6679"):
-        sheet.show_annotation(survey, longest)
-        assert_fits(shown, sheet)
+        sheet.show_annotation(survey, PEOPLE)
+        assert_plan_fits(spoken, sheet)
     sheet.fields["latitude"].setText("-100.123456")
-    assert_fits(shown, sheet)
+    assert sheet.problem.text()
+    assert_plan_fits(spoken, sheet)
     for name, field in sheet.fields.items():
         field.tapped.emit()
-        pad = sheet.number_pad if name in ("latitude", "longitude") else sheet.text_pad
-        assert_fits(shown, pad)
+        pad = sheet.number_pad if sheet.number_pad.isVisible() else sheet.text_pad
+        assert_plan_fits(spoken, pad)
+        if pad is sheet.text_pad:
+            for change in (pad.shift, pad.others):
+                change.click()
+                assert_plan_fits(spoken, pad)
+                shortest = min(min(key.height(), key.width()) for key in pad.keys)
+                assert shortest >= spoken.look.px(TOUCH_PX), name
         pad.hide()
-    sheet.fields["notes"].tapped.emit()
-    for change in (sheet.text_pad.shift, sheet.text_pad.others):
-        change.click()
-        assert_fits(shown, sheet.text_pad)
-    assert min(key.width() for key in sheet.text_pad.keys) >= shown.look.px(TOUCH_PX)
 
 
-def test_the_keys_of_a_profile_fit(shown):
-    shown.profiles.show_profiles(None)
-    shown.profiles._ask_name()
-    assert_fits(shown, shown.profiles.name_pad)
-    shown.profiles.name_pad.press("-")
-    assert_fits(shown, shown.profiles.name_pad)
+def test_the_profiles_and_their_keys_fit(spoken):
+    profiles = spoken.profiles
+    plan(spoken)
+    for number in range(20):
+        profiles._save(f"{'a' * 30}{number:02d}")
+    profiles.show_profiles(default_parameters())
+    profiles.names.setCurrentRow(0)
+    assert_fits(spoken, profiles)
+    profiles.delete.click()
+    assert_fits(spoken, profiles.confirm)
+    profiles.save.click()
+    for key in ("", "-"):
+        profiles.name_pad.press(key)
+        assert_plan_fits(spoken, profiles.name_pad)
+
+
+def choose_past_survey(window):
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (past_survey(),), False))
+    show(window, snapshot())
+    window.past.table.selectRow(0)
+
+
+def test_the_sheet_of_the_candidates_fits_in_every_state(spoken):
+    choose_past_survey(spoken)
+    node, sheet = spoken.node, spoken.candidates
+    spoken.past.candidates.click()
+    assert_fits(spoken, sheet)
+    sheet.permittivity.tapped.emit()
+    assert_fits(spoken, sheet.number_pad)
+    sheet.number_pad.hide()
+    sheet.find_button.click()
+    assert_fits(spoken, sheet)
+    found = CandidatesFound(node.of("find")[-1][0], MANY, "note: about the survey. " * 30)
+    spoken.on_event(found)
+    assert_fits(spoken, sheet)
+    assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
+    assert sheet.table.height() >= spoken.look.px(100)
+    sheet.find_button.click()
+    spoken.on_event(RequestFailed(node.of("find")[-1][0], verbatim("refused: why. " * 30)))
+    assert_fits(spoken, sheet)
+
+
+def test_the_sheet_of_the_export_fits_in_every_state(spoken):
+    choose_past_survey(spoken)
+    node, sheet = spoken.node, spoken.export
+    spoken.past.export.click()
+    sticks = (
+        Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True),
+        Volume("/media/gpr/RED", "RED STICK WITH A LONG NAME", 123_000_000, True),
+        Volume("/media/gpr/LOCKED", "LOCKED", 10**9, False),
+    )
+    for volumes in ((), sticks[:1], sticks):
+        spoken.on_event(VolumesListed("gpr20-server", volumes))
+        assert_fits(spoken, sheet)
+    sheet.sticks[1].click()
+    sheet.export_button.click()
+    request_id = node.of("export")[-1][0]
+    spoken.on_event(RequestProgress(request_id, verbatim("copying to the USB stick")))
+    assert_fits(spoken, sheet)
+    spoken.on_event(ExportDone(request_id, ("GPR20/a.pdf", "GPR20/b.zip")))
+    assert_fits(spoken, sheet)
+    sheet.export_button.click()
+    reason = verbatim("the USB stick is full; nothing was left on it. " * 7)
+    spoken.on_event(RequestFailed(node.of("export")[-1][0], reason))
+    assert_fits(spoken, sheet)
+    QTest.qWait(1)
+    show(spoken, busiest())
+    assert_fits(spoken, sheet)
+
+
+def beginning_is_seen(edit):
+    """Return whether the first character is at the left end of the field."""
+    edit.setCursorPosition(0)
+    # Qt adds 5 pixels at the left of the cursor.
+    return edit.cursorRect().left() + 5 >= 0
+
+
+def test_random_numbers_are_whole_or_show_their_beginning(spoken):
+    """600.1234 must not read as 500.1234 or 00.1234."""
+    draw = random.Random(5)
+    plan(spoken)
+    for name in PLAN_FIELDS:
+        edit = open_field(spoken, name)
+        QTest.qWait(1)
+        for _ in range(10):
+            text = f"{draw.uniform(-1e4, 1e4):.{draw.randint(0, 30)}f}"
+            edit.setText(text)
+            edit.select_all()
+            needed_px = edit.fontMetrics().horizontalAdvance(text)
+            assert needed_px <= edit.room_px or edit.property("fit") == list(FITS)[-1]
+            assert edit.cursorPosition() == 0 or needed_px <= edit.room_px
+            assert beginning_is_seen(edit)
+        click(spoken.values.done)
+
+
+def test_no_coordinate_needs_smaller_letters_than_18_px(spoken):
+    plan(spoken)
+    edit = open_field(spoken, "x_stop_mm")
+    QTest.qWait(1)
+    for text in ("600.1234", "500.1234", "123.456789", "0.00001"):
+        edit.setText(text)
+        assert edit.fontMetrics().horizontalAdvance(text) <= edit.room_px
+        assert edit.fontInfo().pixelSize() >= round(TEXT_PX * spoken.look.scale) - 1
+    edit.setText("192.168.100.100")
+    assert edit.fontMetrics().horizontalAdvance("192.168.100.100") <= edit.room_px

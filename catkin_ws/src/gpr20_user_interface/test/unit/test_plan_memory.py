@@ -3,7 +3,7 @@ import threading
 
 import pytest
 import yaml
-from window_helpers import ROBOT
+from view_kit import TRAVEL as ROBOT
 
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_user_interface import faults
@@ -78,9 +78,8 @@ def test_a_disk_that_refuses_is_reported(tmp_path):
     assert failures[0].reason.fault_code == faults.SETTINGS_NOT_STORED.code
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
+def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
+    for changes in (
         {"fields": None},
         {"fields": {"unknown": "1"}},
         {"fields": {"x_points": 5}},
@@ -94,13 +93,15 @@ def test_a_disk_that_refuses_is_reported(tmp_path):
         {"survey": {"operator": "a\nb"}},
         {"last_area": {"x_points": "5"}},
         {"configured_address": None},
-    ],
-)
-def test_a_damaged_plan_gives_the_defaults_and_says_so(path, changes):
-    SettingsFile(path).write({**values_of(PLAN), **changes})
-    damaged = memory(path)
-    assert damaged.load() == RememberedPlan()
-    assert damaged.problem.fault_code == faults.SETTINGS_DAMAGED.code
+    ):
+        SettingsFile(path).write({**values_of(PLAN), **changes})
+        damaged = memory(path)
+        assert damaged.load() == RememberedPlan(), changes
+        assert damaged.problem.fault_code == faults.SETTINGS_DAMAGED.code
+    for key in values_of(PLAN):
+        values = {name: value for name, value in values_of(PLAN).items() if name != key}
+        with pytest.raises(SettingsError):
+            plan_from(values)
 
 
 def test_random_damage_is_never_a_crash(path):
@@ -118,16 +119,8 @@ def test_random_damage_is_never_a_crash(path):
         form.check()
 
 
-def test_a_missing_entry_is_damage():
-    for key in values_of(PLAN):
-        values = {name: value for name, value in values_of(PLAN).items() if name != key}
-        with pytest.raises(SettingsError):
-            plan_from(values)
-
-
-@pytest.mark.parametrize(
-    ("name", "after"),
-    [
+def test_the_next_survey_gets_the_next_name():
+    for name, after in (
         ("", ""),
         ("El Carmen 3", "El Carmen 4"),
         ("P-009", "P-010"),
@@ -136,11 +129,9 @@ def test_a_missing_entry_is_damage():
         ("a" * 200, "a" * 198 + " 2"),
         ("a" * 199 + "9", "a" * 198 + "10"),
         ("lane ٣", "lane ٣ 2"),
-    ],
-)
-def test_the_next_survey_gets_the_next_name(name, after):
-    assert next_name(name) == after
-    assert Annotation(name=after).name == after
+    ):
+        assert next_name(name) == after
+        assert Annotation(name=after).name == after
 
 
 def test_a_survey_is_named_after_its_site_and_numbered():

@@ -22,39 +22,30 @@ def profiles(folder):
     return Profiles(ProfileFolder(folder))
 
 
-def test_profile_is_loaded_as_it_was_saved(profiles):
-    profiles.save("field 1", default_parameters())
+def test_profile_is_loaded_as_it_was_saved_and_gone_when_it_was_removed(profiles, folder):
+    assert profiles.names() == []
+    for _ in range(2):
+        profiles.save("field 1", default_parameters())
+    assert os.listdir(str(folder)) == ["field 1.yaml"]
     assert profiles.names() == ["field 1"]
     assert profiles.load("field 1") == default_parameters()
-
-
-def test_saving_again_replaces_and_leaves_nothing_else(profiles, folder):
-    profiles.save("a", default_parameters())
-    profiles.save("a", default_parameters())
-    assert os.listdir(str(folder)) == ["a.yaml"]
-
-
-def test_removed_profile_is_gone(profiles):
-    profiles.save("a", default_parameters())
-    profiles.remove("a")
+    profiles.remove("field 1")
     assert profiles.names() == []
-    with raises_fault(faults.PROFILE_NOT_STORED, "a.yaml"):
-        profiles.remove("a")
+    with raises_fault(faults.PROFILE_NOT_STORED, "field 1.yaml"):
+        profiles.remove("field 1")
+    with raises_fault(faults.PROFILE_UNREADABLE, "field 1.yaml"):
+        profiles.load("field 1")
 
 
-def test_there_are_none_before_the_first(profiles):
-    assert profiles.names() == []
-    with raises_fault(faults.PROFILE_UNREADABLE, "a.yaml"):
-        profiles.load("a")
+def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles):
+    def save(name):
+        profiles.save(name, default_parameters())
 
-
-@pytest.mark.parametrize(
-    "name", ["", " a", "a ", "../a", "a/b", "a.b", ".a", "-a", "ä", "a\n", "a" * 33, "a\0"]
-)
-def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles, name):
-    for act in (profiles.load, profiles.remove, lambda n: profiles.save(n, default_parameters())):
-        with raises_fault(faults.PROFILE_NAME, repr(name)):
-            act(name)
+    names = ["", " a", "a ", "../a", "a/b", "a.b", ".a", "-a", "ä", "a\n", "a" * 33, "a\0"]
+    for name in names:
+        for act in (profiles.load, profiles.remove, save):
+            with raises_fault(faults.PROFILE_NAME, repr(name)):
+                act(name)
 
 
 @given(st.text(max_size=40))
@@ -66,9 +57,11 @@ def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
     assert os.path.basename(f"{name}.yaml") == f"{name}.yaml"
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
+def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder):
+    profiles.save("a", default_parameters())
+    path = folder / "a.yaml"
+    other_type = path.read_text().replace("x_points: 5", "x_points: five")
+    for text, shown in (
         ("", "a.yaml"),
         ("[1, 2]", "a.yaml"),
         ("{a: 1}", "a.yaml"),
@@ -79,21 +72,11 @@ def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
         ("x_points: 2026-13-45", "a.yaml"),
         ("\x00", "a.yaml"),
         ("#" * (MAX_BYTES + 1), MAX_BYTES),
-    ],
-)
-def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder, text, shown):
-    folder.mkdir()
-    (folder / "a.yaml").write_text(text)
-    with raises_fault(faults.PROFILE_UNREADABLE, shown, error=ProfileError):
-        profiles.load("a")
-
-
-def test_values_of_another_type_are_refused(profiles, folder):
-    profiles.save("a", default_parameters())
-    path = folder / "a.yaml"
-    path.write_text(path.read_text().replace("x_points: 5", "x_points: five"))
-    with raises_fault(faults.PROFILE_UNREADABLE, "x_points"):
-        profiles.load("a")
+        (other_type, "x_points"),
+    ):
+        path.write_text(text)
+        with raises_fault(faults.PROFILE_UNREADABLE, shown, error=ProfileError):
+            profiles.load("a")
 
 
 def test_folder_that_cannot_be_written_is_named(tmp_path):
@@ -103,15 +86,10 @@ def test_folder_that_cannot_be_written_is_named(tmp_path):
         profiles.save("a", default_parameters())
 
 
-def test_files_with_other_names_are_not_listed(profiles, folder):
+def test_what_is_no_file_or_has_another_name_is_not_listed(profiles, folder):
     folder.mkdir()
     (folder / "a.b.yaml").write_text("")
     (folder / "a.txt").write_text("")
-    assert profiles.names() == []
-
-
-def test_what_is_no_file_is_not_listed(profiles, folder):
-    folder.mkdir()
     (folder / "a.yaml").mkdir()
     os.mkfifo(str(folder / "b.yaml"))
     assert profiles.names() == []

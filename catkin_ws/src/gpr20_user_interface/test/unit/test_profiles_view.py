@@ -1,12 +1,11 @@
 import pytest
-from PyQt5.QtCore import QPoint, QRect
+from finger import place_of
 from PyQt5.QtWidgets import QLabel
-from window_helpers import application, click, enter, hold, show, snapshot, window
+from view_kit import snapshot
+from window_helpers import click, enter, hold, show
 
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface import faults
-
-__all__ = ["application", "window"]
 
 
 @pytest.fixture(autouse=True)
@@ -58,14 +57,14 @@ def test_the_empty_name_is_not_red_before_typing(window):
     assert pad.hint.property("level") == "wrong"
 
 
-@pytest.mark.parametrize("name", ["a ", "-a", "a" * 33])
-def test_a_name_that_is_refused_says_what_is_allowed(window, name):
+def test_a_name_that_is_refused_says_what_is_allowed(window):
     click(window.control.profiles)
     click(window.profiles.save)
-    window.profiles.name_pad.edit.setPlainText(name)
-    assert not window.profiles.name_pad.accept_button.isEnabled()
-    hint = window.profiles.name_pad.hint.text()
-    assert "1 to 32 of a to z, 0 to 9, - and _, inside also spaces" in hint
+    pad = window.profiles.name_pad
+    for name in ("a ", "-a", "a" * 33):
+        pad.edit.setPlainText(name)
+        assert not pad.accept_button.isEnabled()
+        assert "1 to 32 of a to z, 0 to 9, - and _, inside also spaces" in pad.hint.text()
 
 
 def test_deleting_is_asked_elsewhere_and_takes_a_hold(window):
@@ -75,7 +74,7 @@ def test_deleting_is_asked_elsewhere_and_takes_a_hold(window):
     confirm = window.profiles.confirm
     assert confirm.isVisible()
     assert "a" in [label.text() for label in confirm.findChildren(QLabel)]
-    places = [place(window, button) for button in (confirm.hold, window.profiles.delete)]
+    places = [place_of(window, button) for button in (confirm.hold, window.profiles.delete)]
     assert not places[0].intersects(places[1])
     hold(confirm.hold, 0.9)
     click(confirm.hold)
@@ -91,10 +90,6 @@ def test_a_profile_that_is_not_deleted_after_all_stays(window):
     click(window.profiles.delete)
     click(window.profiles.confirm.cancel)
     assert names(window) == ["a"]
-
-
-def place(window, widget):
-    return QRect(widget.mapTo(window, QPoint()), widget.size())
 
 
 def test_wrong_fields_cannot_be_saved(window):
@@ -113,15 +108,9 @@ def test_damaged_profile_opens_a_dialog(window, tmp_path):
     assert window.notice.title.text() == "The profile cannot be used."
 
 
-def test_profiles_are_locked_while_a_survey_runs(window):
-    show(window, snapshot(SurveyState.SURVEYING))
-    assert not window.control.profiles.isEnabled()
-
-
-@pytest.mark.parametrize("asks_name", [False, True])
-def test_profiles_that_are_open_when_a_survey_begins_elsewhere_are_closed(window, asks_name):
+def test_profiles_that_are_open_when_a_survey_begins_elsewhere_are_closed_and_locked(window):
     click(window.control.profiles)
-    if asks_name:
-        click(window.profiles.save)
+    click(window.profiles.save)
     show(window, snapshot(SurveyState.CHECKING))
     assert not window.profiles.isVisible() and not window.profiles.name_pad.isVisible()
+    assert not window.control.profiles.isEnabled()

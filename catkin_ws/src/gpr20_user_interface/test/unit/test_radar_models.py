@@ -141,27 +141,20 @@ def test_a_trace_may_come_twice():
     assert model.background(0) == pytest.approx(once, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
+def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
+    stored = np.full(40, SampleState.MEASURED, np.uint8)
+    for changes in (
         {"x_coord_mm": 101.0},
         {"z_coord_deg": 90.0},
         {"frequency_hz": FREQUENCY_HZ + 1e6},
         {"frequency_hz": FREQUENCY_HZ[:300], "s21": np.zeros(300)},
-    ],
-)
-def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again(changes):
-    model = filled([0])
-    with pytest.raises(SurveyNotReadableError):
-        model.add(trace_at(make_grid(), 3, **changes))
-    assert not model.has(make_grid().cell(3))
-    stored = np.full(40, SampleState.MEASURED, np.uint8)
-    assert 3 not in model.absent(stored)
-    assert 3 in model.given_up
-
-
-def test_a_trace_of_another_survey_is_refused():
-    model = filled([0])
+    ):
+        model = filled([0])
+        with pytest.raises(SurveyNotReadableError):
+            model.add(trace_at(make_grid(), 3, **changes))
+        assert not model.has(make_grid().cell(3)), changes
+        assert 3 not in model.absent(stored)
+        assert 3 in model.given_up
     with raises_fault(SurveyNotReadableError.fault, 3, "7c9e6679"):
         model.add(trace_at(make_grid(), 3, survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
 

@@ -1,19 +1,16 @@
-import os
-
-import pytest
-from candidate_examples import candidate, candidate_list
-
-pytest.importorskip("PyQt5")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+import itertools
 
 import numpy as np
+import pytest
+from candidate_examples import candidate, candidate_list
 from PyQt5 import sip
 from PyQt5.QtCore import QEvent, QPointF, Qt
 from PyQt5.QtGui import QColor, QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QWidget
 from test_radar_presenter import image_of
-from view_kit import depth_echo, make_grid, trace_at
+from view_kit import PAST, make_grid, trace_at
+from window_helpers import click
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
@@ -25,13 +22,7 @@ from gpr20_user_interface.views.radar_sheet import RadarSheet
 from gpr20_user_interface.views.radar_view import RadarView
 from gpr20_user_interface.views.shade_colours import LAST_SHADE, NOT_MEASURED
 
-ID = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOISE = 1e-4
-
-
-@pytest.fixture(scope="module")
-def application():
-    yield QApplication.instance() or QApplication([])
 
 
 @pytest.fixture
@@ -68,23 +59,16 @@ def delete(widget):
     sip.delete(widget)
 
 
-def click(button):
-    QTest.mouseClick(button, Qt.LeftButton)
-
-
 def add(view, model, *indices, **changes):
     for index in indices:
         model.add(trace_at(model.grid, index, **changes))
     view.refresh()
 
 
-def add_noise(view, model, ground=None):
+def add_noise(view, model):
     rng = np.random.default_rng(1)
     for index in range(model.grid.planned):
         s21 = NOISE * (rng.standard_normal(501) + 1j * rng.standard_normal(501))
-        here = model.grid.cell(index).stop
-        if ground is not None and (here.row, here.column) == (2, 2):
-            s21 = s21 + ground
         model.add(trace_at(model.grid, index, s21))
     view.refresh()
 
@@ -106,21 +90,22 @@ def measured(plot):
     return plot.colour_numbers != NOT_MEASURED
 
 
-def test_the_last_trace_the_line_and_the_slice_appear(view, model):
-    add(view, model, 0)
-    levels, places = view.trace_plot.points
-    assert places[np.argmax(levels)] == pytest.approx(100.0, abs=7)
-    assert measured(view.line_plot).any(axis=0).tolist() == [True] + [False] * 4
-    assert measured(view.slice_plot).sum() == 1
-
-
-def test_the_line_grows_trace_by_trace(view, model):
+def test_the_line_and_the_slice_grow_trace_by_trace(view, model):
     for count, index in enumerate((0, 3, 4, 7, 8), 1):  # of polarization 0
         add(view, model, index)
-        assert measured(view.line_plot).any(axis=0).sum() == count
+        levels, places = view.trace_plot.points
+        assert places[np.argmax(levels)] == pytest.approx(100.0, abs=7)
+        assert measured(view.line_plot).any(axis=0).tolist() == [True] * count + [False] * (
+            5 - count
+        )
+        assert measured(view.slice_plot).sum() == count
     add(view, model, 11)
     # The next line has begun.
     assert measured(view.line_plot).any(axis=0).tolist() == [False] * 4 + [True]
+    model.begin(make_grid(survey_id=PAST))
+    view.refresh()
+    assert not len(view.trace_plot.points[0])
+    assert view.slice_plot.colour_numbers is None
 
 
 def test_a_slice_of_noise_is_dark_and_says_so(view, model):
@@ -133,20 +118,6 @@ def test_a_slice_of_noise_is_dark_and_says_so(view, model):
     assert view.line_plot.colour_numbers.max() < 0.1 * LAST_SHADE
     assert "Nothing above the noise in this line." in view.line_plot.notice
     assert view.readout.endswith("noise")
-
-
-def test_a_target_is_bright_in_its_slice_only(view, model, sheet):
-    add_noise(view, model, ground=depth_echo(0.1, level=0.01))
-    for scale in range(2):
-        view.depth_slider.setValue(20)
-        view.refresh()
-        assert view.slice_plot.colour_numbers.max() > 0.4 * LAST_SHADE
-        assert view.slice_plot.notice == ""
-        view.depth_slider.setValue(60)
-        view.refresh()
-        assert view.slice_plot.colour_numbers.max() < 0.1 * LAST_SHADE, scale
-        assert "Nothing above the noise" in view.slice_plot.notice
-        click(sheet.scale)
 
 
 def test_the_settings_change_the_picture_and_not_the_data(view, model, sheet):
@@ -162,10 +133,6 @@ def test_the_settings_change_the_picture_and_not_the_data(view, model, sheet):
         assert view.grab().toImage() != before
     for number in (0, 1):
         assert (model.echoes(number) == data[number]).all()
-
-
-def test_the_background_is_removed_by_default(view):
-    assert view.presenter.settings.remove_background
 
 
 def test_permittivity_and_gain_stop_at_their_ends(view, sheet):
@@ -270,22 +237,25 @@ def test_a_hyperbola_is_dragged_and_its_permittivity_taken_over(view, model, she
     assert not view.use.isVisible()
 
 
-def test_another_survey_ends_the_hyperbola(view, model):
+def test_a_hyperbola_is_dropped_by_a_key_or_by_another_survey(view, model):
     add(view, model, *range(40))
-    view.begin_fit()
-    assert view.use.isVisible()
-    model.begin(make_grid(survey_id=ID))
+    for end in (
+        lambda: click(view.drop),
+        lambda: model.begin(make_grid(rotations_deg=(45.0,), survey_id=PAST)),
+    ):
+        view.begin_fit()
+        assert view.use.isVisible()
+        end()
+        view.refresh()
+        assert not view.use.isVisible()
+        assert view.presenter.settings.permittivity == 4.0
+        assert view.slice_plot.isVisible()
+    # One rotation is enough.
+    add(view, model, 0)
+    view.presenter.next_polarization()
     view.refresh()
-    assert not view.use.isVisible()
-    assert view.slice_plot.isVisible()
-
-
-def test_a_hyperbola_can_be_dropped(view, model):
-    add(view, model, *range(40))
-    view.begin_fit()
-    click(view.drop)
-    assert view.presenter.settings.permittivity == 4.0
-    assert view.slice_plot.isVisible()
+    assert view.presenter.settings.polarization == 0
+    assert "45°" in view.trace_key.text()
 
 
 def test_a_marker_is_asked_for_at_the_crosshair_and_drawn(view, model):
@@ -299,7 +269,7 @@ def test_a_marker_is_asked_for_at_the_crosshair_and_drawn(view, model):
     touch(view.slice_plot, 150.0, 90.0)
     click(view.marker)
     assert wanted == [(150.0, 90.0, 50.0)]
-    view.set_markers([Marker(ID, 150.0, 90.0, 50.0), Marker(ID, 100.0, 50.0)], True)
+    view.set_markers([Marker(PAST, 150.0, 90.0, 50.0), Marker(PAST, 100.0, 50.0)], True)
     view.refresh()
     assert [one.is_near for one in view.slice_plot.spots] == [True, True]
     assert [(one.across, one.second) for one in view.line_plot.spots] == [(150.0, 50.0)]
@@ -360,21 +330,18 @@ def test_doubtful_candidates_have_numbers_where_there_is_room(view, model):
     assert [one.text for one in view.slice_plot.spots] == ["1", "2"]
 
 
-@pytest.mark.parametrize("colours", list(Colours))
-def test_what_was_not_measured_is_hatched_in_every_colour(view, model, colours):
+def test_what_was_not_measured_is_hatched_in_every_colour(view, model):
     add(view, model, 0)
-    view.presenter.change(colours=colours, remove_background=False)
-    view.refresh()
-    picture = view.slice_plot.grab().toImage()
     area = view.slice_plot.area()
-    cell = (area.width() / 5, area.height() / 4)
-    left, top = int(area.right() - cell[0] + 4), int(area.top() + 4)
-    paper, found = QColor("#ffffff").rgb(), set()
-    for x in range(left, left + 10):
-        for y in range(top, top + 10):
-            found.add(picture.pixel(x, y))
-    assert paper in found
-    assert len(found) > 1
+    left, top = int(area.right() - area.width() / 5 + 4), int(area.top() + 4)
+    for colours in Colours:
+        view.presenter.change(colours=colours, remove_background=False)
+        view.refresh()
+        picture = view.slice_plot.grab().toImage()
+        cell = itertools.product(range(left, left + 10), range(top, top + 10))
+        found = {picture.pixel(x, y) for x, y in cell}
+        assert QColor("#ffffff").rgb() in found
+        assert len(found) > 1
 
 
 def test_it_never_says_that_there_is_nothing(view, model):
@@ -411,24 +378,3 @@ def test_nothing_is_drawn_while_nobody_can_see_it(view, model):
     assert not len(view.trace_plot.points[0])
     view.show()
     assert len(view.trace_plot.points[0])
-
-
-def test_another_survey_of_the_same_length_replaces_the_first(view, model):
-    add(view, model, 0)
-    model.begin(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
-    view.refresh()
-    assert not len(view.trace_plot.points[0])
-    assert view.slice_plot.colour_numbers is None
-
-
-def test_one_rotation_is_enough(application):
-    model = RadarModel()
-    model.begin(make_grid(rotations_deg=(45.0,)))
-    view = RadarView(model)
-    view.show()
-    add(view, model, 0)
-    view.presenter.next_polarization()
-    view.refresh()
-    assert view.presenter.settings.polarization == 0
-    assert "45°" in view.trace_key.text()
-    delete(view)

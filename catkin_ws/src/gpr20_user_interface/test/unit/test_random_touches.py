@@ -8,35 +8,28 @@ import random
 import sys
 
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from fake_clock import FakeClock
-from finger import Finger, place_of
+from finger import AFTER_S, Finger, place_of
 from PyQt5.QtCore import QPoint
-from PyQt5.QtWidgets import QAbstractButton
-from view_kit import description
-from window_helpers import Storage, application, close, new_window, show, snapshot, wishes
+from PyQt5.QtWidgets import QAbstractButton, QApplication
+from view_kit import FOLDER, PAST, description, past_survey, snapshot
+from window_helpers import close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.mid.events import Progress
+from gpr20_user_interface.mid.events import Answer, Progress, Request
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.parameter_form import default_parameters
+from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
 from gpr20_user_interface.mid.trace_events import SurveyRead, SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
+from gpr20_user_interface.views.translation import Languages, shown_text
 
 TOUCHES = int(os.environ.get("GPR20_TOUCHES", "10000"))
 SEEDS = int(os.environ.get("GPR20_SEEDS", "1"))
 PERIOD_S = 0.05
-PAST = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
-FOLDER = "20261121T051000_7c9e6679"
 KEPT = {f"field {number}.yaml" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
 HARMLESS = {"stop", "pause", "pause replay"}
@@ -45,40 +38,45 @@ LOOKED = {
     *(("watch", True), ("watch", False), ("examine", False), ("examine", True)),
     *("height", "analyzer"),
 }
-STATES = (
-    *(SurveyState.IDLE, SurveyState.CONFIGURED, SurveyState.SURVEYING, SurveyState.PAUSED),
-    *(SurveyState.STOPPED, SurveyState.FAILED, SurveyState.FINISHED),
-)
+IDENTITY = "Anritsu,MS2026C"
 
 
 class Field:
-    """A window in the field, where anything may happen while something touches it."""
+    """A window in the field, where anything may happen while something touches it.
+
+    Its rules: nothing starts, resumes, homes or deletes without a hold, and each hold does it once;
+    STOP always works; what is shown is what was last said.
+    """
 
     def __init__(self, application, folder, seed):
         self.random = random.Random(seed)
         self.window = new_window(
-            Languages(application, Language.ENGLISH),
-            storage=Storage(),
-            profiles=folder,
-            clock=FakeClock(),
+            Languages(application, Language.ENGLISH), profiles=folder, clock=FakeClock()
         )
-        self.opened = set()
+        self.opened, self.held, self.answered = set(), set(), 0
         for name in sorted(KEPT):
             self.window.profiles.show_profiles(default_parameters())
             self.window.profiles._save(name[: -len(".yaml")])
         self.window.profiles.hide()
         self.window.show()
-        self.window.on_event(SurveysListed("", (unfinished(),), False))
+        self.window.on_event(SurveysListed("", (past_survey(),), False))
         self.overlays = self.window.findChildren(Overlay)
         self.buttons = self.window.findChildren(QAbstractButton)
         self.finger = Finger(self.window, self.window.clock)
+        self.say(SurveyState.IDLE)
+
+    def say(self, code, alive=True):
+        """Let the robot say in which state it is, or be silent from then on."""
+        show(
+            self.window,
+            snapshot(code, alive, progress=Progress("id", 33.0, 242, 80, 1500.0)),
+        )
 
     def happen(self):
         """Let the robot or another client do something."""
         window, chance = self.window, self.random.random()
-        code = self.random.choice(STATES)
         if chance < 0.3:
-            show(window, snapshot(code, progress=Progress("id", 33.0, 242, 80, 1500.0)))
+            self.say(self.random.choice(list(SurveyState)), self.random.random() < 0.9)
         elif chance < 0.4:
             window.show_tab(self.random.choice(list(TabName)))
         elif chance < 0.5:
@@ -89,7 +87,7 @@ class Field:
         elif chance < 0.63:
             window.notice.show_notice(refusal_notice(Refused.STOP, verbatim("the reason")))
         elif chance < 0.66:
-            window.survey_binding._ask_about_analyzer(verbatim("another one"), "Anritsu,MS2026C")
+            window.survey_binding._ask_about_analyzer(verbatim("another one"), IDENTITY)
         elif chance < 0.7:
             window.on_event(SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40))))
         elif chance < 0.95:
@@ -109,6 +107,7 @@ class Field:
         self.finger.wait(0.6 * PERIOD_S)
         self.finger.release(start)
         self.finger.wait(0.4 * PERIOD_S)
+        self.answer_stop()
 
     def place(self):
         """Return anywhere on the screen, or on one of the buttons."""
@@ -122,15 +121,74 @@ class Field:
         place = place_of(window, self.random.choice(buttons)).center()
         return place if window.rect().contains(place) else anywhere
 
-    def note_opened(self):
-        self.opened |= {overlay for overlay in self.overlays if overlay.isVisible()}
+    def press_stop(self):
+        """Press STOP, which acts on the press whatever has just happened."""
+        stop, before = self.window.top_bar.stop, wishes(self.window).count("stop")
+        can_stop = stop.isEnabled()
+        self.finger.press(stop)
+        assert wishes(self.window).count("stop") == before + can_stop
+        self.finger.release(stop)
+        assert wishes(self.window).count("stop") == before + can_stop
+        self.answer_stop()
 
+    def answer_stop(self):
+        """Answer each STOP: whether one is late is a matter of the computer's time."""
+        stops = wishes(self.window).count("stop")
+        if stops > self.answered:
+            self.window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
+        self.answered = stops
 
-def unfinished():
-    return SurveySummary(
-        *(FOLDER, PAST, "2026-11-21T05:10:00.000000+00:00", "stopped", 7, 40),
-        *(verbatim("INCOMPLETE"), False, True, None),
-    )
+    def hold_to_start(self):
+        """Hold the button of the sheet before the robot moves, if it is seen."""
+        window, button = self.window, self.window.start_sheet.hold
+        # What a refresh opens or closes comes now.
+        window.refresh()
+        self.finger.wait(AFTER_S)
+        window.refresh()
+        middle = place_of(window, button).center()
+        if window.touch_binding.band.isVisible() or window.childAt(middle) is not button:
+            return
+        self.finger.hold(button, 0.9)
+        self.check_wishes()
+        self.finger.hold(button)
+        (wish,) = [one for one in wishes(window) if one not in HARMLESS]
+        self.held.add(wish if isinstance(wish, str) else "start")
+        assert not window.start_sheet.isVisible()
+        wishes(window).clear()
+        self.answered = 0
+
+    def check_wishes(self):
+        assert set(wishes(self.window)) <= HARMLESS
+        removed = [one for one in self.window.traces.source.asked if one[0] == "remove marker"]
+        assert not removed
+        assert set(self.window.tools.asked) <= LOOKED
+
+    def check_shown(self):
+        """Check that the window shows and offers what the robot said last."""
+        # As its timer does 10 times a second.
+        self.window.refresh()
+        window, now = self.window, self.window.survey.snapshot
+        bar, code, alive = window.top_bar, now.state.code, now.control_alive
+        # In the language that a touch may have chosen.
+        assert bar.title.text().startswith(shown_text(code.label))
+        assert window.status.message.title == shown_text(code.label)
+        assert bar.stop.isVisible() and bar.stop.isEnabled() is (code.running or not alive)
+        assert bar.pause.isVisible() is code.running
+        can_pause = alive and code in (SurveyState.SURVEYING, SurveyState.PAUSED)
+        assert bar.pause.isEnabled() is can_pause
+        pause = "RESUME" if code is SurveyState.PAUSED else "PAUSE"
+        assert bar.pause.text() == QApplication.translate("TopBar", pause)
+        for tile in VALUE_TILES:
+            assert window.control.tiles[tile].isEnabled() is not code.running
+        assert not window.control.start.isEnabled() or (alive and not code.running)
+        if code.running:
+            assert window.control_pages.currentWidget() is window.job
+            for sheet in (window.values, window.profiles):
+                assert not sheet.isVisible(), "the plan is that of the survey"
+            assert code is SurveyState.PAUSED or not window.start_sheet.isVisible()
+        for overlay in self.overlays:
+            free = place_of(window, bar.stop)
+            assert not overlay.isVisible() or not place_of(window, overlay).intersects(free)
 
 
 @pytest.mark.parametrize("seed", range(SEEDS))
@@ -143,17 +201,22 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
     field = Field(application, tmp_path, seed)
     window = field.window
     for number in range(TOUCHES):
-        if number % 10 == 0:
-            field.happen()
-        field.touch()
-        field.note_opened()
+        try:
+            if number % 10 == 0:
+                field.happen()
+                field.check_shown()
+            field.touch()
+            field.check_wishes()
+            if number % 20 == 0:
+                field.press_stop()
+            if window.start_sheet.isVisible() and field.random.random() < 0.5:
+                field.hold_to_start()
+        except AssertionError as error:
+            raise AssertionError(f"touch {number} of seed {seed}") from error
+        field.opened |= {overlay for overlay in field.overlays if overlay.isVisible()}
         assert not raised, f"touch {number} of seed {seed}"
-        assert set(wishes(window)) <= HARMLESS, f"touch {number} of seed {seed}"
-        removed = [one for one in window.traces.source.asked if one[0] == "remove marker"]
-        assert not removed, f"touch {number} of seed {seed}"
-        assert set(window.tools.asked) <= LOOKED, f"touch {number} of seed {seed}"
     assert {one.name for one in tmp_path.iterdir()} >= KEPT
     # The touches were at the buttons that matter.
     assert {window.start_sheet, window.profiles.confirm, window.question} <= field.opened
-    assert "stop" in wishes(window)
+    assert {"start", "resume"} <= field.held
     close(window)

@@ -17,13 +17,14 @@ def printed(outcome, *codes):
     ]
 
 
-@pytest.mark.parametrize("request_", [Request.START, Request.RESUME])
-@pytest.mark.parametrize("end", [SurveyState.FAILED, SurveyState.PAUSED])
-@pytest.mark.parametrize("before", [SurveyState.PAUSED, SurveyState.FAILED, SurveyState.CONFIGURED])
-def test_checks_that_fail_after_the_acceptance_are_told_once(outcome, request_, end, before):
-    outcome.asked(request_)
-    codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
-    assert printed(outcome, *codes) == [None, None, None, request_, None]
+def test_checks_that_fail_after_the_acceptance_are_told_once(outcome):
+    ends = (SurveyState.FAILED, SurveyState.PAUSED)
+    for request in (Request.START, Request.RESUME):
+        for end in ends:
+            for before in (*ends, SurveyState.CONFIGURED):
+                outcome.asked(request)
+                codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
+                assert printed(outcome, *codes) == [None, None, None, request, None], codes
 
 
 def test_survey_that_came_to_measure_may_fail_later_for_other_reasons(outcome):

@@ -5,12 +5,8 @@ import sys
 
 import pytest
 from fake_clock import FakeClock
-
-pytest.importorskip("PyQt5")
-
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
-from window_helpers import application, close, new_window, show, snapshot
+from view_kit import snapshot
+from window_helpers import close, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -19,8 +15,6 @@ from gpr20_user_interface.low.next_window import NAMESPACE, command, with_namesp
 from gpr20_user_interface.mid.events import ControlState, Request
 from gpr20_user_interface.mid.robots import RobotReported, Robots, RobotsFound, robots_on_master
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)
 
@@ -148,14 +142,6 @@ def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
         assert window.top_bar.message.whole.startswith("/: ")
     finally:
         close(window)
-
-
-def test_stop_is_free_while_the_list_is_open(opened):
-    show(opened, snapshot(SurveyState.SURVEYING))
-    found(opened, "/robot1", "/robot2")
-    opened.settings.sheet.robot_button.click()
-    QTest.mouseClick(opened.top_bar.stop, Qt.LeftButton)
-    assert opened.survey.asked == ["stop"]
 
 
 def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():

@@ -3,13 +3,15 @@
 import random
 
 import pytest
+from view_kit import snapshot, state_of
+from window_helpers import ServiceTools
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_user_interface.mid.events import AxisLimits, ControlState, CurrentPosition, Request
+from gpr20_user_interface.mid.events import AxisLimits, CurrentPosition, Request
 from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.service_events import (
     AxisAction,
@@ -26,54 +28,22 @@ from gpr20_user_interface.mid.service_model import (
     LAMP_S,
     ServiceModel,
 )
-from gpr20_user_interface.mid.survey_model import Snapshot, SurveyModel
+from gpr20_user_interface.mid.survey_model import SurveyModel
 
 
-class Requests:
-    def __init__(self):
-        self.asked = []
-
-    def set_watched(self, watched):
-        self.asked.append(("watch", watched))
-
-    def move(self, axis, action, distance):
-        self.asked.append((axis.value, action.name, distance))
-
-    def measure_height(self):
-        self.asked.append("height")
-
-    def test_analyzer(self):
-        self.asked.append("analyzer")
-
-    def examine(self, nodes, surveying, thorough):
-        self.asked.append(("examine", thorough))
-
-
-def snapshot(code=SurveyState.FINISHED, **other):
-    values = {
-        "control_alive": True,
-        "control_silent_s": 0.1,
-        "state": ControlState(code, verbatim(""), "id", True),
-        "progress": None,
-        "current": CurrentPosition(1.0, 2.0, 3.0),
-        "target": None,
-        "height_m": None,
-        "pending": frozenset(),
-        "travel": None,
-        **other,
-    }
-    return Snapshot(**values)
+def at_rest(code=SurveyState.FINISHED, **other):
+    return snapshot(code, **{"current": CurrentPosition(1.0, 2.0, 3.0), **other})
 
 
 @pytest.fixture
 def requests():
-    return Requests()
+    return ServiceTools()
 
 
 @pytest.fixture
 def model(clock, requests):
     model = ServiceModel(requests, clock)
-    model.refresh(snapshot())
+    model.refresh(at_rest())
     model.enter()
     return model
 
@@ -84,7 +54,7 @@ def jog(model, distance=10.0):
 
 def test_nothing_is_asked_before_the_confirmation(clock, requests):
     model = ServiceModel(requests, clock)
-    model.refresh(snapshot())
+    model.refresh(at_rest())
     jog(model)
     model.measure_height()
     model.test_analyzer()
@@ -92,35 +62,33 @@ def test_nothing_is_asked_before_the_confirmation(clock, requests):
     assert not model.state.entered
 
 
-@pytest.mark.parametrize(
-    "shown",
-    [
-        *(snapshot(code) for code in sorted(RUNNING)),
-        snapshot(pending=frozenset([Request.START])),
-        snapshot(pending=frozenset([Request.RESUME])),
-        snapshot(control_alive=False),
-        snapshot(master_alive=False),
-    ],
-)
-def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, requests, shown):
-    model.refresh(shown)
-    assert not model.state.entered
-    assert model.state.obstacle is not None
-    model.enter()
-    jog(model)
-    assert requests.asked == []
-    model.refresh(snapshot())
-    assert not model.state.entered
+def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, requests):
+    for shown in (
+        *(at_rest(code) for code in sorted(RUNNING)),
+        *(at_rest(pending=frozenset([one])) for one in (Request.START, Request.RESUME)),
+        at_rest(alive=False),
+        at_rest(master_alive=False),
+    ):
+        model.enter()
+        assert model.state.entered
+        model.refresh(shown)
+        assert not model.state.entered
+        assert model.state.obstacle is not None
+        model.enter()
+        jog(model)
+        assert requests.asked == [], shown
+        model.refresh(at_rest())
+        assert not model.state.entered
 
 
 def test_service_ends_two_minutes_after_the_last_touch(model, clock):
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.touch()
     clock.advance(IDLE_LIMIT_S - 1.0)
-    model.refresh(snapshot())
+    model.refresh(at_rest())
     assert model.state.entered
     clock.advance(2.0)
-    model.refresh(snapshot())
+    model.refresh(at_rest())
     assert not model.state.entered
 
 
@@ -128,11 +96,11 @@ def test_service_does_not_end_during_a_long_motion(model, clock):
     model.move(AxisId.X, AxisAction.HOME)
     for _minute in range(10):
         clock.advance(60.0)
-        model.refresh(snapshot(service=Message("homing the {axis} axis", axis="x")))
+        model.refresh(at_rest(service=Message("homing the {axis} axis", axis="x")))
         assert model.state.entered
     model.on_event(AxisMoved(True, Message("homed")))
     clock.advance(IDLE_LIMIT_S - 1.0)
-    model.refresh(snapshot())
+    model.refresh(at_rest())
     assert model.state.entered
 
 
@@ -153,7 +121,7 @@ def test_one_request_at_a_time(model, requests):
     assert (model.state.busy, model.state.failed) == (False, True)
     assert str(model.state.outcome) == "Not done: the axis is not homed"
     # What another window asked for.
-    model.refresh(snapshot(service=Message("testing the VNA")))
+    model.refresh(at_rest(service=Message("testing the VNA")))
     jog(model)
     assert len(requests.asked) == 1
     assert "testing the VNA" in str(model.state.outcome)
@@ -187,7 +155,7 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
 
 def test_position_and_zero_of_each_axis(model, clock):
     model.on_event(AxisMeasured(AxisId.Y, AxisPosition(2.0, False, False)))
-    model.refresh(snapshot())
+    model.refresh(at_rest())
     x, y, z = model.state.axes
     assert [one.coordinate for one in (x, y, z)] == [1.0, 2.0, 3.0]
     assert (x.homed, y.homed, z.homed) == (None, False, None)
@@ -210,7 +178,7 @@ def test_why_the_configuration_is_not_known_is_found(model):
 
 def test_stop_is_possible_and_start_is_not_while_something_is_in_service(clock):
     survey = SurveyModel(clock)
-    survey.handle(ControlState(SurveyState.CONFIGURED, verbatim(""), "", True))
+    survey.handle(state_of(SurveyState.CONFIGURED, survey_id=""))
     assert (survey.snapshot().can_stop, survey.snapshot().can_start) == (False, True)
     survey.handle(ServiceActivity(Message("homing the {axis} axis", axis="x")))
     assert (survey.snapshot().can_stop, survey.snapshot().can_start) == (True, False)
@@ -218,13 +186,12 @@ def test_stop_is_possible_and_start_is_not_while_something_is_in_service(clock):
     assert (survey.snapshot().can_stop, survey.snapshot().can_start) == (False, True)
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_no_sequence_asks_for_a_motion_beside_a_survey(seed, clock):
+def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
     """Whatever is touched and heard in any order."""
-    draw = random.Random(seed)
-    requests = Requests()
-    model = ServiceModel(requests, clock)
-    shown = snapshot()
+    draw = random.Random(1)
+    tools = ServiceTools()
+    model = ServiceModel(tools, clock)
+    shown = at_rest()
     acts = [
         model.enter,
         model.leave,
@@ -233,12 +200,12 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(seed, clock):
         lambda: model.on_event(AxisMoved(True, Message("done"))),
         lambda: clock.advance(draw.uniform(0.0, 2.0 * IDLE_LIMIT_S)),
     ]
-    for _ in range(2000):
-        before = len(requests.asked)
+    for _ in range(20000):
+        before = len(tools.asked)
         if draw.random() < 0.2:
-            shown = snapshot(draw.choice(list(SurveyState)), control_alive=draw.random() < 0.9)
+            shown = at_rest(draw.choice(list(SurveyState)), alive=draw.random() < 0.9)
         model.refresh(shown)
         entered = model.state.entered
         draw.choice(acts)()
-        if len(requests.asked) > before:
+        if len(tools.asked) > before:
             assert entered and shown.control_alive and not shown.running

@@ -27,12 +27,12 @@ def test_values_are_read_as_they_were_written(path):
     assert os.listdir(str(path.parent)) == ["window.yaml"]
 
 
-@pytest.mark.parametrize("text", ["", "[1]", "{1: 2}", "a: [", "\x00", "#" * (MAX_BYTES + 1)])
-def test_a_damaged_file_is_refused_with_its_name(path, text):
+def test_a_damaged_file_is_refused_with_its_name(path):
     path.parent.mkdir()
-    path.write_text(text)
-    with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
-        SettingsFile(path).read()
+    for text in ("", "[1]", "{1: 2}", "a: [", "\x00", "#" * (MAX_BYTES + 1)):
+        path.write_text(text)
+        with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
+            SettingsFile(path).read()
 
 
 def test_random_damage_never_raises_anything_else(path):

@@ -1,7 +1,9 @@
 """A replay never looks like a robot, and never hides one."""
 
+import itertools
 import os
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -50,17 +52,17 @@ def assert_harmless(snapshot):
     assert snapshot.fields_locked
 
 
-@pytest.mark.parametrize("code", list(SurveyState))
-@pytest.mark.parametrize("source", [ROSBAG, REPLAY])
-def test_the_status_of_a_player_is_a_replay_for_as_long_as_it_is_shown(model, clock, code, source):
-    if source == REPLAY:
-        model.handle(Received(source, MARK))
-    model.handle(Received(source, state(code)))
-    for _ in range(3):
-        snapshot = model.snapshot()
-        assert_harmless(snapshot)
-        assert str(snapshot.state.title) == f"REPLAY: {code.label}"
-        clock.advance(1000.0)
+def test_the_status_of_a_player_is_a_replay_for_as_long_as_it_is_shown(clock):
+    for code, source in itertools.product(SurveyState, (ROSBAG, REPLAY)):
+        model = new_model(clock)
+        if source == REPLAY:
+            model.handle(Received(source, MARK))
+        model.handle(Received(source, state(code)))
+        for _ in range(3):
+            snapshot = model.snapshot()
+            assert_harmless(snapshot)
+            assert str(snapshot.state.title) == f"REPLAY: {code.label}"
+            clock.advance(1000.0)
 
 
 def test_a_replay_without_status_shows_that_its_robot_was_simulated(model):
@@ -70,17 +72,17 @@ def test_a_replay_without_status_shows_that_its_robot_was_simulated(model):
     assert model.snapshot().replay is not None and model.snapshot().simulated
 
 
-@pytest.mark.parametrize("code", sorted(RUNNING))
-@pytest.mark.parametrize("marked_by", [ROSBAG, REPLAY, CONTROL])
-def test_a_mark_beside_a_robot_does_not_hide_stop(model, clock, code, marked_by):
-    model.handle(Received(marked_by, MARK))
-    model.handle(Received(CONTROL, state(code)))
-    # Also when the main control of that survey is not heard any more.
-    for _ in range(5):
+def test_a_mark_beside_a_robot_does_not_hide_stop(clock):
+    for code, marked_by in itertools.product(RUNNING, (ROSBAG, REPLAY, CONTROL)):
+        model = new_model(clock)
         model.handle(Received(marked_by, MARK))
-        snapshot = model.snapshot()
-        assert snapshot.replay is None and snapshot.can_stop
-        clock.advance(ROBOT_LIMIT_S)
+        model.handle(Received(CONTROL, state(code)))
+        # Also when the main control of that survey is not heard any more.
+        for _ in range(5):
+            model.handle(Received(marked_by, MARK))
+            snapshot = model.snapshot()
+            assert snapshot.replay is None and snapshot.can_stop, (code, marked_by)
+            clock.advance(ROBOT_LIMIT_S)
 
 
 def test_a_replay_is_shown_once_a_robot_without_survey_has_left(model, clock):
@@ -110,33 +112,26 @@ def test_a_player_that_is_recognized_late_leaves_nothing_in_the_robot(model, clo
     assert model.snapshot().state.survey_id == "recorded"
 
 
-@pytest.mark.parametrize(
-    ("code", "ended", "text"),
-    [
-        (SurveyState.FINISHED, True, "FINISHED. Survey of 2026-11-22 07:53 UTC, {folder}"),
-        (SurveyState.SURVEYING, False, "SURVEYING. Survey of 2026-11-22 07:53 UTC, {folder}"),
-        (
-            SurveyState.SURVEYING,
-            True,
-            "SURVEYING, and the recording does not contain the survey's end. Survey of 2026-11-22 "
-            "07:53 UTC, {folder}",
-        ),
-    ],
-)
-@pytest.mark.parametrize("way", ["gone", "mark"])
-def test_the_end_of_a_replay_names_the_end_of_the_survey(model, code, ended, text, way):
-    model.handle(Received(REPLAY, MARK))
-    model.handle(Received(REPLAY, state(code)))
-    if ended and way == "gone":
-        model.handle(SourceGone(REPLAY))
-    elif ended:
-        end = ReplayMark(MARK.survey_id, MARK.started, MARK.folder, ReplayPhase.ENDED, 1.0)
-        model.handle(Received(REPLAY, end))
-    snapshot = model.snapshot()
-    assert_harmless(snapshot)
-    assert str(snapshot.replay.title) == ("REPLAY ENDED" if ended else "REPLAY")
-    assert str(snapshot.replay.message) == text.format(folder=MARK.folder)
-    assert not (ended and snapshot.replay.can_pause)
+def test_the_end_of_a_replay_names_the_end_of_the_survey(clock):
+    survey = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
+    cut_off = "SURVEYING, and the recording does not contain the survey's end"
+    gone = SourceGone(REPLAY)
+    marked = Received(REPLAY, replace(MARK, phase=ReplayPhase.ENDED, rate=1.0))
+    for code, end, text in (
+        (SurveyState.SURVEYING, None, "SURVEYING"),
+        *((SurveyState.FINISHED, end, "FINISHED") for end in (gone, marked)),
+        *((SurveyState.SURVEYING, end, cut_off) for end in (gone, marked)),
+    ):
+        model = new_model(clock)
+        model.handle(Received(REPLAY, MARK))
+        model.handle(Received(REPLAY, state(code)))
+        if end is not None:
+            model.handle(end)
+        snapshot = model.snapshot()
+        assert_harmless(snapshot)
+        assert str(snapshot.replay.title) == ("REPLAY ENDED" if end else "REPLAY")
+        assert str(snapshot.replay.message) == f"{text}. {survey}"
+        assert not (end and snapshot.replay.can_pause)
 
 
 def test_a_player_that_begins_again_shows_nothing_of_its_former_replay(model):
@@ -216,9 +211,8 @@ def draw(numbers):
     return numbers.choice([0.1, 2.0, 5.0, 30.0])
 
 
-@pytest.mark.parametrize("part", range(5))
-def test_stop_is_there_for_every_robot_and_for_no_replay(part, clock):
-    for number in range(part, SEQUENCES, 5):
+def test_stop_is_there_for_every_robot_and_for_no_replay(clock):
+    for number in range(SEQUENCES):
         numbers = random.Random(f"{SEED} {number}")
         # Without a robot in every second sequence.
         alone = number % 2

@@ -1,11 +1,8 @@
-import pytest
-
-pytest.importorskip("PyQt5")
-
 from fake_clock import FakeClock
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
-from window_helpers import application, click, show, snapshot, window
+from view_kit import snapshot
+from window_helpers import click, show
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
@@ -17,15 +14,6 @@ from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import shown_text
 
-__all__ = ["application", "window"]
-
-
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_title_is_what_main_control_says(window, code):
-    show(window, snapshot(code))
-    assert window.status.message.title == code.name
-    assert window.status.message.message == "as it is"
-
 
 def test_progress_is_shown_and_never_full_before_the_end(window):
     progress = Progress("id", 99.999, 20000, 19999, 1128.0)
@@ -36,14 +24,12 @@ def test_progress_is_shown_and_never_full_before_the_end(window):
     assert window.status.progress.text == "0 of 18 traces, 1 min left (by the plan)"
 
 
-@pytest.mark.parametrize(
-    "code", [SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED, SurveyState.IDLE]
-)
-def test_no_time_is_left_when_none_passes(window, code):
-    show(window, snapshot(code, progress=Progress("id", 50.0, 18, 9, 1128.0)))
-    assert window.status.progress.text == "9 of 18 traces"
-    for label in window.findChildren(QLabel):
-        assert "left" not in label.text() and "remaining" not in label.text()
+def test_no_time_is_left_when_none_passes(window):
+    for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED, SurveyState.IDLE):
+        show(window, snapshot(code, progress=Progress("id", 50.0, 18, 9, 1128.0)))
+        assert window.status.progress.text == "9 of 18 traces"
+        for label in window.findChildren(QLabel):
+            assert "left" not in label.text() and "remaining" not in label.text()
 
 
 def test_positions_are_shown_or_said_to_be_unknown(window):

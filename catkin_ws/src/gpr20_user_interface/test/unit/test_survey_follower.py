@@ -59,8 +59,15 @@ class Robot:
         return self
 
     @property
+    def words(self):
+        return str(self.follower.outcome.message)
+
+    @property
     def status(self):
         return self.follower.outcome.status if self.follower.outcome else None
+
+
+BEGIN = (state("IDLE", ""), STARTED, state("SURVEYING"))
 
 
 @pytest.fixture
@@ -70,25 +77,29 @@ def robot(clock):
 
 @pytest.fixture
 def surveying(robot):
-    return robot.say(state("IDLE", ""), STARTED, state("SURVEYING"))
+    return robot.say(*BEGIN)
 
 
 def test_starts_when_main_control_is_heard_and_only_once(robot):
     assert robot.requests == []
-    robot.say(state("IDLE", ""), state("CONFIGURED", ""), progress(""))
-    assert robot.requests == [Request.START]
+    # A long start is waited for.
+    robot.say(state("IDLE", ""), state("CONFIGURED", ""), progress("")).wait(600, state("HOMING"))
+    assert (robot.requests, robot.status) == ([Request.START], None)
 
 
-def test_finished_survey_is_a_success(surveying):
-    surveying.say(state("FINISHED", message="18 traces in /data"))
-    assert surveying.status is ExitStatus.FINISHED
-    assert str(surveying.follower.outcome.message) == "18 traces in /data"
-
-
-@pytest.mark.parametrize("code", ["FAILED", "STOPPED"])
-def test_other_ends_without_a_wish_are_failures(surveying, code):
-    surveying.say(state(code, message="why"))
-    assert (surveying.status, str(surveying.follower.outcome.message)) == (ExitStatus.FAILED, "why")
+def test_the_end_of_the_survey_is_the_outcome_with_its_words(clock):
+    for code, status in (
+        ("FINISHED", ExitStatus.FINISHED),
+        ("FAILED", ExitStatus.FAILED),
+        ("STOPPED", ExitStatus.FAILED),
+        ("PAUSED", ExitStatus.PAUSED),
+    ):
+        robot = Robot(clock).say(*BEGIN, state(code, message="why"))
+        assert (robot.status, robot.words) == (status, "why")
+        # Nothing changes it.
+        robot.say(state("FAILED"), StopRequested("Ctrl-C"), STARTED).wait(100)
+        assert (robot.status, robot.words) == (status, "why")
+        assert robot.requests == [Request.START]
 
 
 def test_end_of_a_former_survey_is_not_taken_for_ours(robot):
@@ -104,32 +115,27 @@ def test_survey_that_ended_before_the_answer_came_is_not_missed(robot):
     assert robot.status is ExitStatus.FINISHED
 
 
-def test_refused_start_is_told_with_the_reason(robot):
-    robot.say(state("IDLE", ""), Answer(Request.START, False, verbatim("axes are not there")))
-    assert robot.status is ExitStatus.REFUSED
-    assert str(robot.follower.outcome.message) == "axes are not there"
-
-
-def test_another_vna_ends_with_its_identity_and_nothing_is_accepted_by_itself(robot):
+def test_refused_start_is_told_with_the_reason_and_nothing_is_accepted_by_itself(robot):
     refused = Answer(Request.START, False, verbatim("the VNA is B, not A"), other_analyzer="B")
     robot.say(state("IDLE", ""), refused)
-    assert robot.status is ExitStatus.REFUSED
+    assert (robot.status, robot.words) == (ExitStatus.REFUSED, "the VNA is B, not A")
     assert robot.follower.outcome.other_analyzer == "B"
+    assert robot.requests == [Request.START]
 
 
-@pytest.mark.parametrize("former", ["PAUSED", "STOPPED", "FAILED"])
-def test_a_survey_that_is_accepted_with_another_vna_is_followed(clock, former):
-    robot = Robot(clock, Mode.RESUME)
+def test_a_survey_that_is_accepted_with_another_vna_is_followed(clock):
     refused = Answer(Request.RESUME, False, verbatim("the VNA is B, not A"), other_analyzer="B")
-    robot.say(state(former), state("CHECKING"), refused)
-    assert robot.status is ExitStatus.REFUSED
-    assert robot.follower.ask_again() == [Request.RESUME]
-    # That of the refused request comes late.
-    robot.say(state(former)).wait(60)
-    robot.say(state("CHECKING"), Answer(Request.RESUME, True, verbatim("resumed")))
-    assert robot.status is None
-    robot.say(state("SURVEYING"), state("FINISHED"))
-    assert robot.status is ExitStatus.FINISHED
+    for former in ("PAUSED", "STOPPED", "FAILED"):
+        robot = Robot(clock, Mode.RESUME)
+        robot.say(state(former), state("CHECKING"), refused)
+        assert robot.status is ExitStatus.REFUSED
+        assert robot.follower.ask_again() == [Request.RESUME]
+        # That of the refused request comes late.
+        robot.say(state(former)).wait(60)
+        robot.say(state("CHECKING"), Answer(Request.RESUME, True, verbatim("resumed")))
+        assert robot.status is None, former
+        robot.say(state("SURVEYING"), state("FINISHED"))
+        assert robot.status is ExitStatus.FINISHED
 
 
 def test_absent_main_control_is_waited_for_within_the_limit(robot):
@@ -138,23 +144,18 @@ def test_absent_main_control_is_waited_for_within_the_limit(robot):
     assert robot.follower.outcome.message.fault == faults.NO_CONTROL
 
 
-def test_long_start_is_waited_for(robot):
-    robot.say(state("IDLE", "")).wait(600, state("HOMING"))
-    assert robot.status is None
-
-
 def test_survey_nothing_is_said_about_is_not_followed_for_ever(robot):
     robot.say(state("IDLE", ""), STARTED).wait(11, progress(""))
     assert robot.status is ExitStatus.FAILED
     assert robot.follower.outcome.message.fault == faults.CONTROL_LOST
 
 
-@pytest.mark.parametrize("wish", [[], [StopRequested("Ctrl-C")]])
-def test_lost_main_control_is_noticed_even_while_stopping(surveying, wish):
-    surveying.wait(50, progress()).say(*wish)
-    assert surveying.wait(5).status is None
-    assert surveying.wait(0.5).status is ExitStatus.FAILED
-    assert surveying.follower.outcome.message.may_move
+def test_lost_main_control_is_noticed_even_while_stopping(clock):
+    for wish in ((), (StopRequested("Ctrl-C"),)):
+        robot = Robot(clock).say(*BEGIN).wait(50, progress()).say(*wish)
+        assert robot.wait(5).status is None
+        assert robot.wait(0.5).status is ExitStatus.FAILED
+        assert robot.follower.outcome.message.may_move
 
 
 def test_a_link_that_is_down_is_waited_for(surveying):
@@ -167,16 +168,13 @@ def test_a_link_that_is_down_is_waited_for(surveying):
     assert surveying.status is ExitStatus.FINISHED
 
 
-def test_a_link_that_stays_down_ends_the_watch(surveying):
-    surveying.say(LinkState(down=True)).wait(600)
-    assert surveying.status is None
-    assert surveying.wait(0.5).status is ExitStatus.FAILED
-
-
-def test_a_main_control_that_has_not_come_back_with_its_link_ends_the_watch(surveying):
-    surveying.say(LinkState(down=True)).wait(60).say(LinkState(down=False))
-    assert surveying.wait(20).status is None
-    assert surveying.wait(0.5).status is ExitStatus.FAILED
+def test_a_link_or_a_main_control_that_does_not_come_back_ends_the_watch(clock):
+    robot = Robot(clock).say(*BEGIN, LinkState(down=True)).wait(600)
+    assert robot.status is None
+    assert robot.wait(0.5).status is ExitStatus.FAILED
+    robot = Robot(clock).say(*BEGIN, LinkState(down=True)).wait(60).say(LinkState(down=False))
+    assert robot.wait(20).status is None
+    assert robot.wait(0.5).status is ExitStatus.FAILED
 
 
 def test_a_stop_over_a_link_that_is_down_is_repeated_until_it_is_confirmed(surveying):
@@ -196,42 +194,30 @@ def test_silence_while_this_process_was_suspended_is_not_main_controls(surveying
     assert surveying.wait(6).status is ExitStatus.FAILED
 
 
-@pytest.mark.parametrize(
-    "other", [state("CHECKING", "another"), state("IDLE", ""), state("CONFIGURED", "")]
-)
-def test_main_control_that_forgot_the_survey_ends_the_watch(surveying, other):
-    surveying.say(other)
-    assert surveying.status is ExitStatus.FAILED
-    assert "ours" in str(surveying.follower.outcome.message)
-    assert surveying.follower.outcome.message.fault_code == faults.CONTROL_RESTARTED.code
+def test_main_control_that_forgot_the_survey_ends_the_watch(clock):
+    for other in (state("CHECKING", "another"), state("IDLE", ""), state("CONFIGURED", "")):
+        robot = Robot(clock).say(*BEGIN, other)
+        assert robot.status is ExitStatus.FAILED
+        assert "ours" in robot.words
+        assert robot.follower.outcome.message.fault_code == faults.CONTROL_RESTARTED.code
 
 
-def test_pause_is_left_or_waited_for(clock):
-    begin = (state("IDLE", ""), STARTED, state("SURVEYING"), state("PAUSED", message="no VNA"))
-    leaving = Robot(clock).say(*begin)
-    assert (leaving.status, str(leaving.follower.outcome.message)) == (ExitStatus.PAUSED, "no VNA")
-    waiting = Robot(clock, on_pause=OnPause.WAIT).say(*begin)
+def test_a_pause_is_waited_for_if_that_is_wanted(clock):
+    waiting = Robot(clock, on_pause=OnPause.WAIT).say(*BEGIN, state("PAUSED"))
     assert waiting.wait(3600, state("PAUSED")).status is None
     waiting.say(state("SURVEYING"), state("FINISHED"))
     assert waiting.status is ExitStatus.FINISHED
 
 
-def test_stop_is_asked_for_and_believed_only_when_main_control_says_it(surveying):
-    surveying.say(StopRequested("Ctrl-C"))
-    assert surveying.requests == [Request.START, Request.STOP]
-    surveying.say(Answer(Request.STOP, True, verbatim("stopping")), state("STOPPING"))
-    assert surveying.wait(30, state("STOPPING")).status is None
-    assert surveying.requests == [Request.START, Request.STOP]
-    surveying.say(state("STOPPED", message="by request"))
-    assert (surveying.status, str(surveying.follower.outcome.message)) == (
-        ExitStatus.STOPPED,
-        "by request",
-    )
-
-
-def test_stop_that_comes_too_late_leaves_a_finished_survey(surveying):
-    surveying.say(StopRequested("Ctrl-C"), state("FINISHED"))
-    assert surveying.status is ExitStatus.FINISHED
+def test_stop_is_asked_for_and_believed_only_when_main_control_says_it(clock):
+    for end, status in (("STOPPED", ExitStatus.STOPPED), ("FINISHED", ExitStatus.FINISHED)):
+        robot = Robot(clock).say(*BEGIN, StopRequested("Ctrl-C"))
+        assert robot.requests == [Request.START, Request.STOP]
+        robot.say(state("PAUSED"), Answer(Request.STOP, True, verbatim("stopping")))
+        assert robot.say(state("STOPPING")).wait(30, state("STOPPING")).status is None
+        assert robot.requests == [Request.START, Request.STOP]
+        robot.say(state(end, message="by request"))
+        assert (robot.status, robot.words) == (status, "by request")
 
 
 def test_refused_stop_is_tried_again_until_the_limit(surveying):
@@ -240,7 +226,7 @@ def test_refused_stop_is_tried_again_until_the_limit(surveying):
     assert surveying.requests.count(Request.STOP) == 2
     surveying.say(refused).wait(58.5, progress())
     assert surveying.status is ExitStatus.FAILED
-    assert "busy" in str(surveying.follower.outcome.message)
+    assert "busy" in surveying.words
     assert surveying.follower.outcome.message.may_move
     assert surveying.follower.outcome.message.remedy == faults.STOP_UNCONFIRMED.remedy
 
@@ -258,30 +244,31 @@ def test_stop_before_the_answer_to_start_is_repeated_after_it(robot):
     assert robot.status is ExitStatus.STOPPED
 
 
-def test_stop_before_a_refused_start_needs_no_confirmation(robot):
-    robot.say(
-        state("IDLE", ""),
-        StopRequested("Ctrl-C"),
-        Answer(Request.START, False, verbatim("stopped")),
-    )
+def test_stop_before_anything_runs_needs_no_confirmation(clock):
+    robot = Robot(clock).say(StopRequested("Ctrl-C"))
+    assert (robot.status, robot.requests) == (ExitStatus.STOPPED, [])
+    refused = Answer(Request.START, False, verbatim("stopped"))
+    robot = Robot(clock).say(state("IDLE", ""), StopRequested("Ctrl-C"), refused)
     assert robot.status is ExitStatus.STOPPED
 
 
 def test_start_that_never_answers_can_be_left_by_stop(robot):
     robot.say(state("IDLE", ""), StopRequested("Ctrl-C")).wait(61, progress(""))
     assert robot.status is ExitStatus.FAILED
+    assert robot.follower.outcome.message.fault == faults.STOP_UNCONFIRMED
 
 
-def test_stop_before_anything_began_asks_for_nothing(robot):
-    robot.say(StopRequested("Ctrl-C"))
-    assert (robot.status, robot.requests) == (ExitStatus.STOPPED, [])
-
-
-@pytest.mark.parametrize("code", sorted(set(SurveyState) - RUNNING))
-def test_attaching_needs_a_survey_that_runs(clock, code):
-    robot = Robot(clock, Mode.ATTACH).say(state(code.name))
-    assert (robot.status, robot.requests) == (ExitStatus.REFUSED, [])
-    assert code.name in str(robot.follower.outcome.message)
+def test_attaching_needs_a_survey_that_runs_and_asks_for_nothing(clock):
+    for code in SurveyState:
+        robot = Robot(clock, Mode.ATTACH).say(state(code.name))
+        assert (robot.status is ExitStatus.REFUSED) is (code not in RUNNING)
+        if code not in RUNNING:
+            assert code.name in robot.words
+        elif code is not SurveyState.PAUSED:
+            assert robot.follower.survey_id == "ours"
+            robot.say(state("FINISHED"))
+            assert robot.status is ExitStatus.FINISHED
+        assert robot.requests == []
 
 
 def test_attaching_to_a_stopped_survey_says_that_an_axis_still_moves(clock):
@@ -292,13 +279,6 @@ def test_attaching_to_a_stopped_survey_says_that_an_axis_still_moves(clock):
     assert first_step(outcome.message).values["remedy"] == remedies.MOTORS_OFF
 
 
-def test_attached_survey_is_followed_without_asking_for_anything(clock):
-    robot = Robot(clock, Mode.ATTACH).say(state("SURVEYING"))
-    assert robot.follower.survey_id == "ours"
-    robot.say(state("FINISHED"))
-    assert (robot.status, robot.requests) == (ExitStatus.FINISHED, [])
-
-
 def test_resumed_survey_is_not_left_for_the_pause_it_came_from(clock):
     robot = Robot(clock, Mode.RESUME).say(state("PAUSED"))
     assert robot.requests == [Request.RESUME]
@@ -307,15 +287,7 @@ def test_resumed_survey_is_not_left_for_the_pause_it_came_from(clock):
     robot.say(state("SURVEYING"))
     assert robot.follower.survey_id == "ours"
     robot.say(state("PAUSED", message="again"))
-    assert (robot.status, str(robot.follower.outcome.message)) == (ExitStatus.PAUSED, "again")
-
-
-def test_nothing_changes_the_outcome(surveying):
-    surveying.say(state("FINISHED"))
-    outcome = surveying.follower.outcome
-    surveying.say(state("FAILED"), StopRequested("Ctrl-C"), STARTED).wait(100)
-    assert surveying.follower.outcome is outcome
-    assert surveying.requests == [Request.START]
+    assert (robot.status, robot.words) == (ExitStatus.PAUSED, "again")
 
 
 def test_only_words_about_this_survey_concern_the_operator(robot):

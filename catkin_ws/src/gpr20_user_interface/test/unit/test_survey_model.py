@@ -47,17 +47,16 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert allowed(snapshot) == ["stop"]
 
 
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_buttons_follow_what_main_control_says(model, code):
-    model.handle(state(code))
-    expected = ["stop"] if code in RUNNING else ["start"]
-    if code is SurveyState.PAUSED:
-        expected.append("resume")
-    if code is SurveyState.SURVEYING:
-        expected.append("pause")
-    snapshot = model.snapshot()
-    assert allowed(snapshot) == expected
-    assert snapshot.fields_locked == (code in RUNNING)
+def test_buttons_follow_what_main_control_says(model):
+    extra = {SurveyState.PAUSED: ["resume"], SurveyState.SURVEYING: ["pause"]}
+    for code in SurveyState:
+        model.handle(state(code))
+        expected = ["stop"] if code in RUNNING else ["start"]
+        snapshot = model.snapshot()
+        assert allowed(snapshot) == expected + extra.get(code, []), code
+        assert snapshot.fields_locked == (code in RUNNING)
+        # One that ends is not interrupted.
+        model.handle(state(SurveyState.FINISHED))
 
 
 def test_stop_that_was_asked_for_is_not_taken_for_done(model):
@@ -104,16 +103,15 @@ def test_parameters_are_those_of_the_survey_that_runs(model):
     assert model.snapshot().survey_parameters is parameters
 
 
-def test_pause_is_asked_for_once_at_a_time(model):
-    model.handle(state(SurveyState.SURVEYING))
-    model.request_sent(Request.PAUSE)
-    assert allowed(model.snapshot()) == ["stop"]
-
-
-def test_resume_is_asked_for_once_at_a_time(model):
-    model.handle(state(SurveyState.PAUSED))
-    model.request_sent(Request.RESUME)
-    assert allowed(model.snapshot()) == ["stop"]
+def test_pause_and_resume_are_asked_for_once_at_a_time(model):
+    for code, request in (
+        (SurveyState.SURVEYING, Request.PAUSE),
+        (SurveyState.PAUSED, Request.RESUME),
+    ):
+        model.handle(state(code))
+        model.request_sent(request)
+        assert allowed(model.snapshot()) == ["stop"]
+        model.handle(Answer(request, True, verbatim("")))
 
 
 def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, clock):
@@ -131,9 +129,10 @@ def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, cloc
 
 
 def test_running_survey_can_be_stopped_while_main_control_is_silent(model, clock):
-    model.handle(state(SurveyState.PAUSED))
+    model.handle(state(SurveyState.PAUSED, simulated=True))
     clock.advance(100)
     assert allowed(model.snapshot()) == ["stop"]
+    assert model.snapshot().simulated
 
 
 def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
@@ -150,23 +149,14 @@ def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
     assert (snapshot.current, snapshot.target, snapshot.height_m) == (None, None, None)
 
 
-@pytest.mark.parametrize("height_m", [math.nan, math.inf, -math.inf])
-def test_height_out_of_range_is_none(model, height_m):
-    model.handle(MeasuredHeight(height_m))
-    assert model.snapshot().height_m is None
-
-
-def test_target_of_minus_one_is_none(model):
+def test_a_height_out_of_range_or_a_target_of_minus_one_is_none(model):
+    for height_m in (math.nan, math.inf, -math.inf):
+        model.handle(MeasuredHeight(height_m))
+        assert model.snapshot().height_m is None
     model.handle(TargetPosition(-1.0, -1.0, -1.0))
     assert model.snapshot().target is None
     model.handle(TargetPosition(0.0, 0.0, -1.0))
     assert model.snapshot().target is not None
-
-
-def test_simulation_is_told_even_when_main_control_is_gone(model, clock):
-    model.handle(state(SurveyState.IDLE, simulated=True))
-    clock.advance(100)
-    assert model.snapshot().simulated
 
 
 def test_limits_of_the_axes_are_known_until_they_are_not(model):
@@ -197,23 +187,24 @@ def test_trouble_of_the_analyzer_is_an_alarm_until_it_is_over(model):
     assert model.snapshot().alarm is None
 
 
-@pytest.mark.parametrize("code", sorted(RUNNING))
-def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_runs(model, code):
-    model.handle(state(code))
-    assert model.snapshot().alarm is None
-    # main_control begins in IDLE and knows nothing of what was.
-    model.handle(state(SurveyState.IDLE, ""))
-    assert model.snapshot().alarm == Alarm(AlarmKind.SURVEY_INTERRUPTED)
-    model.handle(state(SurveyState.CONFIGURED, ""))
-    assert model.snapshot().alarm == Alarm(AlarmKind.SURVEY_INTERRUPTED)
-    # An axis may still end the move that the one before has asked for.
-    assert model.snapshot().can_stop
-    model.handle(state(SurveyState.CHECKING, "next"))
-    assert model.snapshot().alarm is None
-
-
-@pytest.mark.parametrize("end", sorted(ENDED))
-def test_survey_that_ended_is_not_called_interrupted(model, end):
-    for code in (SurveyState.SURVEYING, end, SurveyState.CONFIGURED):
+def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_runs(clock):
+    interrupted = Alarm(AlarmKind.SURVEY_INTERRUPTED)
+    for code in RUNNING:
+        model = SurveyModel(clock)
         model.handle(state(code))
         assert model.snapshot().alarm is None
+        # main_control begins in IDLE and knows nothing of what was.
+        for begun in (SurveyState.IDLE, SurveyState.CONFIGURED):
+            model.handle(state(begun, ""))
+            assert model.snapshot().alarm == interrupted, code
+        # An axis may still end the move that the one before has asked for.
+        assert model.snapshot().can_stop
+        model.handle(state(SurveyState.CHECKING, "next"))
+        assert model.snapshot().alarm is None
+
+
+def test_survey_that_ended_is_not_called_interrupted(model):
+    for end in ENDED:
+        for code in (SurveyState.SURVEYING, end, SurveyState.CONFIGURED):
+            model.handle(state(code))
+            assert model.snapshot().alarm is None, (end, code)

@@ -64,6 +64,13 @@ def state(code, survey_id="ours"):
     return ControlState(SurveyState[code], verbatim("as it is"), survey_id, True)
 
 
+BEGIN = (
+    state("IDLE", ""),
+    Answer(Request.START, True, verbatim(""), "ours"),
+    state("SURVEYING"),
+)
+
+
 def run(clock, *events):
     recorder = Recorder()
     follower = SurveyFollower(Mode.START, OnPause.EXIT, Limits(), clock)
@@ -99,9 +106,7 @@ def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
 def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
     outcome, recorder, _ = run(
         clock,
-        state("IDLE", ""),
-        Answer(Request.START, True, verbatim(""), "ours"),
-        state("SURVEYING"),
+        *BEGIN,
         Progress("ours", 94.0, 18, 17, 1.0),
         state("FINISHED"),
         None,
@@ -116,9 +121,7 @@ def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
 def test_a_state_is_told_once_per_change_and_moves_the_bar(clock):
     _, recorder, _ = run(
         clock,
-        state("IDLE", ""),
-        Answer(Request.START, True, verbatim(""), "ours"),
-        state("SURVEYING"),
+        *BEGIN,
         state("SURVEYING"),
         Progress("ours", 50.0, 18, 9, 30.0),
         state("CHECKING"),
@@ -136,9 +139,7 @@ def test_a_state_is_told_once_per_change_and_moves_the_bar(clock):
 def test_stop_and_its_refusal_are_told(clock):
     _, recorder, _ = run(
         clock,
-        state("IDLE", ""),
-        Answer(Request.START, True, verbatim(""), "ours"),
-        state("SURVEYING"),
+        *BEGIN,
         StopRequested("Ctrl-C"),
         Answer(Request.STOP, False, verbatim("busy")),
         state("STOPPED"),
@@ -167,31 +168,31 @@ def test_display_is_closed_when_the_session_is_broken_off(clock):
     assert recorder.closed
 
 
-@pytest.mark.parametrize("status", list(ExitStatus))
-def test_last_words_tell_outcome_survey_and_simulation(status):
-    outcome = Outcome(status, verbatim("for this reason"))
-    lines = [str(line) for line in outcome_lines(outcome, "an-id", simulated=True)]
-    assert lines[1] == "for this reason"
-    assert "Survey id: an-id" in lines
-    assert lines[-1] == str(SIMULATED)
-    assert any("--resume" in line for line in lines) == (status is ExitStatus.PAUSED)
+def lines_of(status, message, simulated=False, stored=False):
+    messages = outcome_lines(Outcome(status, message), "an-id", simulated, stored)
+    return [str(line) for line in messages]
 
 
-@pytest.mark.parametrize("status", list(ExitStatus))
-def test_last_words_tell_how_a_survey_that_ended_early_is_resumed(status):
-    outcome = Outcome(status, verbatim("why"))
-    messages = outcome_lines(outcome, "an-id", simulated=False, stored=True)
-    lines = [str(message) for message in messages]
-    resumable = status in (ExitStatus.STOPPED, ExitStatus.FAILED)
-    assert any("run_survey --resume an-id" in line for line in lines) == resumable
+def test_last_words_tell_outcome_survey_and_simulation():
+    for status in ExitStatus:
+        lines = lines_of(status, verbatim("why"), simulated=True)
+        assert lines[1] == "why"
+        assert "Survey id: an-id" in lines
+        assert lines[-1] == str(SIMULATED)
+        assert any("--resume" in line for line in lines) == (status is ExitStatus.PAUSED)
 
 
-@pytest.mark.parametrize("status", [ExitStatus.PAUSED, ExitStatus.STOPPED, ExitStatus.FAILED])
-def test_no_last_word_resumes_a_survey_that_cannot_continue(status):
-    lines = outcome_lines(Outcome(status, Message("{why}", why=LOST)), "an-id", False, stored=True)
-    assert not any("--resume" in str(line) for line in lines)
-    ends = any("stop_survey" in str(line) for line in lines)
-    assert ends == (status is ExitStatus.PAUSED)
+def test_last_words_tell_how_a_survey_that_ended_early_is_resumed_if_it_can_be():
+    lost = Message("{why}", why=LOST)
+    for status in ExitStatus:
+        lines = lines_of(status, verbatim("why"), stored=True)
+        resumable = status in (ExitStatus.STOPPED, ExitStatus.FAILED)
+        assert any("run_survey --resume an-id" in line for line in lines) == resumable, status
+    for status in (ExitStatus.PAUSED, ExitStatus.STOPPED, ExitStatus.FAILED):
+        lines = lines_of(status, lost, stored=True)
+        assert not any("--resume" in line for line in lines), status
+        ends = any("stop_survey" in line for line in lines)
+        assert ends == (status is ExitStatus.PAUSED)
 
 
 def test_last_words_claim_no_simulation_and_no_survey_that_was_not():

@@ -1,6 +1,5 @@
 import re
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,12 +10,9 @@ from gpr20_user_interface.mid.time_words import duration, time_left
 DAY_S = 86400
 
 
-@pytest.mark.parametrize(
-    ("time_s", "text"),
-    [
-        (-3, "less than 1 min"),
-        (0, "less than 1 min"),
-        (59.9, "less than 1 min"),
+def test_a_time_is_written_as_people_say_it():
+    for time_s, text in (
+        *((time_s, "less than 1 min") for time_s in (-3, 0, 59.9)),
         (60, "1 min"),
         (61, "2 min"),
         (1128, "19 min"),
@@ -24,11 +20,9 @@ DAY_S = 86400
         (3900, "1 h 5 min"),
         (DAY_S - 1, "1 d 0 h"),
         (2 * DAY_S + 3 * 3600 + 1, "2 d 4 h"),
-    ],
-)
-def test_a_time_is_written_as_people_say_it(time_s, text):
-    assert str(duration(time_s)) == text
-    assert str(time_left(time_s)) == f"{text} left"
+    ):
+        assert str(duration(time_s)) == text
+        assert str(time_left(time_s)) == f"{text} left"
 
 
 @given(st.integers(min_value=60, max_value=400 * DAY_S))
@@ -40,12 +34,10 @@ def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
     assert 0 <= said_s - time_s < units[parts[-1][1]]
 
 
-@pytest.mark.parametrize(
-    ("visited", "basis"), [(0, "by the plan"), (1, "measured"), (12, "measured")]
-)
-def test_time_that_is_left_says_what_it_is_based_on(visited, basis):
-    progress = Progress("id", 0.0, 18, visited, 1128.0)
-    assert str(remaining(progress)) == f"19 min left ({basis})"
+def test_time_that_is_left_says_what_it_is_based_on():
+    for visited, basis in ((0, "by the plan"), (1, "measured"), (12, "measured")):
+        progress = Progress("id", 0.0, 18, visited, 1128.0)
+        assert str(remaining(progress)) == f"19 min left ({basis})"
 
 
 def test_line_tells_percent_and_traces():

@@ -1,36 +1,29 @@
 """Touches as the screen sends them: bounces, a locked screen, STOP."""
 
+import itertools
+
 import pytest
-
-pytest.importorskip("PyQt5")
-
 from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QPushButton
-from window_helpers import application, close, new_window, show, snapshot, wishes
+from view_kit import snapshot
+from window_helpers import close, opened_window, show, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.notices import Refused, refusal_notice
 from gpr20_user_interface.mid.parameter_form import default_parameters
 from gpr20_user_interface.mid.plan_tiles import Tile
 from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
 
 
 @pytest.fixture
 def window(application, tmp_path):
-    window = new_window(
-        Languages(application, Language.ENGLISH), profiles=tmp_path, clock=FakeClock()
-    )
-    window.show()
+    window = opened_window(application, profiles=tmp_path, clock=FakeClock())
     show(window, snapshot(SurveyState.IDLE))
     yield window
     close(window)
@@ -49,47 +42,40 @@ def start_sheet(window, finger):
     return window.start_sheet
 
 
-def test_start_takes_a_touch_and_a_hold(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.hold(sheet.hold, 0.9)
-    assert wishes(window) == []
-    finger.hold(sheet.hold)
-    assert wishes(window) == [window.control.parameters]
-    assert not sheet.isVisible()
-
-
-@pytest.mark.parametrize("gap_s", [0.0, 0.09, 0.12, 0.3])
-def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger, gap_s):
+def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger):
     pressed = []
     for button in window.control.findChildren(QPushButton):
         button.pressed.connect(lambda: pressed.append("a button below"))
-    window.notice.show_notice(NOTICE)
-    finger.wait(AFTER_S)
-    below = place_of(window, window.notice.close_button).center()
-    finger.tap(below)
-    assert not window.notice.isVisible()
-    finger.wait(gap_s)
-    finger.tap(below)
-    finger.tap(window.control.start)
-    assert pressed == [] and not window.start_sheet.isVisible()
-    finger.wait(AFTER_S)
-    finger.tap(window.control.start)
-    assert window.start_sheet.isVisible()
+    for gap_s in (0.0, 0.09, 0.12, 0.3):
+        window.notice.show_notice(NOTICE)
+        finger.wait(AFTER_S)
+        below = place_of(window, window.notice.close_button).center()
+        finger.tap(below)
+        assert not window.notice.isVisible()
+        finger.wait(gap_s)
+        finger.tap(below)
+        finger.tap(window.control.start)
+        assert pressed == [] and not window.start_sheet.isVisible(), gap_s
+        finger.wait(AFTER_S)
+        finger.tap(window.control.start)
+        assert window.start_sheet.isVisible()
+        window.start_sheet.hide()
+        pressed.clear()
 
 
-@pytest.mark.parametrize("gap_s", [0.0, 0.12])
-def test_a_bounce_of_done_does_nothing(window, finger, gap_s):
-    finger.tap(window.control.tiles[Tile.AREA])
-    assert window.values.isVisible()
-    finger.wait(AFTER_S)
-    place = place_of(window, window.values.done).center()
-    finger.tap(place)
-    assert not window.values.isVisible()
-    finger.wait(gap_s)
-    finger.tap(place)
-    finger.tap(window.control.start)
-    finger.wait(3.0)
-    assert wishes(window) == [] and not window.start_sheet.isVisible()
+def test_a_bounce_of_done_does_nothing(window, finger):
+    for gap_s in (0.0, 0.12):
+        finger.tap(window.control.tiles[Tile.AREA])
+        assert window.values.isVisible()
+        finger.wait(AFTER_S)
+        place = place_of(window, window.values.done).center()
+        finger.tap(place)
+        assert not window.values.isVisible()
+        finger.wait(gap_s)
+        finger.tap(place)
+        finger.tap(window.control.start)
+        finger.wait(3.0)
+        assert wishes(window) == [] and not window.start_sheet.isVisible(), gap_s
 
 
 def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
@@ -114,18 +100,6 @@ def test_a_finger_that_stays_while_a_sheet_closes_holds_nothing_below_it(window,
     window.notice.hide()
     finger.wait(3.0)
     finger.release(place)
-    assert wishes(window) == []
-
-
-def test_what_opens_while_a_button_is_held_ends_the_hold(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.press(sheet.hold)
-    finger.wait(0.8)
-    window.notice.show_notice(NOTICE)
-    finger.wait(0.5)
-    window.notice.hide()
-    finger.wait(3.0)
-    finger.release(sheet.hold)
     assert wishes(window) == []
 
 
@@ -174,36 +148,39 @@ def test_a_second_finger_ends_a_hold_wherever_it_comes(window, finger):
     assert wishes(window) == [] and sheet.isVisible()
 
 
-@pytest.mark.parametrize("locked", [False, True])
-def test_stop_notices_a_finger_beside_a_hand_that_rests_on_the_screen(window, finger, locked):
+def test_stop_notices_a_finger_beside_a_hand_that_rests_on_the_screen(window, finger):
     show(window, snapshot(SurveyState.SURVEYING))
-    window.touch_binding.set_locked(locked)
     hand = QPoint(400, 300)
-    finger.press(hand)
-    second_finger(window, QPoint(20, 400))
-    assert wishes(window) == []
-    second_finger(window, place_of(window, window.top_bar.stop).center())
-    assert wishes(window) == ["stop"]
-    finger.release(hand)
+    for number, locked in enumerate((False, True)):
+        window.touch_binding.set_locked(locked)
+        finger.press(hand)
+        second_finger(window, QPoint(20, 400))
+        assert wishes(window) == ["stop"] * number
+        second_finger(window, place_of(window, window.top_bar.stop).center())
+        assert wishes(window) == ["stop"] * (number + 1)
+        finger.release(hand)
 
 
-@pytest.mark.parametrize("locked", [False, True])
-@pytest.mark.parametrize("changed", [False, True])
-def test_stop_acts_on_the_press_whatever_has_just_happened(window, finger, locked, changed):
+def test_stop_acts_on_the_press_whatever_has_just_happened(window, finger):
+    received = wishes(window)
     show(window, snapshot(SurveyState.SURVEYING))
-    finger.wait(AFTER_S)
-    if locked:
-        finger.tap(window.touch_binding.lock_button)
+    for locked, changed in itertools.product((False, True), repeat=2):
+        received.clear()
+        window.touch_binding.set_locked(False)
         finger.wait(AFTER_S)
-    if changed:
-        window.notice.show_notice(NOTICE)
-    finger.press(window.top_bar.stop)
-    assert wishes(window) == ["stop"]
-    window.notice.hide()
-    finger.release(window.top_bar.stop)
-    finger.press(window.top_bar.stop)
-    assert wishes(window) == ["stop"] * 2
-    finger.release(window.top_bar.stop)
+        if locked:
+            finger.tap(window.touch_binding.lock_button)
+            finger.wait(AFTER_S)
+            assert window.touch_binding.band.isVisible()
+        if changed:
+            window.notice.show_notice(NOTICE)
+        finger.press(window.top_bar.stop)
+        assert received == ["stop"], (locked, changed)
+        window.notice.hide()
+        finger.release(window.top_bar.stop)
+        finger.press(window.top_bar.stop)
+        assert received == ["stop"] * 2, (locked, changed)
+        finger.release(window.top_bar.stop)
 
 
 def test_a_locked_screen_says_so_and_takes_nothing_but_stop_and_the_unlocking(window, finger):
@@ -245,13 +222,3 @@ def test_a_touch_of_a_locked_screen_shows_why_it_does_nothing(window, finger):
     assert not window.touch_binding.band.text.property("flash")
     finger.tap(QPoint(400, 300))
     assert window.touch_binding.band.text.property("flash")
-
-
-def test_the_sheet_of_start_closes_when_another_client_was_faster(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.press(sheet.hold)
-    finger.wait(0.9)
-    show(window, snapshot(SurveyState.CHECKING))
-    assert not sheet.isVisible()
-    finger.wait(1.0)
-    assert wishes(window) == []

@@ -2,24 +2,22 @@ import dataclasses
 
 import pytest
 from PyQt5.QtWidgets import QApplication
-from view_kit import SURVEY, description, make_grid, trace_at
-from window_helpers import (
-    Storage,
-    application,
-    click,
-    close,
-    hold_to_start,
-    new_window,
-    show,
+from view_kit import (
+    FOLDER,
+    PAST,
+    SURVEY,
+    description,
+    make_grid,
+    past_survey,
     snapshot,
-    wishes,
+    state_of,
+    trace_at,
 )
+from window_helpers import click, hold_to_start, show, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.mid.events import ControlState, CurrentPosition, TargetPosition
+from gpr20_user_interface.mid.events import CurrentPosition, TargetPosition
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_grid import Stop
 from gpr20_user_interface.mid.trace_events import (
@@ -29,31 +27,22 @@ from gpr20_user_interface.mid.trace_events import (
     SurveysListed,
     TracesRead,
 )
-from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES
+from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES, TracePresenter
 from gpr20_user_interface.views.look import TOUCH_PX
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT, WHAT
-from gpr20_user_interface.views.translation import Languages
 
-__all__ = ["application"]
-
-OTHER = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+OTHER = PAST
 GRID = make_grid()
-FOLDER = "20261121T051000_7c9e6679"
 
 
 @pytest.fixture
-def storage():
-    return Storage()
-
-
-@pytest.fixture
-def window(application, storage):
-    languages = Languages(application, Language.ENGLISH)
-    window = new_window(languages, storage=storage)
-    window.show()
-    yield window
-    close(window)
+def traces(storage):
+    """What MAP and RADAR show, without a window."""
+    problems = []
+    traces = TracePresenter(storage, problems.append)
+    traces.problems = problems
+    return traces
 
 
 def stored(count, survey=SURVEY, planned=40):
@@ -65,127 +54,117 @@ def page(first_index, *indices, unreadable=None, grid=GRID):
     return TracesRead(grid.survey_id, first_index, traces, unreadable or {})
 
 
-def refresh(window, times=1):
+def refresh(traces, times=1):
     for _ in range(times):
-        window.draw()
+        traces.refresh()
 
 
-def test_a_window_that_comes_late_reads_what_was_measured_before(window, storage):
-    window.on_event(stored(6))
-    window.on_event(SurveyDescribed(description()))
-    refresh(window, 2)
+def test_a_window_that_comes_late_reads_what_was_measured_before(traces, storage):
+    traces.on_event(stored(6))
+    traces.on_event(SurveyDescribed(description()))
+    refresh(traces, 2)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert window.traces.shown.map.counts()[StopState.DONE] == 3
-    window.on_event(page(0, 0, 1, 2))
-    refresh(window, 3)
+    assert traces.shown.map.counts()[StopState.DONE] == 3
+    traces.on_event(page(0, 0, 1, 2))
+    refresh(traces, 3)
     assert storage.asked[1:] == [("traces", SURVEY, 3)]
-    window.on_event(page(3, 3, 4, 5))
-    refresh(window, 5)
-    assert window.traces.shown.radar.count == 6
+    traces.on_event(page(3, 3, 4, 5))
+    refresh(traces, 5)
+    assert traces.shown.radar.count == 6
     assert len(storage.asked) == 2
 
 
-def test_traces_on_their_way_on_the_topic_are_not_read(window, storage):
-    window.on_event(SurveyDescribed(description()))
+def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
     for index in range(5):
-        window.on_event(stored(index + 1))
-        window.draw()  # reported as stored, not received yet
-        window.on_event(trace_at(GRID, index))
-        window.draw()
+        traces.on_event(stored(index + 1))
+        traces.refresh()  # reported as stored, not received yet
+        traces.on_event(trace_at(GRID, index))
+        traces.refresh()
     assert storage.asked == []
-    assert window.traces.shown.radar.count == 5
+    assert traces.shown.radar.count == 5
 
 
-def test_a_trace_that_the_topic_lost_is_read(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(trace_at(GRID, 0))
-    window.on_event(trace_at(GRID, 2))
-    window.on_event(stored(3))
-    refresh(window, 2)
+def test_a_trace_that_the_topic_lost_is_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(GRID, 0))
+    traces.on_event(trace_at(GRID, 2))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
     assert storage.asked == [("traces", SURVEY, 1)]
 
 
-def test_a_file_that_cannot_be_read_is_told_once(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(3))
-    refresh(window, 2)
-    window.on_event(page(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
-    refresh(window, 4)
+def test_a_file_that_cannot_be_read_is_told_once(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
+    traces.on_event(page(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
+    refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert list(map(str, window.problems)) == ["trace 1: no strict JSON"]
-    assert window.traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
+    assert list(map(str, traces.problems)) == ["trace 1: no strict JSON"]
+    assert traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
 
 
-def test_an_answer_without_the_trace_does_not_ask_for_ever(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(2))
-    refresh(window, 2)
-    window.on_event(page(0, 1))
-    refresh(window, 4)
+def test_an_answer_without_the_trace_does_not_ask_for_ever(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(page(0, 1))
+    refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, 0)]
-    assert "no file" in str(window.traces.shown.radar.given_up[0])
+    assert "no file" in str(traces.shown.radar.given_up[0])
 
 
-def test_a_storage_that_does_not_answer_is_asked_again(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(2))
-    refresh(window, 2)
-    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
-    refresh(window, RETRY_REFRESHES + 2)
+def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(ReadingFailed(verbatim("the storage did not answer")))
+    refresh(traces, RETRY_REFRESHES + 2)
     assert storage.asked == [("traces", SURVEY, 0)] * 2
 
 
-def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(window):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(trace_at(GRID, 0))
-    window.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
-    assert window.traces.shown.radar.count == 1
-    window.on_event(SurveyDescribed(description(survey_id=OTHER)))
-    assert window.traces.shown.radar.count == 0
+def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(GRID, 0))
+    traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
+    assert traces.shown.radar.count == 1
+    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    assert traces.shown.radar.count == 0
 
 
-def test_coverage_of_another_survey_waits_for_its_plan(window):
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(4, OTHER))
-    window.draw()
-    assert window.traces.shown.map.counts() is None
-    window.on_event(SurveyDescribed(description(survey_id=OTHER)))
-    window.draw()
-    assert window.traces.shown.map.counts()[StopState.DONE] == 2
+def test_coverage_of_another_survey_waits_for_its_plan(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(4, OTHER))
+    traces.refresh()
+    assert traces.shown.map.counts() is None
+    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    traces.refresh()
+    assert traces.shown.map.counts()[StopState.DONE] == 2
 
 
-@pytest.mark.parametrize(
-    "event",
-    [
+def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
+    for event in (
         SurveyDescribed("{"),
         CoverageRuns(SURVEY, 40, (3,), (0,)),
         CoverageRuns(SURVEY, 41, (0,), (0,)),
         trace_at(GRID, 3, x_coord_mm=1.0),
         dataclasses.replace(trace_at(GRID, 3), index=99),
         SurveyRead(FOLDER, "{}", (0,)),
-    ],
-)
-def test_what_cannot_be_shown_is_told_and_the_window_goes_on(window, event):
-    window.on_event(SurveyDescribed(description()))
-    window.traces.open_survey(FOLDER)
-    window.on_event(event)
-    window.draw()
-    assert len(window.problems) == 1
-    window.on_event(trace_at(GRID, 0))
-    assert window.traces.shown.radar.count == 1
+    ):
+        problems = []
+        traces = TracePresenter(storage, problems.append)
+        traces.on_event(SurveyDescribed(description()))
+        traces.open_survey(FOLDER)
+        traces.on_event(event)
+        traces.refresh()
+        assert len(problems) == 1, event
+        traces.on_event(trace_at(GRID, 0))
+        assert traces.shown.radar.count == 1
 
 
 def listed(*surveys, before="", more=False):
     return SurveysListed(before, surveys, more)
-
-
-def past(outcome="stopped", complete=False, survey_id=OTHER, problem=None, folder=FOLDER):
-    started = "" if problem else "2026-11-21T05:10:00.000000+00:00"
-    count = 0 if problem else 7
-    verdict = verbatim("INCOMPLETE: 7 of 40")
-    return SurveySummary(
-        folder, survey_id, started, outcome, count, 40, verdict, complete, True, problem
-    )
 
 
 def cell(window, row, column):
@@ -195,11 +174,13 @@ def cell(window, row, column):
 def test_the_list_says_what_became_of_each_survey(window, storage):
     window.show_tab(TabName.SURVEYS)
     assert storage.asked == [("list", "")]
-    damaged = past(
-        problem=verbatim("survey.json cannot be read"), folder="20261120T051000_0f8fad5b"
+    damaged = past_survey(
+        started="",
+        problem=verbatim("survey.json cannot be read"),
+        folder="20261120T051000_0f8fad5b",
     )
-    window.on_event(listed(past(), damaged, past("finished", True)))
-    assert cell(window, 0, WHAT) == past().local_time()
+    window.on_event(listed(past_survey(), damaged, past_survey(outcome="finished", complete=True)))
+    assert cell(window, 0, WHAT) == past_survey().local_time()
     assert "INCOMPLETE" in cell(window, 0, VERDICT)
     assert cell(window, 0, AREA).endswith("7 / 40")
     assert "UNREADABLE" in cell(window, 1, VERDICT)
@@ -210,7 +191,13 @@ def test_the_list_says_what_became_of_each_survey(window, storage):
 def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
     view = window.past
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past(), past("finished", True), past(problem=verbatim("torn"))))
+    window.on_event(
+        listed(
+            past_survey(),
+            past_survey(outcome="finished", complete=True),
+            past_survey(started="", problem=verbatim("torn")),
+        )
+    )
     allowed = []
     for row in range(3):
         view.table.selectRow(row)
@@ -221,25 +208,22 @@ def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window
     assert wishes(window) == []
     hold_to_start(window)
     assert wishes(window) == [f"resume {FOLDER}"]
-    show(window, snapshot_of(SurveyState.SURVEYING, OTHER))
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER)))
     assert not view.resume.isEnabled()
     assert "running" in cell(window, 0, VERDICT)
-
-
-def snapshot_of(code, survey_id, **known):
-    return snapshot(code, state=ControlState(code, verbatim(""), survey_id, True), **known)
 
 
 def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, storage):
     window.on_event(SurveyDescribed(description()))
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past()))
+    window.on_event(listed(past_survey()))
     window.past.table.selectRow(0)
     click(window.past.open)
     assert storage.asked[-1] == ("survey", FOLDER)
     window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
     assert window.tabs.currentWidget() is window.radar_page
-    refresh(window, 2)
+    window.draw()
+    window.draw()
     assert storage.asked[-1] == ("traces", OTHER, 0)
     window.on_event(page(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
     window.on_event(trace_at(GRID, 0))
@@ -248,7 +232,7 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, stor
     for tab in (TabName.MAP, TabName.RADAR):
         window.show_tab(tab)
         band = window.tabs.currentWidget().band
-        assert band.isVisible() and f"{past().local_time()}, 7c9e6679" in band.text.whole
+        assert band.isVisible() and f"{past_survey().local_time()}, 7c9e6679" in band.text.whole
     click(window.radar_page.band.back)
     assert window.traces.shown is window.traces.live
     assert not window.radar_page.band.isVisible()
@@ -262,7 +246,7 @@ def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window
     window.show_tab(TabName.MAP)
     done = window.map.legend[StopState.DONE]
     assert done.text() == "Done: 20" and window.map_page.band.isVisible()
-    show(window, snapshot_of(SurveyState.CHECKING, SURVEY))
+    show(window, snapshot(state=state_of(SurveyState.CHECKING, survey_id=SURVEY)))
     assert done.text() == "Done: —" and not window.map_page.band.isVisible()
     window.on_event(SurveyDescribed(description()))
     window.on_event(stored(2))
@@ -273,9 +257,9 @@ def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window
 
 def test_pages_of_the_list_are_joined(window, storage):
     window.show_tab(TabName.SURVEYS)
-    window.on_event(listed(past(), more=True))
+    window.on_event(listed(past_survey(), more=True))
     assert storage.asked[-1] == ("list", FOLDER)
-    older = past(folder="20261120T051000_0f8fad5b")
+    older = past_survey(folder="20261120T051000_0f8fad5b")
     window.on_event(listed(older, before=FOLDER))
     assert window.past.table.rowCount() == 2
     assert storage.asked.count(("list", FOLDER)) == 1
@@ -292,9 +276,9 @@ def test_the_target_is_the_current_stop(window):
         "target": TargetPosition(125.0, 70.0, 0.0),
         "current": CurrentPosition(120.0, 70.0, 0.0),
     }
-    show(window, snapshot_of(SurveyState.SURVEYING, SURVEY, **there))
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY), **there))
     assert window.traces.live.map.current == Stop(1, 1)
-    show(window, snapshot_of(SurveyState.FINISHED, SURVEY))
+    show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
     assert window.traces.live.map.current is None
 
 

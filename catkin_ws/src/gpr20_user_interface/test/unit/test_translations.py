@@ -1,16 +1,16 @@
 import pytest
-
-pytest.importorskip("PyQt5")
-
-from window_helpers import application, show, snapshot, window
+from PyQt5.QtWidgets import QApplication
+from view_kit import make_grid, past_survey, snapshot
+from window_helpers import show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.mid.trace_events import SurveysListed
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import VERDICT
 from gpr20_user_interface.views.translation import Languages, shown_text
-
-__all__ = ["application", "window"]
 
 
 @pytest.fixture
@@ -27,14 +27,12 @@ def test_message_is_shown_in_the_language_of_the_application_with_those_inside_i
     assert shown_text(message) == "VNA fault: no answer in time"
 
 
-@pytest.mark.parametrize("text", ["", "the moon is full", "{0} and {name}", "x" * 100_000])
-def test_text_that_came_without_a_template_stays_as_it_is(spanish, text):
-    assert shown_text(verbatim(text)) == text
-
-
-def test_template_without_translation_is_shown_in_english(spanish):
-    template = "the moon is {phase}"
-    assert shown_text(Message(template, phase="full")) == "the moon is full"
+def test_text_without_template_or_translation_stays_as_it_is_and_is_never_empty(spanish):
+    for text in ("", "the moon is full", "{0} and {name}", "x" * 100_000):
+        assert shown_text(verbatim(text)) == text
+    assert shown_text(Message("the moon is {phase}", phase="full")) == "the moon is full"
+    assert QApplication.translate("AnyView", "NO SUCH TEXT") == "NO SUCH TEXT"
+    assert QApplication.translate("AnyView", "STOP") == "DETENER"
 
 
 def test_status_of_the_robot_changes_its_language_at_once(window, application, spanish):
@@ -50,3 +48,22 @@ def test_status_of_the_robot_changes_its_language_at_once(window, application, s
     expected = "No se aceptó la orden de detener: el disco está lleno"
     assert window.status.message.message == expected
     assert window.top_bar.message.whole == expected
+
+
+def test_every_tab_changes_its_language_at_once(window, application, spanish):
+    spanish.use(Language.ENGLISH)
+    window.on_event(SurveysListed("", (past_survey(),), True))
+    window.traces.live.begin(make_grid())
+    window.show_tab(TabName.SERVICE)
+    show(window, snapshot(SurveyState.IDLE))
+    hint = window.service.hint.text()
+    spanish.use(Language.SPANISH)
+    window.show_tab(TabName.RADAR)
+    application.processEvents()
+    assert "Sin eco no significa sin mina." in window.radar.note.text()
+    assert window.map.next_problem.text() == "Siguiente\nincompleto"
+    assert window.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
+    assert window.service.hint.text() not in ("", hint)
+    sheet = window.radar_binding.sheet
+    sheet.background.click()
+    assert sheet.background.text() == "Fondo\nincluido"

@@ -4,7 +4,8 @@ from dataclasses import replace
 import pytest
 from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from PyQt5.QtTest import QTest
-from window_helpers import application, click, close, enter, hold_to_start, new_window, start
+from view_kit import state_of
+from window_helpers import click, close, enter, hold_to_start, new_window, start
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -13,7 +14,6 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
-    ControlState,
     Progress,
     Request,
     RobotFigures,
@@ -24,8 +24,6 @@ from gpr20_user_interface.mid.survey_model import SurveyModel
 from gpr20_user_interface.mid.survey_preview import CostEstimated
 from gpr20_user_interface.mid.window_presenter import WindowPresenter
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 
 class ControlThatRecords:
@@ -93,55 +91,49 @@ def parts(application, clock, estimator):
 
 
 def state(code):
-    return ControlState(code, verbatim("as it is"), "id", False)
+    return state_of(code, simulated=False)
 
 
-def test_limits_of_the_axes_are_asked_for_at_once(parts):
-    _, control, _ = parts
-    assert control.asked == ["limits"]
+def said(window, code):
+    window.on_event(state(code))
+    window.refresh()
 
 
 def test_one_press_of_start_is_one_request(parts):
     window, control, _ = parts
-    window.on_event(state(SurveyState.IDLE))
-    window.refresh()
+    assert control.asked == ["limits"]
+    said(window, SurveyState.IDLE)
     start(window)
     start(window)
     assert len(control.asked) == 2
     assert control.asked[1].x_points == 5
     assert window.top_bar.stop.isEnabled()
+    window.on_event(Answer(Request.START, True, verbatim(""), "id"))
+    assert not window.notice.isVisible()
 
 
 def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
     window, control, _ = parts
-    window.on_event(state(SurveyState.SURVEYING))
-    window.refresh()
+    said(window, SurveyState.SURVEYING)
     click(window.top_bar.stop)
     click(window.top_bar.stop)
     assert control.asked[1:] == ["stop", "stop"]
 
 
-def test_resume_is_asked_for(parts):
+def test_pause_and_resume_are_asked_for(parts):
     window, control, _ = parts
-    window.on_event(state(SurveyState.PAUSED))
-    window.refresh()
+    said(window, SurveyState.SURVEYING)
+    click(window.top_bar.pause)
+    window.on_event(Answer(Request.PAUSE, True, verbatim("")))
+    said(window, SurveyState.PAUSED)
     click(window.top_bar.pause)
     hold_to_start(window)
-    assert control.asked[1:] == ["resume"]
-
-
-def test_pause_is_asked_for(parts):
-    window, control, _ = parts
-    window.on_event(state(SurveyState.SURVEYING))
-    window.refresh()
-    click(window.top_bar.pause)
-    assert control.asked[1:] == ["pause"]
+    assert control.asked[1:] == ["pause", "resume"]
 
 
 def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
     window, _, _ = parts
-    window.on_event(state(SurveyState.CONFIGURED))
-    window.refresh()
+    said(window, SurveyState.CONFIGURED)
     start(window)
     assert not window.control.start.isEnabled()
     window.on_event(Answer(Request.START, False, verbatim("the disk is full")))
@@ -179,12 +171,15 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert control.asked[1:] == [f"resume {folder}".strip(), f"resume {folder} {OTHER}"]
     window.on_event(Answer(Request.RESUME, True, verbatim("")))
     assert not window.notice.isVisible() and not window.question.isVisible()
+    # Another refusal after the question is a notice.
+    window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
+    assert window.notice.reason.toPlainText() == "The VNA does not answer"
+    assert window.notice.isVisible() and not window.question.isVisible()
 
 
 def test_another_vna_is_not_used_if_the_operator_declines(parts):
     window, control, _ = parts
-    window.on_event(state(SurveyState.PAUSED))
-    window.refresh()
+    said(window, SurveyState.PAUSED)
     click(window.top_bar.pause)
     hold_to_start(window)
     window.on_event(REFUSED)
@@ -193,21 +188,6 @@ def test_another_vna_is_not_used_if_the_operator_declines(parts):
     window.refresh()
     assert window.top_bar.pause.isEnabled()
     assert control.asked[1:] == ["resume"]
-
-
-def test_another_refusal_after_the_question_is_a_notice(parts):
-    window, _, _ = parts
-    window.on_event(REFUSED)
-    click(window.question.accept_button)
-    window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
-    assert window.notice.reason.toPlainText() == "The VNA does not answer"
-    assert window.notice.isVisible() and not window.question.isVisible()
-
-
-def test_granted_request_opens_no_dialog(parts):
-    window, _, _ = parts
-    window.on_event(Answer(Request.START, True, verbatim(""), "id"))
-    assert not window.notice.isVisible()
 
 
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
@@ -235,22 +215,18 @@ def assert_within_5_s(condition):
 
 def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
     window, _control, _ = parts
-    window.on_event(state(SurveyState.CONFIGURED))
-    window.refresh()
+    failed = state_of(SurveyState.FAILED, "the disk is full; make space")
+    said(window, SurveyState.CONFIGURED)
     start(window)
     window.on_event(Answer(Request.START, True, verbatim("started"), "id"))
     window.on_event(state(SurveyState.CHECKING))
     assert not window.notice.isVisible()
-    window.on_event(
-        ControlState(SurveyState.FAILED, verbatim("the disk is full; make space"), "id", False)
-    )
+    window.on_event(failed)
     assert window.notice.isVisible()
     assert window.notice.title.text() == "The survey was not started."
     assert "The disk is full" in window.notice.reason.toPlainText()
     click(window.notice.close_button)
-    window.on_event(
-        ControlState(SurveyState.FAILED, verbatim("the disk is full; make space"), "id", False)
-    )
+    window.on_event(failed)
     assert not window.notice.isVisible()
 
 

@@ -2,18 +2,13 @@
 
 import random
 
-import pytest
 from fault_kit import raises_fault
-
-from gpr20_user_interface import faults
-
-pytest.importorskip("PyQt5")
-
 from PyQt5.QtTest import QTest
-from window_helpers import application, click, close, new_window
+from window_helpers import click, close, new_window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
+from gpr20_user_interface import faults
 from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.mid.window_settings import (
     DIM_CHOICES_MIN,
@@ -24,8 +19,6 @@ from gpr20_user_interface.mid.window_settings import (
     values_of,
 )
 from gpr20_user_interface.views.translation import Languages
-
-__all__ = ["application"]
 
 
 def test_settings_survive_the_file():

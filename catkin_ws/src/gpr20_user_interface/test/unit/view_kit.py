@@ -4,13 +4,21 @@ import json
 
 import numpy as np
 
+from gpr20_common.message import verbatim
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
+from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
+from gpr20_user_interface.mid.survey_model import Snapshot
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
+# Another survey, which is stored.
+PAST = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
+FOLDER = "20261121T051000_7c9e6679"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 NOW_US = 1_795_000_000_000_000
@@ -85,3 +93,40 @@ def trace_at(grid, index, s21=None, height_m=0.2, **changes):
 
 def cell(row, column, polarization=0):
     return Cell(Stop(row, column), polarization)
+
+
+def state_of(code, message="as it is", survey_id="id", simulated=True):
+    """Return what the main control says."""
+    return ControlState(code, verbatim(message), survey_id, simulated)
+
+
+def snapshot(code=None, alive=True, **other):
+    """Return what a window knows of a robot that reports nothing but its state."""
+    values = {
+        "control_alive": alive,
+        "control_silent_s": 0.1 if alive else 7.9,
+        "state": None if code is None else state_of(code),
+        "progress": None,
+        "current": None,
+        "target": None,
+        "height_m": None,
+        "pending": frozenset(),
+        "travel": TRAVEL,
+        "defaults": RobotDefaults("127.0.0.1", Site()),
+        **other,
+    }
+    return Snapshot(**values)
+
+
+def past_survey(**changes):
+    """Return what the list says of a survey that was stopped early."""
+    values = {
+        "survey_id": PAST,
+        "started": "2026-11-21T05:10:00.000000+00:00",
+        "outcome": "stopped",
+        "stored_traces": 7,
+        "planned_traces": 40,
+        "verdict": verbatim("INCOMPLETE: 7 of 40"),
+        "simulated": True,
+    }
+    return SurveySummary(**{"folder": FOLDER, **values, **changes})

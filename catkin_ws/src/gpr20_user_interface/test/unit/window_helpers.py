@@ -1,27 +1,17 @@
 """A window without ROS, and what its tests do with it."""
 
-import os
 import time
 
-import pytest
 from fake_clock import FakeClock
-
-pytest.importorskip("PyQt5")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
+from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import verbatim
-from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
 from gpr20_user_interface.mid.plan_memory import PlanMemory
 from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
@@ -29,13 +19,10 @@ from gpr20_user_interface.mid.presenters import Presenters
 from gpr20_user_interface.mid.profiles import Profiles
 from gpr20_user_interface.mid.robots import Robots
 from gpr20_user_interface.mid.service_model import ServiceModel
-from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_preview import preview
 from gpr20_user_interface.mid.trace_presenter import TracePresenter
 from gpr20_user_interface.views.main_window import MainWindow
 from gpr20_user_interface.views.translation import Languages
-
-ROBOT = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 
 
 class Survey:
@@ -183,18 +170,11 @@ def settings_in(folder):
     return NoSettings() if folder is None else SettingsFile(folder / "window" / "plan.yaml")
 
 
-@pytest.fixture(scope="session")
-def application():
-    yield QApplication.instance() or QApplication([])
-
-
-@pytest.fixture
-def window(application, tmp_path):
-    languages = Languages(application, Language.ENGLISH)
-    window = new_window(languages, profiles=tmp_path)
+def opened_window(application, language=Language.ENGLISH, **parts):
+    """Return a window that is shown in a language, without contact to a robot."""
+    window = new_window(Languages(application, language), **parts)
     window.show()
-    yield window
-    close(window)
+    return window
 
 
 def new_window(
@@ -225,7 +205,7 @@ def new_window(
         clock=clock or Clock(),
     )
     window.problems, window.languages, window.clock = problems, languages, clock
-    window.tools = tools
+    window.tools, window.node = tools, imaging
     return window
 
 
@@ -234,23 +214,6 @@ def close(window):
     window.languages.close()
     window.close()
     sip.delete(window)
-
-
-def snapshot(code=None, alive=True, **other):
-    values = {
-        "control_alive": alive,
-        "control_silent_s": 0.1 if alive else 7.9,
-        "state": None if code is None else ControlState(code, verbatim("as it is"), "id", True),
-        "progress": None,
-        "current": None,
-        "target": None,
-        "height_m": None,
-        "pending": frozenset(),
-        "travel": ROBOT,
-        "defaults": RobotDefaults("127.0.0.1", Site()),
-        **other,
-    }
-    return Snapshot(**values)
 
 
 def show(window, shown):

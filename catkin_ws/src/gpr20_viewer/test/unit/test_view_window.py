@@ -136,27 +136,30 @@ def test_every_view_shows_the_same_place(windows, survey):
     assert plots["depth"].cursor_place == (240.0, 240.0)
     assert plots["x"].cursor_place == pytest.approx((240.0, 83.0))
     assert "x 240 mm, y 240 mm, depth 83 mm" in window.cursor_text.text()
+    # Without OpenGL there are projections.
+    assert isinstance(window.volume, ProjectionsView)
+    assert all(plot.colours is not None for plot in plots.values())
+    QApplication.processEvents()
+    picture = window.grab().toImage()
+    assert (picture.width(), picture.height()) == (window.width(), window.height())
+    assert len({picture.pixel(x, y) for x in range(0, 900, 5) for y in range(0, 800, 5)}) > 50
 
 
-@pytest.mark.parametrize("along", [0, 1])
-def test_a_click_in_any_view_moves_all(windows, survey, along):
+def test_a_click_in_any_view_moves_all(windows, survey):
     window = computed(windows.open(survey))
-    window.controls.direction.setCurrentIndex(along)
-    window.move_to(PLACE)
-    delay_ns = window.scene.delay_ns(PLACE)
     sections = window.sections
-    for plot, across, down in (
-        (sections.slice, 240.0, 240.0),
-        (sections.section, 240.0, 83.0),
-        (sections.b_scan, 240.0, delay_ns),
-    ):
-        if plot is sections.slice:
-            start = Place(0.2, 0.3, 0.083)
-        else:
-            start = Place(0.2, 0.24, 0.15) if along == 0 else Place(0.24, 0.2, 0.15)
-        window.move_to(start)
-        click_at(plot, across, down)
-        assert near(window.place, PLACE), plot
+    for along, start in enumerate((Place(0.2, 0.24, 0.15), Place(0.24, 0.2, 0.15))):
+        window.controls.direction.setCurrentIndex(along)
+        window.move_to(PLACE)
+        delay_ns = window.scene.delay_ns(PLACE)
+        for plot, begin, across, down in (
+            (sections.slice, Place(0.2, 0.3, 0.083), 240.0, 240.0),
+            (sections.section, start, 240.0, 83.0),
+            (sections.b_scan, start, 240.0, delay_ns),
+        ):
+            window.move_to(begin)
+            click_at(plot, across, down)
+            assert near(window.place, PLACE), plot
 
 
 def test_the_slider_makes_a_new_image_and_the_latest_value_wins(windows, survey):
@@ -267,12 +270,11 @@ KEYS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_random_keys_and_clicks_leave_picks_whole(windows, survey, seed):
-    draw = np.random.default_rng(seed)
+def test_random_keys_and_clicks_leave_picks_whole(windows, survey):
+    draw = np.random.default_rng(0)
     window = computed(windows.open(survey))
     plots = [*window.sections.plots, *window.volume.plots.values()]
-    for _ in range(60):
+    for _ in range(100):
         kind = draw.integers(4)
         if kind == 0:
             plot = plots[draw.integers(len(plots))]
@@ -283,12 +285,13 @@ def test_random_keys_and_clicks_leave_picks_whole(windows, survey, seed):
             QTest.keyClick(window, key, Qt.ControlModifier)
         else:
             QTest.keyClick(window, KEYS[draw.integers(len(KEYS))])
-        if draw.random() < 0.2:
+        if draw.random() < 0.1:
             computed(window)
     computed(window)
     picks = window.desk.editor.picks
-    window.desk.undo()
-    window.desk.redo()
+    if window.desk.editor.can_undo:
+        window.desk.undo()
+        window.desk.redo()
     assert window.desk.editor.picks == picks
     windows.close(window)
     assert computed(windows.open(survey)).desk.editor.picks == picks
@@ -340,12 +343,6 @@ def test_what_was_not_measured_is_grey_and_marked(windows, survey):
     assert "missing: x 220 mm" in window.notes.text.text()
 
 
-def test_without_opengl_projections_say_so(windows, survey):
-    window = computed(windows.open(survey))
-    assert isinstance(window.volume, ProjectionsView)
-    assert all(plot.colours is not None for plot in window.volume.plots.values())
-
-
 def started_workers(before):
     # Libraries start and end threads of their own.
     return [one for one in threading.enumerate() if one.name == WORKER and one not in before]
@@ -391,16 +388,6 @@ def test_the_window_speaks_spanish(windows, survey):
     assert "SIMULADO" in window.windowTitle()
     assert "despeje" in window.desk.table.notice.text()
     assert "permitividad" in window.status.caption.text()
-
-
-def test_a_picture_of_the_window_shows_the_target(windows, survey, tmp_path):
-    window = computed(windows.open(survey))
-    window.move_to(PLACE)
-    QApplication.processEvents()
-    picture = window.grab()
-    assert (picture.width(), picture.height()) == (window.width(), window.height())
-    colours = {picture.toImage().pixel(x, y) for x in range(0, 900, 5) for y in range(0, 800, 5)}
-    assert len(colours) > 50
 
 
 def when_computed(act):
