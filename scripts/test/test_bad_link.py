@@ -31,8 +31,8 @@ from user_shell import wait_until
 
 SEEDS = int(os.environ.get("GPR20_LINK_SEEDS", "1"))
 POINTS = int(os.environ.get("GPR20_LINK_POINTS", "3"))
-# Longer than a survey once waited for a lost node.
-CUT_S = float(os.environ.get("GPR20_LINK_CUT_S", "45"))
+# Longer than it takes until the nodes behind the link are lost.
+CUT_S = float(os.environ.get("GPR20_LINK_CUT_S", "20"))
 DELAY_S = float(os.environ.get("GPR20_LINK_DELAY_S", "0.1"))
 JITTER_S, LOSS = 0.02, 0.05
 TRACES = 3 * POINTS * 2
@@ -43,7 +43,7 @@ SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
 
 pytestmark = [
     pytest.mark.real_time,
-    pytest.mark.takes(150),
+    pytest.mark.takes(100),
     pytest.mark.needs("network namespaces", "tun"),
 ]
 

@@ -15,15 +15,15 @@ from survey_client import SurveyClient, described
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.mid.scene import read_scene
 
-SURVEY_LIMIT_S = 1000.0
+SURVEY_LIMIT_S = 200.0
 LARGEST_ERROR_MM = 5.0
 GRID = {
     "x_start_mm": 60.0,
     "x_stop_mm": 420.0,
-    "x_points": 25,
+    "x_points": 19,
     "y_start_mm": 60.0,
     "y_stop_mm": 420.0,
-    "y_points": 25,
+    "y_points": 19,
     "frequency_points": 101,
 }
 

@@ -39,15 +39,14 @@ NODES = (
     ("gpr20_main_control", "main_control", "main_control", "/"),
 )
 
+# What a second launch may say differently, in as few launches.
 SECOND_ARGUMENTS = (
-    "robot:=simulated",
-    "robot:=gpr20",
-    "data:=/tmp/gpr20_second_data",
-    "time_scale:=3",
-    "seconds_per_point:=1e-3",
-    "vna_portmapper:=true",
-    "vna_medium:=position_probe",
-    "language:=es",
+    (
+        *("robot:=simulated", "data:=/tmp/gpr20_second_data", "time_scale:=3"),
+        *("seconds_per_point:=1e-3", "vna_portmapper:=true", "vna_medium:=position_probe"),
+        "language:=es",
+    ),
+    ("robot:=gpr20",),
 )
 POISON = {
     "/simulated": False,
@@ -162,9 +161,9 @@ class SecondLaunchTest(unittest.TestCase):
         before = rospy.get_param("/")
         launch = ["roslaunch", "gpr20", "survey.launch", "ui:=false"]
         with ThreadPoolExecutor() as launches:
-            ended = launches.map(lambda argument: run([*launch, argument]), SECOND_ARGUMENTS)
-        for argument, (status, said) in zip(SECOND_ARGUMENTS, ended):
-            with self.subTest(argument):
+            ended = launches.map(lambda given: run([*launch, *given]), SECOND_ARGUMENTS)
+        for given, (status, said) in zip(SECOND_ARGUMENTS, ended):
+            with self.subTest(given):
                 self.assertNotEqual(status, 0)
                 self.assertIn("This robot cannot be launched: a robot is running on", said)
                 self.assertIn("kill -INT", said)
@@ -186,13 +185,13 @@ class SecondLaunchTest(unittest.TestCase):
         for name, value in POISON.items():
             rospy.set_param(name, value)
         data = self.client.data
-        for _package, _program, name, namespace in NODES:
-            node = f"{namespace.rstrip('/')}/{name}"
+        nodes = [f"{namespace.rstrip('/')}/{name}" for _, _, name, namespace in NODES]
+        before = {node: (node_pid(node), description(node)) for node in nodes}
+        for pid, _described in before.values():
+            os.kill(pid, signal.SIGKILL)
+        for node, (pid, described) in before.items():
             with self.subTest(node):
-                described = description(node)
-                before = node_pid(node)
-                os.kill(before, signal.SIGKILL)
-                self.assertEqual(restarted(node, before), described)
+                self.assertEqual(restarted(node, pid), described)
         self.client = type(self).client = SurveyClient()
         self.assertEqual(self.client.data, data)
         survey_id, status = self.client.run_to_end()
