@@ -165,8 +165,9 @@ class InstrumentFaultsTest(unittest.TestCase):
                         one.fault_code == "survey.takes_long" for one in self.client.statuses
                     )
                 )
-                # The sweep before may have ended well; the fault strikes the next exchange.
-                self.assertLess(time.monotonic() - begun_s, SAID_WITHIN_S + 1.0)
+                # While the link is gone: the sweep before may have ended well, and a computer
+                # may stall.
+                self.assertLess(time.monotonic() - begun_s, outage_s)
             self.check_complete(survey_id)
             self.check_never_paused()
 
