@@ -57,6 +57,7 @@ class FocusExportTest(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        shutil.rmtree(str(cls.client.data))
         shutil.rmtree(str(cls.stick))
 
     def test_1_what_is_stored_so_far_is_imaged(self):

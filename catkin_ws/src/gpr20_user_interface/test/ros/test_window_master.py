@@ -108,6 +108,8 @@ class WindowAndMaster(WindowCase):
         master.kill("control")
         master.start()
         master.start_control()
+        # The old one has said STOPPED; without it the window soon says NO CONTACT, if it lasts.
+        wait_until(lambda: self.title() == "IDLE", "the new main control is heard")
         wait_until(lambda: "NO CONTACT" not in bar.title.text(), "the return is reported")
         wait_until(lambda: self.window.control.start.isEnabled(), "START is unlocked")
         self.assertEqual(self.window.control.parameters.x_points, 7)
