@@ -2,7 +2,8 @@
 
 Process kills: kill -9 of a node, of rosout, of the ROS master, of roslaunch or of all processes.
 Power cuts: the file system with the surveys is shut down without flushing its log; then all
-processes are killed, and the file system is mounted again. Both come at random instants.
+processes are killed, and the file system is mounted again. Both come at random instants; the first
+process kills are one of each kind, the others any.
 
 Every survey is resumed until it is complete. After each kill or cut a copy of the files must hold
 every acknowledged trace after the stock repair; in the end everything that was acknowledged is
@@ -33,7 +34,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "kits"))
 
 from evidence import faults_after_a_kill, faults_in_the_end, outcome_of, survey_id_of
 from power_cut_disk import PowerCutError, check, hide_mounts
-from robot import EVERYTHING, POWER, PROCESSES, MonitoredRobot, PoweredRobot
+from robot import EVERYTHING, KINDS, POWER, MonitoredRobot, PoweredRobot
 
 TIME_SCALE = 60.0
 PLACES_MM = (10.0, 15.0, 20.0)
@@ -73,7 +74,7 @@ class Matrix:
 
     Args:
         robot: Runs the surveys.
-        victims: What may be killed or cut.
+        kinds: What may be killed or cut, by its kind.
         chance: Chooses victims and instants.
         output: A file for what the client prints.
     """
@@ -81,14 +82,15 @@ class Matrix:
     def __init__(
         self,
         robot: MonitoredRobot,
-        victims: Sequence[str],
+        kinds: Sequence[Sequence[str]],
         chance: random.Random,
         output: Path,
     ) -> None:
         self.result = Result()
         self._robot = robot
-        self._victims = victims
+        self._victims = [victim for kind in kinds for victim in kind]
         self._chance = chance
+        self._first = [chance.choice(kind) for kind in kinds]
         self._output = output
         self._known: List[Path] = []
 
@@ -97,7 +99,7 @@ class Matrix:
         options, folder = GRID, None
         for attempt in range(MOST_RESUMES):
             self._robot.ensure_running()
-            victim = self._chance.choice(self._victims) if attempt < KILLS_PER_SURVEY else None
+            victim = self._next_victim() if attempt < KILLS_PER_SURVEY else None
             status = self._run_client(options, victim)
             folder = folder or self._new_folder()
             if folder is not None:
@@ -111,6 +113,9 @@ class Matrix:
         if folder is not None:
             self._known.append(folder)
             self._check(folder)
+
+    def _next_victim(self) -> str:
+        return self._first[0] if self._first else self._chance.choice(self._victims)
 
     def _run_client(self, options: List[str], victim: Optional[str]) -> int:
         with self._output.open("w") as output:
@@ -151,6 +156,9 @@ class Matrix:
         if not self._robot.kill(victim):
             return
         self.result.kills[victim] += 1
+        # Until then it was to be killed again: a client may end before its moment.
+        if victim in self._first:
+            self._first.remove(victim)
         folder = self._new_folder()
         if folder is not None:
             self.result.copies += 1
@@ -196,7 +204,7 @@ def kill_processes(folder: Path, count: int, seed: int) -> List[str]:
     """Kill processes; return the faults."""
     robot = MonitoredRobot(folder, TIME_SCALE)
     try:
-        matrix = Matrix(robot, PROCESSES, random.Random(seed), folder / "client.log")
+        matrix = Matrix(robot, KINDS, random.Random(seed), folder / "client.log")
         return run_matrix(matrix, count, "process kills")
     finally:
         robot.stop()
@@ -206,7 +214,7 @@ def cut_power(folder: Path, count: int, seed: int) -> List[str]:
     """Cut the power of the disk; return the faults."""
     robot = PoweredRobot(folder, TIME_SCALE)
     try:
-        matrix = Matrix(robot, [POWER], random.Random(seed), folder / "client.log")
+        matrix = Matrix(robot, [[POWER]], random.Random(seed), folder / "client.log")
         faults = run_matrix(matrix, count, "power cuts")
         if faults:
             shutil.copytree(str(robot.data), str(folder / "data"))

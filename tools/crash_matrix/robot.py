@@ -15,7 +15,8 @@ from power_cut_disk import PowerCutDisk
 from robot_kit import LAUNCH, MASTER, NODES, START_LIMIT_S, LaunchedRobot, end
 
 EVERYTHING = "all processes"
-PROCESSES = [*NODES, MASTER, LAUNCH, EVERYTHING]
+# Any of the nodes, or one of the others.
+KINDS = [NODES, [MASTER], [LAUNCH], [EVERYTHING]]
 POWER = "power of the disk"
 DISK_MIB = 4096
 # How long the robot lives on without its disk, and how late the monitor may hear of a trace [s].

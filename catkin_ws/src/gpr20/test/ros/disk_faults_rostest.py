@@ -16,7 +16,7 @@ from survey_client import SurveyClient, json_traces
 from gpr20_msgs.msg import ControlStatus
 
 TRACES = 18
-SLOW_S = 0.15
+SLOW_S = 0.05
 
 
 class DiskFaultsTest(unittest.TestCase):

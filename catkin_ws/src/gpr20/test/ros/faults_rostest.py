@@ -279,6 +279,8 @@ class FaultsTest(unittest.TestCase):
         os.kill(pid, signal.SIGSTOP)
         try:
             self.wait_for_pause("survey.part_not_back")
+            paused = message_from(self.client.statuses[-1])
+            self.assertIn("vna_acquisition", paused.all_details)
         finally:
             os.kill(pid, signal.SIGCONT)
         self.finish(survey_id)

@@ -15,15 +15,15 @@ from survey_client import SurveyClient, described
 from gpr20_msgs.msg import ControlStatus
 from gpr20_simulator.mid.world.scene import read_scene
 
-SURVEY_LIMIT_S = 1000.0
+SURVEY_LIMIT_S = 200.0
 LARGEST_ERROR_MM = 5.0
 GRID = {
     "x_start_mm": 60.0,
     "x_stop_mm": 420.0,
-    "x_points": 25,
+    "x_points": 19,
     "y_start_mm": 60.0,
     "y_stop_mm": 420.0,
-    "y_points": 25,
+    "y_points": 19,
     "frequency_points": 101,
 }
 
@@ -132,19 +132,6 @@ class Imaging(unittest.TestCase):
             self.assertLess(across_mm, LARGEST_ERROR_MM)
             limit = report["depth_uncertainty"] * target.depth_m * 1000.0 + LARGEST_ERROR_MM
             self.assertLess(abs(deeper_mm), limit)
-
-    def test_text_output_and_figures_are_written(self):
-        folder = self.folder.parent / "pictures"
-        text = gpr20(
-            "image", self.folder,
-            "-o", self.folder.parent / "image.nc", "-o", self.folder.parent / "image.vtr",
-            "--figures", folder,
-        )  # fmt: skip
-        self.assertIn("ESTIMATED from echoes", text)
-        self.assertGreater((self.folder.parent / "image.nc").stat().st_size, 100_000)
-        self.assertGreater((self.folder.parent / "image.vtr").stat().st_size, 100_000)
-        self.assertTrue((folder / "projections_0deg.png").exists())
-        self.assertTrue(list(folder.glob("slice_*mm.png")))
 
 
 if __name__ == "__main__":

@@ -29,6 +29,9 @@ HANDS = {
     "HAND_START": "the start frequency",
 }
 SPANISH = read_translations(FOLDER / "es.po")
+# As in the configuration of this test [s], and how long the steps of such a request may take.
+REQUEST_LIMIT_S = 10.0
+LONGEST_REQUEST_S = 30.0
 # main_control says what it waits for within this time [s].
 SAID_WITHIN_S = 3.0
 FOUND_WITHIN_S = 30.0
@@ -149,8 +152,8 @@ class InstrumentFaultsTest(unittest.TestCase):
             said = [one for one in changed if setting in one]
             self.assertTrue(said, f"{fault}: nobody was informed")
 
-    def test_07_a_link_that_is_lost_for_20_s_is_waited_for(self):
-        for outage_s in (2, 20):
+    def test_07_a_link_that_is_lost_for_half_the_limit_is_waited_for(self):
+        for outage_s in (2, 5):
             survey_id = self.begin()
             self.client.wait_for_visited(3)
             self.client.forget()
@@ -162,8 +165,9 @@ class InstrumentFaultsTest(unittest.TestCase):
                         one.fault_code == "survey.takes_long" for one in self.client.statuses
                     )
                 )
-                # The sweep before may have ended well; the fault strikes the next exchange.
-                self.assertLess(time.monotonic() - begun_s, SAID_WITHIN_S + 1.0)
+                # While the link is gone: the sweep before may have ended well, and a computer
+                # may stall.
+                self.assertLess(time.monotonic() - begun_s, outage_s)
             self.check_complete(survey_id)
             self.check_never_paused()
 
@@ -173,8 +177,8 @@ class InstrumentFaultsTest(unittest.TestCase):
         begun_s = time.monotonic()
         self.fault("LINK_GONE")
         self.wait_for_pause("vna.no_link", "127.0.0.1")
-        self.assertGreater(time.monotonic() - begun_s, 30.0)
-        self.assertLess(time.monotonic() - begun_s, 60.0)
+        self.assertGreater(time.monotonic() - begun_s, 0.75 * REQUEST_LIMIT_S)
+        self.assertLess(time.monotonic() - begun_s, LONGEST_REQUEST_S)
         self.fault("NONE")
         self.client.go_on(survey_id)
         self.check_complete(survey_id)
@@ -224,7 +228,7 @@ class InstrumentFaultsTest(unittest.TestCase):
         begun_s = time.monotonic()
         self.fault("ENDLESS_DIGITS")
         self.wait_for_pause("vna.bad_data")
-        self.assertLess(time.monotonic() - begun_s, 45.0)
+        self.assertLess(time.monotonic() - begun_s, LONGEST_REQUEST_S)
         self.fault("NONE")
         self.client.go_on(survey_id)
         self.check_complete(survey_id)

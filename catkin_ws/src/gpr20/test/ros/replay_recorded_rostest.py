@@ -68,7 +68,8 @@ def master():
         "ROS_MASTER_URI": f"http://localhost:{port}",
         "QT_QPA_PLATFORM": "offscreen",
     }
-    with process("roscore", "-p", str(port), env=environment, stdout=subprocess.DEVNULL):
+    command = ["rosmaster", "--core", "-p", str(port)]
+    with process(*command, env=environment, stdout=subprocess.DEVNULL):
         wait_until(lambda: is_online(environment), "the master does not answer")
         yield environment
 

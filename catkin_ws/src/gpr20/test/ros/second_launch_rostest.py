@@ -26,6 +26,8 @@ from gpr20_msgs.msg import (
 )
 
 LIMIT_S = 60.0
+# So many second nodes start at the same time.
+AT_ONCE = 3
 NODES = (
     *(
         ("gpr20_simulator", "simulated_axis_driver", "axis_driver", f"/{axis}_axis")
@@ -39,15 +41,16 @@ NODES = (
     ("gpr20_main_control", "main_control", "main_control", "/"),
 )
 
+NODE_NAMES = [f"{namespace.rstrip('/')}/{name}" for _, _, name, namespace in NODES]
+
+# What a second launch may say differently, in as few launches.
 SECOND_ARGUMENTS = (
-    "robot:=simulated",
-    "robot:=gpr20",
-    "data:=/tmp/gpr20_second_data",
-    "time_scale:=3",
-    "seconds_per_point:=1e-3",
-    "vna_portmapper:=true",
-    "vna_medium:=position_probe",
-    "language:=es",
+    (
+        *("robot:=simulated", "data:=/tmp/gpr20_second_data", "time_scale:=3"),
+        *("seconds_per_point:=1e-3", "vna_portmapper:=true", "vna_medium:=position_probe"),
+        "language:=es",
+    ),
+    ("robot:=gpr20",),
 )
 POISON = {
     "/simulated": False,
@@ -121,18 +124,21 @@ class SecondLaunchTest(unittest.TestCase):
         shutil.rmtree(str(cls.client.data), ignore_errors=True)
 
     def test_1_no_node_starts_beside_one_of_its_name_and_the_survey_goes_on(self):
-        survey_id = self.client.begin(x_points=10, y_points=10)
+        survey_id = self.client.begin(x_points=7, y_points=7)
         self.client.wait_for_visited(2)
-        for package, program, name, namespace in NODES:
-            full_name = f"{namespace.rstrip('/')}/{name}"
-            with self.subTest(full_name):
-                before = node_pid(full_name)
-                command = ["rosrun", package, program, f"__name:={name}", f"__ns:={namespace}"]
-                status, said = run(command)
+        before = {name: node_pid(name) for name in NODE_NAMES}
+        commands = [
+            ["rosrun", package, program, f"__name:={name}", f"__ns:={namespace}"]
+            for package, program, name, namespace in NODES
+        ]
+        with ThreadPoolExecutor(AT_ONCE) as second:
+            ended = dict(zip(NODE_NAMES, second.map(run, commands)))
+        for name, (status, said) in ended.items():
+            with self.subTest(name):
                 self.assertEqual(status, 1, said)
-                self.assertIn(f"{full_name} cannot start: it is already running", said)
+                self.assertIn(f"{name} cannot start: it is already running", said)
                 self.assertIn("give this one its own namespace", said)
-                self.assertEqual(node_pid(full_name), before)
+                self.assertEqual(node_pid(name), before[name])
         status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         self.assertTrue(self.client.folder(survey_id).is_dir())
@@ -162,9 +168,9 @@ class SecondLaunchTest(unittest.TestCase):
         before = rospy.get_param("/")
         launch = ["roslaunch", "gpr20", "survey.launch", "ui:=false"]
         with ThreadPoolExecutor() as launches:
-            ended = launches.map(lambda argument: run([*launch, argument]), SECOND_ARGUMENTS)
-        for argument, (status, said) in zip(SECOND_ARGUMENTS, ended):
-            with self.subTest(argument):
+            ended = launches.map(lambda given: run([*launch, *given]), SECOND_ARGUMENTS)
+        for given, (status, said) in zip(SECOND_ARGUMENTS, ended):
+            with self.subTest(given):
                 self.assertNotEqual(status, 0)
                 self.assertIn("This robot cannot be launched: a robot is running on", said)
                 self.assertIn("kill -INT", said)
@@ -186,13 +192,12 @@ class SecondLaunchTest(unittest.TestCase):
         for name, value in POISON.items():
             rospy.set_param(name, value)
         data = self.client.data
-        for _package, _program, name, namespace in NODES:
-            node = f"{namespace.rstrip('/')}/{name}"
+        before = {node: (node_pid(node), description(node)) for node in NODE_NAMES}
+        for pid, _described in before.values():
+            os.kill(pid, signal.SIGKILL)
+        for node, (pid, described) in before.items():
             with self.subTest(node):
-                described = description(node)
-                before = node_pid(node)
-                os.kill(before, signal.SIGKILL)
-                self.assertEqual(restarted(node, before), described)
+                self.assertEqual(restarted(node, pid), described)
         self.client = type(self).client = SurveyClient()
         self.assertEqual(self.client.data, data)
         survey_id, status = self.client.run_to_end()

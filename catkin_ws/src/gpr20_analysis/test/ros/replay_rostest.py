@@ -119,7 +119,7 @@ class ReplayTest(unittest.TestCase):
             (f"/trace_{Trace._md5sum[:8]}", Trace(index=2, sample_id="2", **settings, aux=aux)),
             (f"/trace_{older._md5sum[:8]}", older(index=3, sample_id="3", **values, **settings)),
         )
-        self.run_node(recording, "--rate", "1")
+        self.run_node(recording, "--rate", "4")
         with self.changed:
             self.changed.wait_for(lambda: len(self.traces) >= 4, TIME_LIMIT_S)
         first, second, third, last = self.traces
@@ -154,7 +154,7 @@ class ReplayTest(unittest.TestCase):
             ("/robot_configuration", RobotConfiguration),
         ):
             self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
-        self.run_node(recording, "--rate", "1")
+        self.run_node(recording, "--rate", "4")
         deadline_s = time.monotonic() + TIME_LIMIT_S
         while len(received) < 2 and time.monotonic() < deadline_s:
             time.sleep(0.01)
@@ -188,7 +188,7 @@ class ReplayTest(unittest.TestCase):
             ("/survey_coverage", SurveyCoverage),
         ):
             self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
-        self.run_node(recording, "--rate", "1")
+        self.run_node(recording, "--rate", "4")
         statuses = [one for one in received if isinstance(one, ControlStatus)]
         self.assertEqual(
             [(one.message, one.message_json, one.simulated) for one in statuses],
@@ -212,7 +212,7 @@ class ReplayTest(unittest.TestCase):
         for topic, kind in zip(topics, kinds):
             take = functools.partial(received.__setitem__, topic)
             self.subscribers.append(rospy.Subscriber(topic, kind, take))
-        self.run_node(recording, "--rate", "1")
+        self.run_node(recording, "--rate", "4")
         deadline_s = time.monotonic() + TIME_LIMIT_S
         while len(received) < len(topics) and time.monotonic() < deadline_s:
             time.sleep(0.01)

@@ -133,10 +133,10 @@ class DoctorTest(unittest.TestCase):
 
     def test_6_a_master_that_starts_later_is_waited_for(self):
         port = free_port()
-        late = f"sleep 3; exec rosmaster --core -p {port}"
+        late = f"sleep 1; exec rosmaster --core -p {port}"
         with subprocess.Popen(["bash", "-c", late], start_new_session=True) as core:
             master = f"http://127.0.0.1:{port}"
-            _status, found, _took_s = doctor("--quick", "--wait", "8", ROS_MASTER_URI=master)
+            _status, found, _took_s = doctor("--quick", "--wait", "6", ROS_MASTER_URI=master)
             os.killpg(core.pid, signal.SIGTERM)
         self.assertEqual(levels(found, "FAULT") & {"master", "control"}, {"control"})
 

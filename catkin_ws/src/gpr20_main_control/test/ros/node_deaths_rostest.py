@@ -13,15 +13,14 @@ import rospy
 import rostest
 
 from gpr20_common.sent_message import message_from
-from gpr20_main_control import faults
 from gpr20_msgs.msg import ControlStatus
 
 # The client of the whole graph's tests is the client of these, too.
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
 from survey_client import SurveyClient, json_traces, node_pid
 
-# Two seconds, and what a computer may stall.
-NOTICE_LIMIT_S = 6.0
+# Two seconds, and what a computer may stall; a survey waits far longer for the node.
+NOTICE_LIMIT_S = 15.0
 TRACES = 18
 ENDED = (ControlStatus.FINISHED, ControlStatus.PAUSED, ControlStatus.FAILED)
 
@@ -90,11 +89,8 @@ class NodeDeathsTest(unittest.TestCase):
         self.assertNotIn(ControlStatus.PAUSED, codes)
         self.assertIn(ControlStatus.CHECKING, codes)
 
-    def test_01_the_x_axis_dies(self):
+    def test_01_an_axis_with_an_endstop_dies(self):
         self.check_death_in_a_survey("x_axis/axis_driver")
-
-    def test_02_the_y_axis_dies(self):
-        self.check_death_in_a_survey("y_axis/axis_driver")
 
     def test_03_the_z_axis_dies(self):
         self.check_death_in_a_survey("z_axis/axis_driver")
@@ -141,23 +137,6 @@ class NodeDeathsTest(unittest.TestCase):
             self.wait_until_named("vna_acquisition", begun_s)
         finally:
             os.kill(pid, signal.SIGCONT)
-        self.check_complete(survey_id)
-
-    def test_13_a_node_that_does_not_come_back_pauses_the_survey(self):
-        survey_id = self.client.begin()
-        self.client.wait_for_visited(3)
-        pid = node_pid("/height_sensor")
-        begun_s = self.signal("height_sensor", signal.SIGSTOP)
-        try:
-            self.wait_until_named("height_sensor", begun_s)
-            status = self.client.wait_for_status(*ENDED)
-        finally:
-            os.kill(pid, signal.SIGCONT)
-        self.assertEqual(status.code, ControlStatus.PAUSED, status.message)
-        self.assertEqual(status.fault_code, faults.NODE_NOT_BACK.code, status.message)
-        self.assertIn("height_sensor", message_from(status).all_details)
-        self.wait_until_all_answer()
-        self.client.go_on(survey_id)
         self.check_complete(survey_id)
 
     def test_14_a_survey_that_holds_can_be_stopped(self):

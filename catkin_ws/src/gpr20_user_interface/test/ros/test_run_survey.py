@@ -201,11 +201,11 @@ class RunSurvey(unittest.TestCase):
 
     @unittest.skipUnless(has_terminals(), "no terminals here")
     def test_another_vna_is_asked_for_on_a_terminal(self) -> None:
-        for reply, code in (("n", 1), ("y", 0)):
+        self.end_of(self.paused_client())
+        self.fake.other_analyzer = "Anritsu,MS2026C/2,62011033,1.23"
+        self.fake.point_limit = 18
+        for reply, code, left in (("n", 1, ControlStatus.PAUSED), ("y", 0, ControlStatus.FINISHED)):
             with self.subTest(reply):
-                self.end_of(self.paused_client())
-                self.fake.other_analyzer = "Anritsu,MS2026C/2,62011033,1.23"
-                self.fake.point_limit = 18
                 ours, theirs = pty.openpty()
                 resumed = self.client("--resume", "--bar", "never", terminal=theirs)
                 os.close(theirs)
@@ -214,11 +214,7 @@ class RunSurvey(unittest.TestCase):
                 output += read_until(ours, "")
                 self.assertEqual(resumed.wait(LIMIT_S), code, output)
                 os.close(ours)
-                self.fake.other_analyzer = ""
-                if reply == "n":
-                    self.assertEqual(self.fake.code, ControlStatus.PAUSED)
-                    self.end_of(self.client("--resume"))
-        self.assertEqual(self.fake.code, ControlStatus.FINISHED)
+                self.assertEqual(self.fake.code, left)
 
     def test_attached_client_follows_without_starting(self) -> None:
         first = self.surveying_client()
@@ -288,7 +284,8 @@ class RunSurvey(unittest.TestCase):
         waiting.send_signal(signal.SIGINT)
         output = self.end_of(waiting)
         self.assertEqual(waiting.returncode, 130, output)
-        self.assertIn("Nothing was started", output)
+        # It is on the graph a moment before it waits: said in either of two sentences.
+        self.assertIn("nothing was started", output.lower())
 
     def test_lines_are_in_the_language_that_is_asked_for_with_the_details_behind_them(self) -> None:
         process = self.surveying_client("--language", "es")

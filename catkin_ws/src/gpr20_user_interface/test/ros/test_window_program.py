@@ -25,7 +25,7 @@ from gpr20_msgs.msg import ControlStatus
 NO_DISPLAY, DISPLAY_LOST = 3, 4
 # Ended by the signal: before it could take it, or after.
 NO_CRASH = (0, 1, NO_DISPLAY, DISPLAY_LOST, -signal.SIGTERM)
-LOST_DISPLAYS = int(os.environ.get("GPR20_LOST_DISPLAYS", "6"))
+LOST_DISPLAYS = int(os.environ.get("GPR20_LOST_DISPLAYS", "2"))
 
 
 def is_on_graph() -> bool:
@@ -55,13 +55,12 @@ class Program(unittest.TestCase):
         self.assertEqual((fake.stops, fake.code), (0, ControlStatus.IDLE))
 
     def test_signal_while_it_starts_is_not_lost(self) -> None:
-        for _ in range(3):
-            process = self.program()
-            wait_until(is_on_graph, "the node is on the graph")
-            process.send_signal(signal.SIGTERM)
-            output, _ = process.communicate(timeout=LIMIT_S)
-            self.assertEqual(process.returncode, 0, output)
-            wait_until(lambda: not is_on_graph(), "the node has left the graph")
+        process = self.program()
+        wait_until(is_on_graph, "the node is on the graph")
+        process.send_signal(signal.SIGTERM)
+        output, _ = process.communicate(timeout=LIMIT_S)
+        self.assertEqual(process.returncode, 0, output)
+        wait_until(lambda: not is_on_graph(), "the node has left the graph")
 
     def test_unknown_language_ends_it_with_a_sentence(self) -> None:
         process = self.program("_language:=fr")
@@ -88,7 +87,10 @@ class Program(unittest.TestCase):
         self.assertEqual((process.returncode, output), (-signal.SIGTERM, ""))
 
     def test_a_display_that_is_lost_never_crashes_it(self) -> None:
-        draw = random.Random(20261122)
+        # Few moments in each run, and others in the next one.
+        seed = random.SystemRandom().randrange(1_000_000)
+        draw = random.Random(seed)
+        print(f"displays are lost as drawn with seed {seed}")
         for number in range(LOST_DISPLAYS):
             lost = VirtualScreen()
             process = self.program(display=lost.name)
