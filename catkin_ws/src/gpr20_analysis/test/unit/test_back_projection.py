@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from gpr20_analysis import cluster
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.lattice import combs_of, even_step_m, paths_of
 from gpr20_analysis.imaging.lattice_projection import lattice_image
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.pair_projection import pair_image
 from gpr20_analysis.imaging.projection_scene import scene_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces

@@ -10,7 +10,8 @@ import xarray as xr
 
 from gpr20_analysis.candidates.false_alarm import FalseAlarms
 from gpr20_analysis.dataset import DEPTH, NOISE, NOISE_OVER_X, NOISE_OVER_Y, POLARIZATION, X, Y
-from gpr20_analysis.imaging.noise import Law, law_of
+from gpr20_analysis.imaging.methods import law_of
+from gpr20_analysis.imaging.noise import Law
 from gpr20_survey.radar.depth import one_way_path_m
 
 # -3 dB width of a peak whose correlation has a Gaussian shape, in units of its curvature.

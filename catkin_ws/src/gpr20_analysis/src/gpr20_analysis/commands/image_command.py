@@ -24,13 +24,14 @@ from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
 from gpr20_analysis.formats.migrated_hdf5 import ENDING as MIGRATED
 from gpr20_analysis.formats.migrated_hdf5 import write_migrated
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
 from gpr20_analysis.imaging.image_output import (
     permittivity_line,
     rotation_word,
     write_volume,
 )
+from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.read.antenna_attributes import S_PER_NS
@@ -42,9 +43,6 @@ from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
 
-DEFAULT_STEPS = ("background:method=surface",)
-# The GPR-20 group's program subtracts the mean.
-STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
@@ -96,7 +94,7 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
 def add_image_options(parser: argparse.ArgumentParser) -> None:
     """Declare how an image is made."""
     add = parser.add_argument
-    add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
+    add("--method", choices=METHODS.names(), default=Method.PHASE_SHIFT.name)
     add("--permittivity", type=float,
         help="relative permittivity; estimated from echoes if not given")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
@@ -114,7 +112,7 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="make the image without the missing samples",
     )
     add("--window", choices=[one.value for one in Window], default=Window.HANN.value,
-        help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
+        help="weights over the band; a method of another package may have its own")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; used by back-projection and by the estimate of the "
@@ -151,8 +149,7 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
-    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
-    default = () if recipe_of(survey) else usual
+    default = () if recipe_of(survey) else options.method.default_steps
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
@@ -184,7 +181,7 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
             fault=faults.OPTION,
         )
     return ImageOptions(
-        method=Method(chosen.method),
+        method=imaging_method(chosen.method),
         permittivity=chosen.permittivity,
         depth_m=tuple(first + step * np.arange(int(count))),
         height_m=chosen.height,

@@ -23,7 +23,7 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.imaging.surface_check import surface_notes
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
@@ -136,11 +136,7 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
 
 def _check_relief(height_m: np.ndarray, options: ImageOptions) -> None:
     deviation_m = float(np.max(np.std(height_m, axis=(1, 2))))
-    if (
-        deviation_m <= MOST_RELIEF_M
-        or options.ground is not None
-        or options.method is Method.BACK_PROJECTION
-    ):
+    if deviation_m <= MOST_RELIEF_M or options.ground is not None or options.method.exact_paths:
         return
     raise WrongDatasetError(
         Message(
