@@ -10,7 +10,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 cd "$GPR20_ROOT/requirements"
 
 sources=../catkin_ws/src
-common=(nodes.in test.in scikit_rf.in "$sources"/gpr20_{analysis,foreign_formats,viewer}/pyproject.toml
+common=(nodes.in test.in scikit_rf.in
+    "$sources"/gpr20_{analysis,foreign_formats,viewer}/pyproject.toml
     --extra all --no-emit-package gpr20-analysis)
 
 pin() {

@@ -31,9 +31,10 @@ KEYS = {
 }
 # Imported on the real robot alone: requirements/robot.in.
 ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
-# Imported by others on behalf of a package: h5netcdf by xarray, OpenGL by pyqtgraph, PyVISA-py by
-# PyVISA.
-INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-pyopengl-pip", "python3-pyvisa-py-pip"}
+# Imported by others on behalf of a package: h5netcdf by xarray, h5py by h5netcdf, OpenGL by
+# pyqtgraph, PyVISA-py by PyVISA.
+INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-pip"}
+INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 # Needed by the window, which a machine without a screen does not start, and by the viewer.
 NOT_EVERYWHERE = {"PyQt5"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages

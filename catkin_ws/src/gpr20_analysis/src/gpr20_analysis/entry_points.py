@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from importlib import metadata
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Type
 
-from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.message import Fault, Message
 
@@ -63,21 +62,21 @@ class ExtensionPoint:
     Attributes:
         group: Group of the entry points.
         what: One of its things, such as "the command".
+        fault: Fault of an addition that cannot be used.
         own: Those of this package by name.
         wings: Names and packages of those that this project has in packages that are installed
             only where they are wanted.
         kind: Class of what is added; None: anything.
         error: Class of the errors about what is added.
-        fault: Fault of an addition that cannot be used.
     """
 
     group: str
     what: Message
+    fault: Fault
     own: Mapping[str, Any] = field(default_factory=dict)
     wings: Mapping[str, str] = field(default_factory=dict)
     kind: Optional[type] = None
     error: Type[AnalysisError] = AnalysisError
-    fault: Fault = faults.ADDITION
 
     def added(self) -> List[str]:
         """Return the names of what installed packages add."""

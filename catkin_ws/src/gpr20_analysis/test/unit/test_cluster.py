@@ -124,11 +124,9 @@ def test_two_workers_make_the_same_report(ground, tmp_path, cluster):
     assert found == expected
 
 
-@pytest.mark.parametrize(
-    ("form", "name"), [("merged-hdf5", "s.h5"), ("netcdf", "s.nc"), ("csv", "s.csv")]
-)
+@pytest.mark.parametrize(("form", "name"), [("netcdf", "s.nc"), ("csv", "s.csv")])
 def test_two_workers_export_the_same(ground, tmp_path, cluster, form, name):
-    options = ["--format", form, *(["--domain", "time"] if form == "merged-hdf5" else [])]
+    options = ["--format", form]
     address = ["--scheduler", cluster.scheduler_address]
     here, there = tmp_path / "here" / name, tmp_path / "there" / name
     assert main(["export", str(ground), str(here), *options]) == 0

@@ -6,9 +6,11 @@ import pytest
 from foreign_formats_kit import PACKAGE, added
 
 from gpr20_analysis.entry_points import additions
+from gpr20_analysis.formats.conversion import EXPORTS
+from gpr20_analysis.formats.format import IMAGE_FORMATS, IMPORTS
 from gpr20_analysis.imaging.methods import METHODS
 
-POINTS = {one.group: one for one in (METHODS,)}
+POINTS = {one.group: one for one in (EXPORTS, IMPORTS, IMAGE_FORMATS, METHODS)}
 
 
 def test_pip_and_catkin_install_the_same_entry_points():

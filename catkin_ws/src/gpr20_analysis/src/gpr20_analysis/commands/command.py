@@ -7,6 +7,7 @@ import importlib
 from dataclasses import dataclass
 from typing import Callable, Dict
 
+from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint, additions
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -58,6 +59,7 @@ SUMMARIES: Dict[str, str] = {
 COMMANDS = ExtensionPoint(
     "gpr20.commands",
     Message("the command"),
+    fault=faults.ADDITION,
     own=SUMMARIES,
     wings={"view": "gpr20_viewer"},
     kind=Command,

@@ -21,8 +21,7 @@ from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.formats.migrated_hdf5 import ENDING as MIGRATED
-from gpr20_analysis.formats.migrated_hdf5 import write_migrated
+from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
@@ -46,6 +45,7 @@ from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
 MOST_DEPTHS = 5000
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
+OWN_ENDINGS = (NETCDF, ZARR, VTK)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,8 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr, .vtr (VTK) or .h5 (migrated image of the group, one file per "
-        "polarization); may be given more than once")  # fmt: skip
+        help="image as .nc, .zarr or .vtr (VTK), or in a format of an installed package "
+        f"({', '.join(IMAGE_FORMATS.names())}), which has one file per polarization; may be given "
+        "more than once")  # fmt: skip
     add(
         "--figures",
         type=Path,
@@ -153,7 +154,7 @@ def image_of(
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        outputs.check(_migrated(processed, chosen), [chosen.survey], chosen.overwrite)
+        outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
         progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
@@ -197,17 +198,25 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
 
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
+    of_packages = [f".{name}" for name in IMAGE_FORMATS.names()]
     for path in chosen.output:
-        if path.suffix not in (NETCDF, ZARR, VTK, MIGRATED):
-            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK, MIGRATED)))
+        if path.suffix not in (*OWN_ENDINGS, *of_packages):
+            raise ExportError(wrong_ending(path, (*OWN_ENDINGS, *of_packages)))
+        if path.suffix not in OWN_ENDINGS:
+            _image_format(path)
         is_dataset = path.suffix in (NETCDF, ZARR)
         found.append(outputs.dataset_output(path) if is_dataset else Output(path))
     return found
 
 
-def _migrated(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
-    """Return the files of migrated images: one for each polarization."""
-    paths = [path for path in chosen.output if path.suffix == MIGRATED]
+def _image_format(path: Path) -> ImageFormat:
+    found: ImageFormat = IMAGE_FORMATS.find(path.suffix[1:])
+    return found
+
+
+def _of_packages(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
+    """Return the files in formats of packages: one for each polarization."""
+    paths = [path for path in chosen.output if path.suffix not in OWN_ENDINGS]
     return [Output(one) for path in paths for one in _files_of(data, path)]
 
 
@@ -222,13 +231,14 @@ def _write(
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
-        elif path.suffix == MIGRATED:
-            for turn, own in enumerate(_files_of(image, path)):
-                with atomic_output(own) as place:
-                    write_migrated(image.isel({POLARIZATION: [turn]}), place, own.stem)
-        else:
+        elif path.suffix == VTK:
             with atomic_output(path) as place:
                 write_volume(image, place)
+        else:
+            for turn, own in enumerate(_files_of(image, path)):
+                with atomic_output(own) as place:
+                    part = image.isel({POLARIZATION: [turn]})
+                    _image_format(path).write(part, place, own.stem)
     if chosen.figures:
         with atomic_output(chosen.figures) as folder:
             _draw(image, found, folder, catalogue)

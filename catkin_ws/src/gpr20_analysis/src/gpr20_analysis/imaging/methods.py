@@ -9,7 +9,6 @@ import numpy as np
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.noise import Law
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
@@ -73,21 +72,26 @@ Method.BACK_PROJECTION = Method("back-projection", _back_projection, exact_paths
 METHODS = ExtensionPoint(
     "gpr20_analysis.imaging_methods",
     Message("the method"),
+    fault=faults.ADDITION,
     own={one.name: one for one in (Method.PHASE_SHIFT, Method.BACK_PROJECTION)},
     wings=dict.fromkeys(("kirchhoff", "kirchhoff-2d"), "gpr20_foreign_formats"),
     kind=Method,
-    error=WrongDatasetError,
-    fault=faults.ADDITION,
 )
 """By this, other packages add imaging methods."""
 
 
 def imaging_method(name: str) -> Method:
-    """Return the imaging method of a name, one of this package or of an installed package.
+    """Return an imaging method.
+
+    Args:
+        name: Its name; also that of a method of another installed package.
+
+    Returns:
+        The method.
 
     Raises:
         MissingLibraryError: Its package is not installed.
-        WrongDatasetError: There is none, or its package cannot be used.
+        AnalysisError: There is none, or its package cannot be used.
     """
     found: Method = METHODS.find(name)
     return found

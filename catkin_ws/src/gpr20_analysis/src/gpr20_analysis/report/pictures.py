@@ -192,7 +192,7 @@ def _parameters(
     return [
         (catalogue.tr("permittivity"), catalogue.text(permittivity_line(image))),
         (catalogue.tr("depths"), depths),
-        (catalogue.tr("method"), options.method.value),
+        (catalogue.tr("method"), options.method.name),
         (catalogue.tr("window"), options.window.value),
         (
             catalogue.tr("widest angle in air"),
