@@ -65,7 +65,7 @@ install_workspace() {
 }
 
 install_python_packages() {
-    local version pins pip arguments=(-r "$GPR20_ROOT/requirements/nodes.in")
+    local version pins pip wing arguments=(-r "$GPR20_ROOT/requirements/nodes.in")
     version="$("$PYTHON" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     if [ ! -f "$pins" ]; then
@@ -75,8 +75,11 @@ install_python_packages() {
     fi
     [ "$robot" = no ] || arguments+=(-r "$GPR20_ROOT/requirements/robot.in")
     if [ "$robot" = no ] || [ "$analysis" = yes ]; then
-        arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]"
-            "$GPR20_WORKSPACE"/src/gpr20_{foreign_formats,viewer})
+        arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]")
+        # The workspace also works without the folders of these.
+        for wing in "$GPR20_WORKSPACE"/src/gpr20_{foreign_formats,viewer}; do
+            [ ! -d "$wing" ] || arguments+=("$wing")
+        done
     fi
     echo "installing the Python packages in $folder/venv (typically 1 min)"
     "$PYTHON" -m venv --system-site-packages "$folder/venv"
