@@ -9,8 +9,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from wings_kit import NEEDS_ALL
 
-pytestmark = pytest.mark.takes(60)
+# The contracts name every package.
+pytestmark = [pytest.mark.takes(60), NEEDS_ALL]
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "catkin_ws/src").glob("*/src/*/__init__.py"))

@@ -5,10 +5,12 @@ import subprocess
 
 import pytest
 from user_shell import ROOT
+from wings_kit import NEEDS_ALL
 
 LIMIT_S = 600.0
 
 
+@NEEDS_ALL
 @pytest.mark.takes(60)
 def test_the_lint_finds_nothing():
     ended = subprocess.run(

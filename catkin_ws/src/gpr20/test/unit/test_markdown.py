@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from wings_kit import NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[5]
 LONGEST_LINE = 100
@@ -75,6 +76,7 @@ def test_no_line_is_longer_than_the_limit(document):
     assert too_long == [], f"break the lines of more than {LONGEST_LINE} characters"
 
 
+@NEEDS_ALL
 def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
     broken = []
     for target in link_targets(without_fences(document.read_text(encoding="utf-8"))):
@@ -85,6 +87,7 @@ def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
     assert broken == []
 
 
+@NEEDS_ALL
 def test_every_file_that_is_named_exists(document):
     text = without_fences(document.read_text(encoding="utf-8"))
     there = [f"/{name}" for name in project_files()]

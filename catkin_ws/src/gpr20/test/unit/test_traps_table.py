@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from wings_kit import NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[5]
 LIST = (ROOT / "docs" / "traps.md").read_text(encoding="utf-8")
@@ -25,6 +26,7 @@ def named_tests(text):
     return named
 
 
+@NEEDS_ALL
 @pytest.mark.parametrize("file_name, test", sorted(named_tests(LIST)))
 def test_a_test_that_the_list_names_exists(file_name, test):
     folders = ROOT.glob("catkin_ws/src/*/test")
