@@ -27,7 +27,8 @@ from scipy.constants import speed_of_light
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_simulator.mid.world.refraction import refracted_path
 from gpr20_survey.results.candidates import CandidateList
@@ -187,12 +188,12 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--noise-surveys", type=int, default=300)
-    parser.add_argument("--method", choices=[one.value for one in Method], default="phase-shift")
+    parser.add_argument("--method", choices=METHODS.names(), default="phase-shift")
     parser.add_argument("--figure")
     chosen = parser.parse_args(arguments)
-    method = Method(chosen.method)
+    method = imaging_method(chosen.method)
     if chosen.noise_surveys:
-        print(f"images of {chosen.noise_surveys} noise surveys with any candidate, {method.value}")
+        print(f"images of {chosen.noise_surveys} noise surveys with any candidate, {method.name}")
         for rate, share in false_alarms(chosen.noise_surveys, method).items():
             print(f"  false-alarm rate {100.0 * rate:g} %: {100.0 * share:.1f} %")
     if not chosen.scenes:

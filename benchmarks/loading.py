@@ -18,8 +18,8 @@ from typing import Any, Dict
 
 import recorded_survey_kit
 
-from gpr20_analysis.formats.merged_hdf5 import write_merged
 from gpr20_analysis.read.load import load_survey
+from gpr20_foreign_formats.merged_hdf5 import write_merged
 
 REPEATS = 3
 MIB = 1 << 20
@@ -27,7 +27,7 @@ LIMITS_S = {"MCAP": 2.0, "bag": 3.0, "JSON": 8.0, "HDF5": 1.0}
 LOAD = """
 import json, re, sys, time
 from pathlib import Path
-from gpr20_analysis.formats.merged_hdf5 import read_merged
+from gpr20_foreign_formats.merged_hdf5 import read_merged
 from gpr20_analysis.read.load import load_survey
 path = Path(sys.argv[1])
 load = read_merged if path.suffix == ".h5" else load_survey

@@ -65,7 +65,7 @@ install_workspace() {
 }
 
 install_python_packages() {
-    local version pins pip arguments=(-r "$GPR20_ROOT/requirements/nodes.in")
+    local version pins pip wing arguments=(-r "$GPR20_ROOT/requirements/nodes.in")
     version="$("$PYTHON" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     if [ ! -f "$pins" ]; then
@@ -75,7 +75,11 @@ install_python_packages() {
     fi
     [ "$robot" = no ] || arguments+=(-r "$GPR20_ROOT/requirements/robot.in")
     if [ "$robot" = no ] || [ "$analysis" = yes ]; then
-        arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]" "$GPR20_WORKSPACE/src/gpr20_viewer")
+        arguments+=("$GPR20_WORKSPACE/src/gpr20_analysis[all]")
+        # The workspace also works without the folders of these.
+        for wing in "$GPR20_WORKSPACE"/src/gpr20_{foreign_formats,viewer}; do
+            [ ! -d "$wing" ] || arguments+=("$wing")
+        done
     fi
     echo "installing the Python packages in $folder/venv (typically 1 min)"
     "$PYTHON" -m venv --system-site-packages "$folder/venv"
@@ -88,8 +92,9 @@ install_python_packages() {
     run_quietly "the installation of Python packages" \
         "${pip[@]}" install --constraint "$pins" "${arguments[@]}"
     # Only what they need: they themselves are in the workspace.
-    if run_clean "${pip[@]}" show gpr20_analysis gpr20_viewer >/dev/null 2>&1; then
-        run_quietly "pip" "${pip[@]}" uninstall --yes gpr20_analysis gpr20_viewer
+    if run_clean "${pip[@]}" show gpr20_analysis >/dev/null 2>&1; then
+        run_quietly "pip" \
+            "${pip[@]}" uninstall --yes gpr20_analysis gpr20_foreign_formats gpr20_viewer
     fi
 }
 

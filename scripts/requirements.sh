@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Write the pinned requirements of each Python, requirements/python*.txt, from the lists
-# requirements/*.in and the dependencies of gpr20_analysis and gpr20_viewer. Needs the network.
+# requirements/*.in and the dependencies of gpr20_analysis, gpr20_foreign_formats and gpr20_viewer.
+# Needs the network.
 #   scripts/requirements.sh             pin what a changed list needs, keep the other versions
 #   scripts/requirements.sh --upgrade   the newest version of everything
 set -euo pipefail
@@ -9,8 +10,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 cd "$GPR20_ROOT/requirements"
 
 sources=../catkin_ws/src
-common=(nodes.in test.in scikit_rf.in "$sources"/gpr20_{analysis,viewer}/pyproject.toml --extra all
-    --no-emit-package gpr20-analysis)
+common=(nodes.in test.in scikit_rf.in
+    "$sources"/gpr20_{analysis,foreign_formats,viewer}/pyproject.toml
+    --extra all --no-emit-package gpr20-analysis)
 
 pin() {
     local python="$1" arguments=("${@:2}")

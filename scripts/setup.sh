@@ -146,8 +146,10 @@ install_python_packages() {
     done
     # Most surveys are analysed elsewhere than on the robot. gpr20 runs from its sources.
     if [ "$robot" = no ] || [ "$analysis" = yes ]; then
-        for source in "gpr20_analysis[all]" gpr20_viewer; do
+        for source in "gpr20_analysis[all]" gpr20_foreign_formats gpr20_viewer; do
             list="$GPR20_WORKSPACE/src/${source%[*}/pyproject.toml"
+            # The workspace also works without the folders of the last two.
+            [ -f "$list" ] || continue
             if [ "$venv_is_new" = yes ] || ! is_installed "$list"; then
                 arguments+=(--editable "$GPR20_WORKSPACE/src/$source")
                 inputs+=("$list")

@@ -13,6 +13,10 @@ from pathlib import Path
 
 import pytest
 from fault_table import fault_table
+from wings_kit import NEEDS_ALL
+
+# The table holds sentences of every package.
+pytestmark = NEEDS_ALL
 
 DATA = Path(__file__).parent / "data"
 ANY = "any"

@@ -9,6 +9,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from wings_kit import NEEDS_ALL
+
+# The contracts name every package.
+pytestmark = NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "catkin_ws/src").glob("*/src/*/__init__.py"))
@@ -104,6 +108,12 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
             "let gpr20_analysis offer what it needs",
         ),
         ("gpr20_analysis/errors.py", "import gpr20_viewer.picks", SHARE),
+        ("gpr20_analysis/errors.py", "import gpr20_foreign_formats.kirchhoff", SHARE),
+        (
+            "gpr20_foreign_formats/kirchhoff.py",
+            "import gpr20_imaging.errors",
+            "let gpr20_analysis offer what it needs",
+        ),
     ],
 )
 def test_an_import_that_is_not_allowed_is_refused_with_what_to_do(copy, file, line, remedy):

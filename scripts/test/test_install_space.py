@@ -11,6 +11,7 @@ import sysconfig
 import pytest
 from robot_kit import end, free_port
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
+from wings_kit import needs
 
 pytestmark = pytest.mark.real_time
 
@@ -107,6 +108,7 @@ def test_a_copy_runs_a_whole_survey_that_the_installed_command_verifies(installe
     run(sourced(folder, f"gpr20-verify {stored}"), environment)
 
 
+@needs("gpr20_viewer")
 def test_it_has_the_commands_that_packages_add(installed):
     folder, _revision = installed
     environment = user_environment(folder)

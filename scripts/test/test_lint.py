@@ -4,10 +4,12 @@ import os
 import subprocess
 
 from user_shell import ROOT
+from wings_kit import NEEDS_ALL
 
 LIMIT_S = 600.0
 
 
+@NEEDS_ALL
 def test_the_lint_finds_nothing():
     ended = subprocess.run(
         [str(ROOT / "scripts/lint.sh")],

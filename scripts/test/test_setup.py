@@ -96,7 +96,7 @@ def computer(tmp_path):
     scripts = made.checkout / "scripts"
     shutil.copytree(ROOT / "scripts", scripts, ignore=shutil.ignore_patterns("test"))
     shutil.copytree(ROOT / "requirements", made.checkout / "requirements")
-    for package in ("gpr20", "gpr20_analysis", "gpr20_viewer"):
+    for package in ("gpr20", "gpr20_analysis", "gpr20_foreign_formats", "gpr20_viewer"):
         folder = made.checkout / "catkin_ws/src" / package
         folder.mkdir(parents=True)
         (folder / "package.xml").write_text(PACKAGE.format(package))

@@ -19,6 +19,10 @@ from messages_page import page as messages_page
 from pictures.architecture import pictures
 from pictures.graph import nodes_of
 from site_markdown import heading_anchor, indent_lists
+from wings_kit import NEEDS_ALL
+
+# The pages name and link every package.
+pytestmark = NEEDS_ALL
 
 LIMIT_S = 300.0
 DOCS = ROOT / "docs"

@@ -1,6 +1,6 @@
 """The wheel of the analysis holds all of this project that it needs: no ROS, no checkout.
 
-That of the viewer holds the viewer alone, and adds its command.
+That of a wing holds the wing alone, and adds what it offers.
 """
 
 import os
@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from wings_kit import needs
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "catkin_ws/src"
@@ -18,6 +19,7 @@ SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/witho
 # They have what the requirements name and neither ROS nor this project.
 VENVS = [".venv38", ".venv313"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
+FORMATS, VIEWER = "gpr20_foreign_formats", "gpr20_viewer"
 LIMIT_S = 300
 
 
@@ -35,8 +37,10 @@ def wheel(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def viewer(tmp_path_factory):
-    return wheel_of("gpr20_viewer", tmp_path_factory.mktemp("viewer"))
+def wings(tmp_path_factory):
+    """The wheels of the wings whose folders are here."""
+    here = [one for one in (FORMATS, VIEWER) if (SOURCES / one).exists()]
+    return {one: wheel_of(one, tmp_path_factory.mktemp(one)) for one in here}
 
 
 def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
@@ -48,20 +52,21 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
     assert "gpr20_analysis/sample/survey.mcap" in names
 
 
-def test_the_wheel_of_the_viewer_holds_the_viewer_alone(viewer):
-    with zipfile.ZipFile(viewer) as archive:
+@pytest.mark.parametrize("wing", [pytest.param(one, marks=needs(one)) for one in (FORMATS, VIEWER)])
+def test_the_wheel_of_a_wing_holds_the_wing_alone(wings, wing):
+    with zipfile.ZipFile(wings[wing]) as archive:
         names = {name.split("/")[0] for name in archive.namelist()}
-    assert {name for name in names if not name.endswith(".dist-info")} == {"gpr20_viewer"}
+    assert {name for name in names if not name.endswith(".dist-info")} == {wing}
 
 
 @pytest.fixture(params=VENVS)
-def gpr20(request, wheel, viewer, tmp_path):
+def gpr20(request, wheel, wings, tmp_path):
     """A function that runs gpr20 from the wheels, under a Python without ROS."""
     python = ROOT / request.param / "bin/python"
     if not python.exists():
         pytest.skip(f"no {request.param} here")
     # As pip installs it: the catalogue is a file.
-    for path in (wheel, viewer):
+    for path in (wheel, *wings.values()):
         with zipfile.ZipFile(path) as archive:
             archive.extractall(tmp_path / "installed")
 
@@ -88,9 +93,16 @@ def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
     assert (tmp_path / "report.html").stat().st_size > 10_000
 
 
+@needs(VIEWER)
 def test_the_wheel_of_the_viewer_adds_its_command(gpr20):
     assert "look at a survey in a window" in gpr20("--help")
     assert "--picks FILE" in gpr20("view", "--help")
+
+
+@needs(FORMATS)
+def test_the_wheel_of_the_foreign_formats_adds_them(gpr20):
+    gpr20("sample", "s.mcap")
+    assert "882 files" in gpr20("export", "s.mcap", "o", "--format", "original-json")
 
 
 def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path):

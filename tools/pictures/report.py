@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from gpr20_analysis import ImageOptions, load_survey, sample_survey
-from gpr20_analysis.commands.image_command import DEFAULT_STEPS
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import step_from_text
 from gpr20_analysis.report.build import report_of
 from gpr20_analysis.report.pdf_pages import pages_of

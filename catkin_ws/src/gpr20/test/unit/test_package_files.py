@@ -13,6 +13,7 @@ import pytest
 import yaml
 from case_kit import each_case
 from setuptools import find_packages
+from wings_kit import NEEDS_ALL
 
 from gpr20_launch.low import needed_modules
 
@@ -34,9 +35,10 @@ KEYS = {
 }
 # Imported on the real robot alone: requirements/robot.in.
 ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
-# Imported by others on behalf of a package: h5netcdf by xarray, OpenGL by pyqtgraph, PyVISA-py by
-# PyVISA.
-INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-pyopengl-pip", "python3-pyvisa-py-pip"}
+# Imported by others on behalf of a package: h5netcdf by xarray, h5py by h5netcdf, OpenGL by
+# pyqtgraph, PyVISA-py by PyVISA.
+INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-pip"}
+INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 # Needed by the window, which a machine without a screen does not start, and by the viewer.
 NOT_EVERYWHERE = {"PyQt5"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
@@ -175,6 +177,7 @@ def test_rosdep_knows_every_key(name):
     assert unknown == set(), "add a pip key to rosdep/gpr20.yaml, or look up the official one"
 
 
+@NEEDS_ALL
 def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
     ours = yaml.safe_load((ROOT / "rosdep/gpr20.yaml").read_text())
     used = set().union(*(depends(name) for name in PACKAGES))
@@ -195,7 +198,12 @@ def test_a_clone_in_another_workspace_holds_each_package_once():
 
 def test_the_check_before_a_launch_knows_what_the_nodes_import():
     # What gpr20_scikit_rf imports, it asks for itself.
-    launched = set(PACKAGES) - {"gpr20_analysis", "gpr20_scikit_rf", "gpr20_viewer"}
+    launched = set(PACKAGES) - {
+        "gpr20_analysis",
+        "gpr20_foreign_formats",
+        "gpr20_scikit_rf",
+        "gpr20_viewer",
+    }
     imported = set().union(*(foreign_modules(name) for name in launched))
     known = {*needed_modules.FROM_ROS, *needed_modules.FROM_SYSTEM, *needed_modules.FROM_PIP}
     assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE

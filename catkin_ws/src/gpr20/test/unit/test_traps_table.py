@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from case_kit import each_case
+from wings_kit import NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[5]
 LIST = (ROOT / "docs" / "traps.md").read_text(encoding="utf-8")
@@ -26,6 +27,7 @@ def named_tests(text):
 
 
 @each_case("file_name, test", sorted(named_tests(LIST)))
+@NEEDS_ALL
 def test_a_test_that_the_list_names_exists(file_name, test):
     folders = ROOT.glob("catkin_ws/src/*/test")
     files = {path.resolve() for folder in folders for path in folder.rglob(file_name)}

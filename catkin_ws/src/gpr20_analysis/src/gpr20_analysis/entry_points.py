@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import metadata
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Type
+
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError
+from gpr20_common.message import Fault, Message
 
 
 @dataclass(frozen=True)
@@ -50,3 +53,108 @@ def additions(group: str) -> List[Addition]:
                     entry, f"{about['Name']} {package.version}", about["Summary"] or ""
                 )
     return list(found.values())
+
+
+@dataclass(frozen=True)
+class ExtensionPoint:
+    """A kind of thing that installed packages can add; nothing of theirs replaces what is there.
+
+    Attributes:
+        group: Group of the entry points.
+        what: One of its things, such as "the command".
+        fault: Fault of an addition that cannot be used.
+        own: Those of this package by name.
+        wings: Names and packages of those that this project has in packages that are installed
+            only where they are wanted.
+        kind: Class of what is added; None: anything.
+        error: Class of the errors about what is added.
+    """
+
+    group: str
+    what: Message
+    fault: Fault
+    own: Mapping[str, Any] = field(default_factory=dict)
+    wings: Mapping[str, str] = field(default_factory=dict)
+    kind: Optional[type] = None
+    error: Type[AnalysisError] = AnalysisError
+
+    def added(self) -> List[str]:
+        """Return the names of what installed packages add."""
+        names = {one.name for one in additions(self.group)}
+        return sorted(names - self.own.keys())
+
+    def names(self) -> List[str]:
+        """Return all names, also those of wings that are not installed."""
+        return [*self.own, *sorted({*self.added(), *self.wings})]
+
+    def find(self, name: str) -> Any:
+        """Return what has a name.
+
+        Raises:
+            MissingLibraryError: Its package is not installed.
+            AnalysisError: There is none, or its package cannot be used.
+        """
+        return self.own[name] if name in self.own else self.load(self.addition(name))
+
+    def addition(self, name: str) -> Addition:
+        """Return the one addition of a name; see `find`."""
+        found = [one for one in additions(self.group) if one.name == name]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise self.error(
+                Message(
+                    "several installed packages have {what} '{name}': {origins}",
+                    what=self.what,
+                    name=name,
+                    origins="; ".join(one.origin for one in found),
+                ),
+                fault=self.fault,
+            )
+        if name in self.wings:
+            raise MissingLibraryError(
+                Message(
+                    "{what} '{name}' is of the package {package}, which is not installed; in a "
+                    "clone of the project, install it with: pip install 'catkin_ws/src/{package}'",
+                    what=self.what,
+                    name=name,
+                    package=self.wings[name],
+                )
+            )
+        raise self.error(
+            Message(
+                "{what} '{name}' does not exist; there are: {names}",
+                what=self.what,
+                name=name,
+                names=", ".join(self.names()),
+            )
+        )
+
+    def load(self, addition: Addition) -> Any:
+        """Return what an addition is; see `find`."""
+        try:
+            loaded = addition.load()
+        except Exception as error:  # the package is not ours: it may raise anything
+            raise self.error(
+                Message(
+                    "{what} '{name}' ({origin}) cannot be loaded: {reason}",
+                    what=self.what,
+                    name=addition.name,
+                    origin=addition.origin,
+                    reason=f"{type(error).__name__}: {error}",
+                ),
+                fault=self.fault,
+            ) from error
+        if self.kind is not None and not isinstance(loaded, self.kind):
+            raise self.error(
+                Message(
+                    "{what} '{name}' ({origin}) is a {type}; it must be a {expected}",
+                    what=self.what,
+                    name=addition.name,
+                    origin=addition.origin,
+                    type=type(loaded).__name__,
+                    expected=f"{self.kind.__module__}.{self.kind.__name__}",
+                ),
+                fault=self.fault,
+            )
+        return loaded

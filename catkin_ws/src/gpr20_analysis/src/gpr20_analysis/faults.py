@@ -162,7 +162,8 @@ OWN_STEP = Fault(
     "analysis.own_step",
     Message("Correct the program of the step that the message names, or leave the step out."),
 )
-OWN_COMMAND = Fault(
+# Commands were the first that packages could add.
+ADDITION = Fault(
     "analysis.own_command",
     Message("Correct or remove the installed package that the message names."),
 )

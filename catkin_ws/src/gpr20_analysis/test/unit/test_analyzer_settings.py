@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 
-import h5py
 import pytest
 from survey_kit import make_survey
 
@@ -60,12 +59,10 @@ def test_the_summary_names_each_analyzer_of_the_survey(folder, analyzers, shown)
 
 
 def test_exports_hold_them(folder, tmp_path):
-    for name, file_format in (("s.nc", "netcdf"), ("s.h5", "merged-hdf5"), ("ts", "touchstone")):
+    for name, file_format in (("s.nc", "netcdf"), ("ts", "touchstone")):
         assert main(["export", str(folder), str(tmp_path / name), "--format", file_format]) == 0
     attributes = read_dataset(tmp_path / "s.nc").attrs
     assert {name: attributes[name] for name in EXPECTED} == EXPECTED
-    with h5py.File(tmp_path / "s.h5") as file:
-        assert {name: file.attrs[name] for name in EXPECTED} == EXPECTED
     first = sorted((tmp_path / "ts").iterdir())[0]
     assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in first.read_text()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
-import h5py
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -141,10 +140,6 @@ def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
     assert main(["export", str(folder), str(output), "--format", "netcdf"]) == 0
     attributes = read_dataset(output).attrs
     assert {key: attributes[key] for key in expected} == expected
-    output = tmp_path / "s.h5"
-    assert main(["export", str(folder), str(output), "--format", "merged-hdf5"]) == 0
-    with h5py.File(output) as file:
-        assert {key: file.attrs[key] for key in expected} == expected
 
 
 def test_an_annotation_that_is_damaged_is_noted_and_does_not_hide_the_survey(folder):

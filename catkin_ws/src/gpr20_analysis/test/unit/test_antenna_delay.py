@@ -17,7 +17,8 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import imaging_method
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
@@ -181,7 +182,7 @@ def test_the_separation_of_the_antennas_is_part_of_the_path():
 )
 def test_a_method_that_ignores_the_separation_says_so(method, separation_m, noted):
     cleaned = process_survey(survey(0.0), "background:method=mean")
-    options = ImageOptions(Method(method), 4.0, separation_m=separation_m)
+    options = ImageOptions(imaging_method(method), 4.0, separation_m=separation_m)
     notes = [one for one in image_survey(cleaned, options).attrs["notes"] if "apart" in one]
     assert len(notes) == noted and all("back-projection" in one for one in notes)
 

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from gpr20_analysis import cluster
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.projection.back_projection import back_projection_image
 from gpr20_analysis.imaging.projection.lattice import combs_of, even_step_m, paths_of
 from gpr20_analysis.imaging.projection.lattice_projection import lattice_image

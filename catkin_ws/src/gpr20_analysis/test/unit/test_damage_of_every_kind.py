@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 
-import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,7 +12,6 @@ from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats import group_csv, merged_hdf5, original_json
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
@@ -187,18 +185,13 @@ def test_numbers_that_are_none_in_good_samples_of_a_dataset_are_refused_or_marke
 
 
 @pytest.mark.parametrize("place", np.linspace(0.05, 0.95, 10))
-@pytest.mark.parametrize("kind", ["s.nc", "s.h5"])
-def test_a_changed_byte_of_what_gpr20_wrote_is_refused(whole, tmp_path, refusals, kind, place):
-    path = tmp_path / kind
-    form = "netcdf" if kind == "s.nc" else "merged-hdf5"
-    assert main(["export", str(whole), str(path), "--format", form]) == DONE
+def test_a_changed_byte_of_what_gpr20_wrote_is_refused(whole, tmp_path, refusals, place):
+    path = tmp_path / "s.nc"
+    assert main(["export", str(whole), str(path), "--format", "netcdf"]) == DONE
     content = bytearray(path.read_bytes())
     content[int(len(content) * place)] ^= 0x10
     path.write_bytes(content)
-    read = ["info", str(path)]
-    if kind == "s.h5":
-        read = ["import", str(path), str(tmp_path / "i.nc"), "--format", "merged-hdf5"]
-    assert main(read) == REFUSED
+    assert main(["info", str(path)]) == REFUSED
     assert refusals[-1:] == [faults.FILE_CHANGED.code]
 
 
@@ -211,53 +204,3 @@ def test_a_dataset_of_somebody_else_is_read_with_a_word_on_its_missing_checksum(
     )
     xr.Dataset({"rain": ("day", [1.0, 2.0])}).to_netcdf(str(tmp_path / "w.nc"), engine="h5netcdf")
     assert main(["info", str(tmp_path / "w.nc")]) == REFUSED
-
-
-WRITERS = {
-    "group-csv": lambda survey, path: group_csv.write_group_csv(survey, path),
-    "original-json": lambda survey, path: original_json.write_original(survey, path),
-    "merged-hdf5": lambda survey, path: merged_hdf5.write_merged(survey, path, "t"),
-}
-
-
-def bring_in(tmp_path, kind):
-    output = tmp_path / "in.nc"
-    status = main(["import", str(tmp_path / "there"), str(output), "--format", kind])
-    return status, output.exists()
-
-
-@pytest.mark.parametrize("kind", WRITERS)
-def test_missing_samples_of_other_formats_are_told(cut_short, tmp_path, kind):
-    WRITERS[kind](load_survey(cut_short), tmp_path / "there")
-    assert bring_in(tmp_path, kind) == (NOT_COMPLETE, True)
-
-
-@pytest.mark.parametrize("kind", ["group-csv", "original-json"])
-@pytest.mark.parametrize("cut", [1, 20, None])
-def test_files_of_other_formats_that_are_cut_short_are_refused(whole, tmp_path, kind, cut):
-    WRITERS[kind](load_survey(whole), tmp_path / "there")
-    victim = sorted((tmp_path / "there").iterdir())[VICTIM]
-    victim.write_bytes(victim.read_bytes()[: -cut if cut else 0])
-    assert bring_in(tmp_path, kind) == (REFUSED, False)
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda file: file.attrs.update({"Total Amount of A-Scans": 17}),
-        lambda file: file["Frequency"].attrs.update(df=1e6),
-        lambda file: file["Position"].attrs.update(dx=0.004),
-        lambda file: file["A-Scan"].pop("Im{S21 x-pol}"),
-        lambda file: file["A-Scan"].move("Re{S21 x-pol}", "Rx{S21 x-pol}"),
-        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), -0.2, np.float32)),
-        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), np.inf, np.float32)),
-    ],
-)
-def test_a_merged_file_that_contradicts_itself_is_refused(whole, tmp_path, damage):
-    path = tmp_path / "there"
-    merged_hdf5.write_merged(load_survey(whole), path, "t")
-    unsealed = path.read_bytes()[:-80]  # as the group's own files, which have no checksum
-    path.write_bytes(unsealed)
-    with h5py.File(path, "r+") as file:
-        damage(file)
-    assert bring_in(tmp_path, "merged-hdf5") == (REFUSED, False)

@@ -12,7 +12,8 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis import faults, lazy
 from gpr20_analysis.commands import image_command
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import Method
 
 EXACT = (Method.PHASE_SHIFT, Method.BACK_PROJECTION)
 QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
@@ -78,12 +79,6 @@ def test_positions_that_are_not_regular_are_imaged_on_a_regular_grid_by_back_pro
 def test_steps_out_of_range_are_refused(step_m):
     with raises_fault(faults.OPTION):
         ImageOptions(Method.PHASE_SHIFT, 4.0, grid_step_m=step_m)
-
-
-@pytest.mark.parametrize("method", [Method.KIRCHHOFF, Method.KIRCHHOFF_2D])
-def test_the_methods_of_the_group_keep_the_positions_of_the_survey(method):
-    with raises_fault(faults.OPTION, "use --grid-step with --method phase-shift"):
-        ImageOptions(method, 4.0, grid_step_m=0.01)
 
 
 def test_an_image_that_does_not_fit_into_the_memory_is_refused(monkeypatch):

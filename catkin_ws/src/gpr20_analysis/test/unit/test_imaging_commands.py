@@ -149,7 +149,7 @@ def test_plots_of_an_image_are_written(survey_file, tmp_path, capsys):
         ),
         (("image", "SURVEY", "--depth", "0", "0.3", "0.3001"), "gives 1 depths; use 2 to 5000"),
         (("image", "SURVEY", "-o", "picture.jpg"), "must end in"),
-        (("image", "SURVEY", "--step", "migrate"), "unknown step"),
+        (("image", "SURVEY", "--step", "migrate"), "the step 'migrate' does not exist"),
         (("process", "SURVEY", "-o", "x.nc"), "no step was given"),
         (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside the data"),
         (("plot", "c-scan", "SURVEY", "-o", "x.png"), "--delay"),

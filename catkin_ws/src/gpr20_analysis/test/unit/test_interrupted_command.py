@@ -50,13 +50,13 @@ def survey_file(tmp_path_factory):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_what_is_interrupted_leaves_nothing_behind(survey_file, tmp_path, number):
-    call = ["export", str(survey_file), str(tmp_path / "out"), "--format", "original-json"]
+    call = ["export", str(survey_file), str(tmp_path / "out"), "--format", "touchstone"]
     process = subprocess.Popen(
         [sys.executable, "-c", COMMAND, *call], stderr=subprocess.PIPE, text=True
     )
     try:
         end_s = time.monotonic() + TIME_LIMIT_S
-        while not list(tmp_path.glob(f"{BESIDE}*/out/*.json")):
+        while not list(tmp_path.glob(f"{BESIDE}*/out/*.s2p")):
             assert process.poll() is None and time.monotonic() < end_s
             time.sleep(0.01)
         process.send_signal(number)

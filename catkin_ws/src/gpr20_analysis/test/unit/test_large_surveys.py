@@ -11,7 +11,6 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import write_dataset
-from gpr20_analysis.formats.merged_hdf5 import write_merged
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.lazy import available_bytes
@@ -93,12 +92,6 @@ def test_an_image_of_more_than_the_memory_is_refused_before_it_is_loaded(folder,
     options = ImageOptions(permittivity=4.0, height_m=0.2)
     with raises_fault(faults.TOO_LARGE):
         image_survey(load_survey(folder, lazy_bytes=0), options)
-
-
-def test_a_merged_file_of_more_than_the_memory_is_refused(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
-    with raises_fault(faults.TOO_LARGE, "merged HDF5 file needs"):
-        write_merged(load_survey(folder, lazy_bytes=0), tmp_path / "s.h5", "s")
 
 
 def test_the_memory_that_is_free_is_at_most_the_limit_of_the_process(monkeypatch):

@@ -21,10 +21,7 @@ WRITERS = {
     "netcdf": ("export", "SURVEY", "o.nc", "--format", "netcdf"),
     "zarr": ("export", "SURVEY", "o.zarr", "--format", "zarr"),
     "csv": ("export", "SURVEY", "o.csv", "--format", "csv"),
-    "merged": ("export", "SURVEY", "o.h5", "--format", "merged-hdf5"),
-    "group": ("export", "SURVEY", "group", "--format", "group-csv"),
     "touchstone": ("export", "SURVEY", "ts", "--format", "touchstone"),
-    "original": ("export", "SURVEY", "original", "--format", "original-json"),
     "segy": ("export", "SURVEY", "o_090.sgy", "--format", "segy"),
     "processed": ("process", "SURVEY", "--step", "background", "-o", "p.nc"),
     "recipe": ("process", "SURVEY", "--step", "time", "-o", "q.nc", "--save-recipe", "r.yaml"),
@@ -58,8 +55,7 @@ def occupy(output):
         output.mkdir()
         (output / ".zgroup").write_text("precious")
         return output / ".zgroup"
-    names = {"group": "VNA_X1_Y1.csv", "ts": "000001_X1_Y1_Z0.s2p"}
-    names.update(original="X1_Y1_Z1.json", figures="slice_0001mm.png")
+    names = {"ts": "000001_X1_Y1_Z0.s2p", "figures": "slice_0001mm.png"}
     if output.suffix:
         output.write_text("precious")
         return output
@@ -95,14 +91,14 @@ def test_nothing_is_written_into_the_folder_of_a_survey(call, folder, refusals):
 def test_a_folder_with_other_things_in_it_is_never_deleted(folder, tmp_path, capsys):
     (tmp_path / "home").mkdir()
     (tmp_path / "home" / "thesis.txt").write_text("precious")
-    arguments = ["export", str(folder), str(tmp_path / "home"), "--format", "group-csv"]
+    arguments = ["export", str(folder), str(tmp_path / "home"), "--format", "touchstone"]
     assert main([*arguments, "--overwrite"]) == 3
     assert "thesis.txt" in capsys.readouterr().err
     assert (tmp_path / "home" / "thesis.txt").read_text() == "precious"
 
 
 def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, capsys):
-    arguments = ["export", str(folder), str(folder / "traces"), "--format", "original-json"]
+    arguments = ["export", str(folder), str(folder / "traces"), "--format", "touchstone"]
     assert main([*arguments, "--overwrite"]) == 3
     assert len(list((folder / "traces").iterdir())) == ALL
 

@@ -8,7 +8,7 @@ import pytest
 from command_kit import install
 from tutorial_code import code_blocks
 
-from gpr20_analysis import faults
+from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
 
@@ -32,7 +32,8 @@ def site(tmp_path, monkeypatch):
 @pytest.fixture
 def without_others(monkeypatch):
     """Nothing is installed that adds a command."""
-    monkeypatch.setattr(command, "additions", lambda group: [])
+    for module in (command, entry_points):
+        monkeypatch.setattr(module, "additions", lambda group: [])
 
 
 def refused(arguments, capsys, *shown):
@@ -70,7 +71,7 @@ def test_a_command_explains_itself(site, capsys):
 def test_two_packages_with_one_command_are_named_and_neither_runs(site, refusals, capsys):
     install(site, "[gpr20.commands]\ncorners = other:CORNERS\n", "other")
     refused(["corners", "x"], capsys, "my-commands 1.0, my_commands:", "other 1.0, other:CORNERS")
-    assert refusals == [faults.OWN_COMMAND.code]
+    assert refusals == [faults.ADDITION.code]
     assert main(["--help"]) == command.DONE
 
 
@@ -94,14 +95,14 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
 ):
     (site / "my_commands.py").write_text(code)
     refused(["corners", "x"], capsys, "corners", "my-commands 1.0, my_commands:CORNERS", shown)
-    assert refusals == [faults.OWN_COMMAND.code]
+    assert refusals == [faults.ADDITION.code]
     # The others are not touched by it.
     assert main(["info", "--help"]) == main(["--help"]) == command.DONE
 
 
-@pytest.mark.parametrize("name", command.WINGS)
+@pytest.mark.parametrize("name", command.COMMANDS.wings)
 def test_a_command_of_an_absent_package_names_the_package(without_others, refusals, capsys, name):
-    package = command.WINGS[name]
+    package = command.COMMANDS.wings[name]
     refused([name, "x"], capsys, f"pip install 'catkin_ws/src/{package}'")
     assert refusals == [faults.LIBRARY.code]
     assert main(["--help"]) == command.DONE

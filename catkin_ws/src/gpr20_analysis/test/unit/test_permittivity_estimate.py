@@ -16,9 +16,10 @@ from scipy.constants import speed_of_light
 from gpr20_analysis import faults
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.imaging.image_traces import traces_of
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.permittivity.permittivity_estimate import (
     PermittivityEstimate,
     estimate_permittivity,

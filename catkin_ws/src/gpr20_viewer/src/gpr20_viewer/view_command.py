@@ -13,6 +13,7 @@ from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import image_command, inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
@@ -52,7 +53,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     def find(image: xr.Dataset) -> CandidateList:
         return find_candidates(image, listed)
 
-    session = ViewSession(processed, options, find, image_command.DEFAULT_STEPS[0])
+    session = ViewSession(processed, options, find, DEFAULT_STEPS[0])
     from gpr20_viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

@@ -36,7 +36,7 @@ def test_the_command_explains_itself_without_the_libraries_of_the_window(install
 
 
 def test_gpr20_names_the_package_of_the_command_where_it_is_not_installed():
-    assert command.WINGS["view"] == PACKAGE.name
+    assert command.COMMANDS.wings["view"] == PACKAGE.name
 
 
 def test_pip_and_catkin_install_the_same_entry_point_and_summary(installed):

@@ -12,7 +12,8 @@ from ground_kit import point, scene, survey_of
 import gpr20_analysis.imaging.image as image_module
 from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.permittivity.permittivity_estimate import PermittivityEstimate
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_viewer.latest_worker import LatestWorker

@@ -14,7 +14,7 @@ from gpr20_analysis.dataset import DEPTH, IMAGE, MM_PER_M, POLARIZATION, SAMPLE_
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.noise import law_of
+from gpr20_analysis.imaging.methods import law_of
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.message import Message
 from gpr20_survey.results.focused_image import FocusedImage

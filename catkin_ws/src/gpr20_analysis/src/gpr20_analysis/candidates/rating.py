@@ -10,7 +10,8 @@ import xarray as xr
 from scipy.special import ndtr
 
 from gpr20_analysis.dataset import DEPTH, NOISE, NOISE_OVER_X, NOISE_OVER_Y, POLARIZATION, X, Y
-from gpr20_analysis.imaging.noise import Law, law_of
+from gpr20_analysis.imaging.methods import law_of
+from gpr20_analysis.imaging.noise import Law
 from gpr20_survey.radar.depth import one_way_path_m
 
 FURTHEST = 12.0

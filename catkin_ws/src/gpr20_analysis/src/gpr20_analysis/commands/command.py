@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Callable, Dict
 
 from gpr20_analysis import faults
-from gpr20_analysis.entry_points import Addition, additions
-from gpr20_analysis.errors import AnalysisError, MissingLibraryError
+from gpr20_analysis.entry_points import ExtensionPoint, additions
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 
@@ -57,16 +56,23 @@ SUMMARIES: Dict[str, str] = {
 }
 """Name and summary of each subcommand of this package; its module is `<name>_command`."""
 
-ENTRY_POINTS = "gpr20.commands"
-"""Group of the entry points by which other packages add subcommands, each a `Command`."""
-WINGS = {"view": "gpr20_viewer"}
-"""Subcommands of this project's packages that are installed only where they are wanted."""
+COMMANDS = ExtensionPoint(
+    "gpr20.commands",
+    Message("the command"),
+    fault=faults.ADDITION,
+    own=SUMMARIES,
+    wings={"view": "gpr20_viewer"},
+    kind=Command,
+)
+"""By this, other packages add subcommands."""
 
 
 def summaries() -> Dict[str, str]:
     """Return name and summary of every subcommand; nothing of other packages is imported."""
-    absent = {name: f"(of {package}, which is not installed)" for name, package in WINGS.items()}
-    added = {one.name: one.summary for one in additions(ENTRY_POINTS)}
+    absent = {
+        name: f"(of {package}, which is not installed)" for name, package in COMMANDS.wings.items()
+    }
+    added = {one.name: one.summary for one in additions(COMMANDS.group)}
     # In this order: no package replaces a subcommand of this one.
     return {**SUMMARIES, **absent, **added, **SUMMARIES}
 
@@ -79,50 +85,8 @@ def load(name: str) -> Command:
         AnalysisError: Its package cannot be used, or another one has the same name.
     """
     if name in SUMMARIES:
-        return importlib.import_module(f"{MODULES}.{name}_command").COMMAND
-    found = [one for one in additions(ENTRY_POINTS) if one.name == name]
-    if not found:
-        raise MissingLibraryError(
-            Message(
-                "this command is of the package {package}, which is not installed; in a clone of "
-                "the project, install it with: pip install 'catkin_ws/src/{package}'",
-                package=WINGS[name],
-            )
-        )
-    if len(found) > 1:
-        raise AnalysisError(
-            Message(
-                "several installed packages have the command '{command}': {origins}",
-                command=name,
-                origins="; ".join(one.origin for one in found),
-            ),
-            fault=faults.OWN_COMMAND,
-        )
-    return _added(found[0])
-
-
-def _added(addition: Addition) -> Command:
-    try:
-        loaded = addition.load()
-    except Exception as error:  # the package is not ours: it may raise anything
-        raise AnalysisError(
-            Message(
-                "the command '{command}' ({origin}) cannot be loaded: {reason}",
-                command=addition.name,
-                origin=addition.origin,
-                reason=f"{type(error).__name__}: {error}",
-            ),
-            fault=faults.OWN_COMMAND,
-        ) from error
-    if not isinstance(loaded, Command):
-        raise AnalysisError(
-            Message(
-                "the command '{command}' ({origin}) is a {type}; it must be a {expected}",
-                command=addition.name,
-                origin=addition.origin,
-                type=type(loaded).__name__,
-                expected=f"{Command.__module__}.{Command.__name__}",
-            ),
-            fault=faults.OWN_COMMAND,
-        )
-    return loaded
+        module = importlib.import_module(f"{MODULES}.{name}_command")
+        own: Command = module.COMMAND
+        return own
+    added: Command = COMMANDS.load(COMMANDS.addition(name))
+    return added

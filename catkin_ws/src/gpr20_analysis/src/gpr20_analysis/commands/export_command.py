@@ -15,6 +15,7 @@ from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.formats.conversion import (
     EXPORTS,
     check_ending,
+    export_format,
     export_survey,
     output_paths,
 )
@@ -34,15 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "output",
         type=Path,
         help="file, ending in "
-        + ", ".join(f"{one.ending} ({name})" for name, one in EXPORTS.items() if one.ending)
+        + ", ".join(f"{one.ending} ({name})" for name, one in EXPORTS.own.items() if one.ending)
         + "; a new folder for the formats with one file per sample",
     )
-    parser.add_argument("--format", choices=EXPORTS, required=True, help="what to write")
+    parser.add_argument("--format", choices=EXPORTS.names(), required=True, help="what to write")
     parser.add_argument(
         "--domain",
         choices=("frequency", "time"),
-        help="group-csv, merged-hdf5: A-scans over frequency or, by inverse Fourier transform, "
-        "over time; default: as in the data",
+        help="formats that hold A-scans: over frequency or, by inverse Fourier transform, over "
+        "time; default: as in the data",
     )
     outputs.add_overwrite(parser)
     inputs.add_scheduler(parser)
@@ -65,7 +66,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def _transformed(survey: xr.Dataset, chosen: argparse.Namespace) -> xr.Dataset:
-    if chosen.format not in ("group-csv", "merged-hdf5"):
+    if not export_format(chosen.format).over_time:
         return survey
     if dataset.A_SCAN in survey:
         if chosen.domain == "frequency":
@@ -83,7 +84,7 @@ def _padding_for_real_parts(survey: xr.Dataset) -> float:
 
 
 def _check(paths: Sequence[Path], chosen: argparse.Namespace) -> None:
-    form = EXPORTS[chosen.format]
+    form = export_format(chosen.format)
     if form.ending in (NETCDF, ZARR):
         written = [outputs.dataset_output(path) for path in paths]
     else:

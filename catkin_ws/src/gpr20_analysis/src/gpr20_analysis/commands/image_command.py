@@ -21,16 +21,16 @@ from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.formats.migrated_hdf5 import ENDING as MIGRATED
-from gpr20_analysis.formats.migrated_hdf5 import write_migrated
+from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
 from gpr20_analysis.imaging.image_output import (
     permittivity_line,
     rotation_word,
     write_volume,
 )
+from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import PROCESSING, recipe_of
 from gpr20_analysis.read.antenna_attributes import S_PER_NS
@@ -42,12 +42,10 @@ from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
 
-DEFAULT_STEPS = ("background:method=surface",)
-# The GPR-20 group's program subtracts the mean.
-STEPS_OF_THE_GROUP = ("background:method=mean",)
 MOST_DEPTHS = 5000
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
+OWN_ENDINGS = (NETCDF, ZARR, VTK)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,8 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr, .vtr (VTK) or .h5 (migrated image of the group, one file per "
-        "polarization); may be given more than once")  # fmt: skip
+        help="image as .nc, .zarr or .vtr (VTK), or in a format of an installed package "
+        f"({', '.join(IMAGE_FORMATS.names())}), which has one file per polarization; may be given "
+        "more than once")  # fmt: skip
     add(
         "--figures",
         type=Path,
@@ -96,7 +95,7 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
 def add_image_options(parser: argparse.ArgumentParser) -> None:
     """Declare how an image is made."""
     add = parser.add_argument
-    add("--method", choices=[one.value for one in Method], default=Method.PHASE_SHIFT.value)
+    add("--method", choices=METHODS.names(), default=Method.PHASE_SHIFT.name)
     add("--permittivity", type=float,
         help="relative permittivity; estimated from echoes if not given")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
@@ -114,7 +113,7 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="make the image without the missing samples",
     )
     add("--window", choices=[one.value for one in Window], default=Window.HANN.value,
-        help="weights over the band; the Kirchhoff methods always use hamming")  # fmt: skip
+        help="weights over the band; a method of another package may have its own")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; used by back-projection and by the estimate of the "
@@ -151,12 +150,11 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
-    usual = STEPS_OF_THE_GROUP if options.method.of_the_group else DEFAULT_STEPS
-    default = () if recipe_of(survey) else usual
+    default = () if recipe_of(survey) else options.method.default_steps
     with cluster.connected(chosen.scheduler):
         steps = inputs.steps_of(chosen, default)
         processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        outputs.check(_migrated(processed, chosen), [chosen.survey], chosen.overwrite)
+        outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
         progress = inputs.progress_bar(catalogue.tr("imaging"))
         return image_survey(processed, options, progress), status
 
@@ -184,7 +182,7 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
             fault=faults.OPTION,
         )
     return ImageOptions(
-        method=Method(chosen.method),
+        method=imaging_method(chosen.method),
         permittivity=chosen.permittivity,
         depth_m=tuple(first + step * np.arange(int(count))),
         height_m=chosen.height,
@@ -200,17 +198,25 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
 
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
+    of_packages = [f".{name}" for name in IMAGE_FORMATS.names()]
     for path in chosen.output:
-        if path.suffix not in (NETCDF, ZARR, VTK, MIGRATED):
-            raise ExportError(wrong_ending(path, (NETCDF, ZARR, VTK, MIGRATED)))
+        if path.suffix not in (*OWN_ENDINGS, *of_packages):
+            raise ExportError(wrong_ending(path, (*OWN_ENDINGS, *of_packages)))
+        if path.suffix not in OWN_ENDINGS:
+            _image_format(path)
         is_dataset = path.suffix in (NETCDF, ZARR)
         found.append(outputs.dataset_output(path) if is_dataset else Output(path))
     return found
 
 
-def _migrated(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
-    """Return the files of migrated images: one for each polarization."""
-    paths = [path for path in chosen.output if path.suffix == MIGRATED]
+def _image_format(path: Path) -> ImageFormat:
+    found: ImageFormat = IMAGE_FORMATS.find(path.suffix[1:])
+    return found
+
+
+def _of_packages(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
+    """Return the files in formats of packages: one for each polarization."""
+    paths = [path for path in chosen.output if path.suffix not in OWN_ENDINGS]
     return [Output(one) for path in paths for one in _files_of(data, path)]
 
 
@@ -225,13 +231,14 @@ def _write(
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
-        elif path.suffix == MIGRATED:
-            for turn, own in enumerate(_files_of(image, path)):
-                with atomic_output(own) as place:
-                    write_migrated(image.isel({POLARIZATION: [turn]}), place, own.stem)
-        else:
+        elif path.suffix == VTK:
             with atomic_output(path) as place:
                 write_volume(image, place)
+        else:
+            for turn, own in enumerate(_files_of(image, path)):
+                with atomic_output(own) as place:
+                    part = image.isel({POLARIZATION: [turn]})
+                    _image_format(path).write(part, place, own.stem)
     if chosen.figures:
         with atomic_output(chosen.figures) as folder:
             _draw(image, found, folder, catalogue)

@@ -12,9 +12,8 @@ from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.formats import dataset_files
-from gpr20_analysis.formats.conversion import IMPORTS, import_survey
-from gpr20_analysis.formats.gprmax import Band
-from gpr20_analysis.formats.gprmax_source import WAVEFORMS
+from gpr20_analysis.formats.conversion import import_survey
+from gpr20_analysis.formats.format import IMPORTS, Band
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -24,14 +23,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("input", type=Path, help="file, or folder of files")
     parser.add_argument("output", type=Path, help="Dataset to write, .nc or .zarr")
-    parser.add_argument("--format", choices=IMPORTS, required=True, help="format of the input")
+    parser.add_argument(
+        "--format", choices=IMPORTS.names(), required=True, help="format of the input"
+    )
     parser.add_argument(
         "--band",
         nargs=3,
         type=float,
         metavar=("START_HZ", "STOP_HZ", "POINTS"),
-        help="frequencies of the spectra of simulations and of A-scans over time; default: gprmax "
-        "600e6 6e9 501, others as recorded or as found in the data",
+        help="frequencies of the spectra of simulations and of A-scans over time; default: of "
+        "simulations 600e6 6e9 501, of others as recorded or as found in the data",
     )
     parser.add_argument(
         "--domain",
@@ -39,13 +40,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="frequency",
         help="what to store of A-scans over time: spectra, which images need, or the A-scans",
     )
-    parser.add_argument("--height", type=float, metavar="M", help="gprmax: antenna height [m]")
+    parser.add_argument("--height", type=float, metavar="M", help="simulations: antenna height [m]")
     parser.add_argument(
         "--source",
         metavar="SIGNAL",
-        help="gprmax: signal of the source, by which spectra are divided, if the files do not "
-        f"contain it (version 3): {', '.join(WAVEFORMS)} with the frequency in Hz, such as "
-        "ricker:1.5e9; a text file of times [s] and values; or none",
+        help="simulations: signal of the source, by which spectra are divided, if the files do not "
+        "contain it: a waveform with its frequency in Hz, such as ricker:1.5e9; a text file of "
+        "times [s] and values; or none",
     )
     outputs.add_overwrite(parser)
 

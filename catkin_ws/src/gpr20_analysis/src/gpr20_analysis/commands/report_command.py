@@ -12,6 +12,7 @@ from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.catalogue_file import language_from_code
 
@@ -42,7 +43,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     from gpr20_analysis.report.pdf_pages import write_pdf
 
     options = image_command.options_of(chosen)
-    steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
+    steps = inputs.steps_of(chosen, DEFAULT_STEPS)
     outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
     survey = inputs.load(chosen, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)

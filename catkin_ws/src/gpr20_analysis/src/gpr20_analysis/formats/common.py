@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import xarray as xr
@@ -187,34 +187,6 @@ def usable_samples(survey: xr.Dataset) -> List[Tuple[Tuple[int, int, int], float
         )
         for turn, row, column in np.argwhere(usable)
     ]
-
-
-DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}
-TOLERANCE_DEG = 1.0  # half a motor step
-
-
-def letters(survey: xr.Dataset) -> Dict[str, int]:
-    """Return the index of the polarization of each letter, X or Y.
-
-    Raises:
-        ExportError: A rotation has no letter.
-    """
-    found: Dict[str, int] = {}
-    for index, rotation_deg in enumerate(survey[dataset.POLARIZATION].values):
-        letter = next(
-            (one for one, own in DEGREES.items() if abs(rotation_deg - own) <= TOLERANCE_DEG), None
-        )
-        if letter is None or letter in found:
-            raise ExportError(
-                Message(
-                    "the rotations of the antennas are {rotations} deg; this format supports only "
-                    "0 (X) and 90 (Y); select these with the step polarization",
-                    rotations=", ".join(f"{one:g}" for one in survey[dataset.POLARIZATION].values),
-                ),
-                fault=faults.FORMAT,
-            )
-        found[letter] = index
-    return found
 
 
 def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float:

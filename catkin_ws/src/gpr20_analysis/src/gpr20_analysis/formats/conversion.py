@@ -2,68 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, Iterable, Optional, Tuple, Union
+from typing import Callable, Dict, Optional, Tuple, Union
 
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import AnalysisError, ExportError
-from gpr20_analysis.formats import (
-    gprmax,
-    group_csv,
-    merged_hdf5,
-    original_json,
-    plain_csv,
-    segy,
-    touchstone,
-)
+from gpr20_analysis.entry_points import ExtensionPoint
+from gpr20_analysis.errors import ExportError
+from gpr20_analysis.formats import plain_csv, segy, touchstone
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.formats.lost_imaginary import with_imaginary_parts
-from gpr20_analysis.formats.sums_beside import (
-    checked_facts,
-    remove_sums,
-    sums_path,
-    write_sums,
+from gpr20_analysis.formats.format import (
+    IMPORTS,
+    WING,
+    Band,
+    ExportFormat,
+    ImportOptions,
+    Writer,
+    files_of,
 )
+from gpr20_analysis.formats.sums_beside import remove_sums, sums_path, write_sums
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 
-MERGED = ".h5"
-Writer = Callable[[xr.Dataset, Path, Progress], Message]
-
-
-@dataclass(frozen=True)
-class Format:
-    """One format.
-
-    Attributes:
-        write: Writes a survey to a path and returns what was written.
-        ending: Ending of the file's name; empty: a folder with one file per sample.
-        holds: Patterns of the file names in the folder.
-    """
-
-    write: Writer
-    ending: str = ""
-    holds: Tuple[str, ...] = ()
-
-    @property
-    def has_own_checksum(self) -> bool:
-        """Whether its files contain their checksum, so that none is needed beside them."""
-        return self.ending in (NETCDF, ZARR, MERGED)
-
-
 Count = Callable[[xr.Dataset, Path, Progress], int]
-
-
-def _files(write: Count) -> Writer:
-    return lambda survey, path, progress: Message(
-        "{count} files", count=write(survey, path, progress)
-    )
 
 
 def _samples(write: Count) -> Writer:
@@ -83,26 +48,34 @@ def _write_dataset(survey: xr.Dataset, path: Path, _: Progress) -> Message:
     return Message("all data")
 
 
-def _write_merged(survey: xr.Dataset, path: Path, _: Progress) -> Message:
-    merged_hdf5.write_merged(survey, path, path.stem)
-    if dataset.A_SCAN in survey:
-        return Message("A-scans over time")
-    return Message("A-scans over frequency")
+EXPORTS = ExtensionPoint(
+    "gpr20_analysis.exports",
+    Message("the format"),
+    fault=faults.ADDITION,
+    own={
+        "netcdf": ExportFormat(_write_dataset, NETCDF, has_own_checksum=True),
+        "zarr": ExportFormat(_write_dataset, ZARR, has_own_checksum=True),
+        "csv": ExportFormat(_samples(plain_csv.write_plain_csv), ".csv"),
+        "segy": ExportFormat(_traces(segy.write_segy), ".sgy"),
+        "touchstone": ExportFormat(
+            files_of(touchstone.write_touchstone), holds=("[0-9]*_X*_Y*_Z*.s2p",)
+        ),
+    },
+    wings=dict.fromkeys(("group-csv", "merged-hdf5", "original-json"), WING),
+    kind=ExportFormat,
+)
+"""By this, other packages add formats that surveys can be written in."""
 
 
-EXPORTS: Dict[str, Format] = {
-    "netcdf": Format(_write_dataset, NETCDF),
-    "zarr": Format(_write_dataset, ZARR),
-    "group-csv": Format(
-        _files(group_csv.write_group_csv), holds=("VNA_*.csv", "TIME_*.csv", group_csv.TIMES_FILE)
-    ),
-    "merged-hdf5": Format(_write_merged, MERGED),
-    "csv": Format(_samples(plain_csv.write_plain_csv), ".csv"),
-    "segy": Format(_traces(segy.write_segy), ".sgy"),
-    "touchstone": Format(_files(touchstone.write_touchstone), holds=("[0-9]*_X*_Y*_Z*.s2p",)),
-    "original-json": Format(_files(original_json.write_original), holds=("X*_Y*_Z*.json",)),
-}
-IMPORTS = ("group-csv", "merged-hdf5", "gprmax", "original-json")
+def export_format(name: str) -> ExportFormat:
+    """Return the format of a name.
+
+    Raises:
+        MissingLibraryError: Its package is not installed.
+        AnalysisError: There is none, or its package cannot be used.
+    """
+    found: ExportFormat = EXPORTS.find(name)
+    return found
 
 
 def export_survey(
@@ -113,7 +86,7 @@ def export_survey(
     Args:
         survey: Dataset of a survey.
         path: File, or folder for the formats with one file per sample. It is replaced.
-        form: A key of `EXPORTS`.
+        form: Name of a format, of this package or of an installed one.
         progress: Shows the progress.
 
     Returns:
@@ -123,11 +96,11 @@ def export_survey(
     Raises:
         ExportError: The format cannot hold the survey, the name does not have the format's
             ending, or the output cannot be written.
-        MissingLibraryError: A library is not installed.
+        MissingLibraryError: A library, or the package of the format, is not installed.
     """
     path = Path(path).expanduser()
     check_ending(path, form)
-    if ADVANCE in survey and form in IMPORTS:
+    if ADVANCE in survey and form in IMPORTS.names():
         raise ExportError(
             Message(
                 "the step time_zero has shifted the data, which the format {format} cannot record, "
@@ -136,17 +109,18 @@ def export_survey(
             ),
             fault=faults.FORMAT,
         )
+    writer = export_format(form)
     written = {}
     for turn, own in enumerate(output_paths(survey, path, form)):
         part = survey.isel({dataset.POLARIZATION: [turn]}) if form == "segy" else survey
-        if EXPORTS[form].ending in (NETCDF, ZARR):
-            written[own] = EXPORTS[form].write(part, own, progress)  # atomic by itself
+        if writer.ending in (NETCDF, ZARR):
+            written[own] = writer.write(part, own, progress)  # atomic by itself
             continue
-        if not EXPORTS[form].has_own_checksum:
+        if not writer.has_own_checksum:
             _remove_sums(own)
         with atomic_output(own, int(part.nbytes)) as place:
-            written[own] = EXPORTS[form].write(part, place, progress)
-        if not EXPORTS[form].has_own_checksum:
+            written[own] = writer.write(part, place, progress)
+        if not writer.has_own_checksum:
             with atomic_output(sums_path(own)) as place:
                 write_sums(own, part, place)
     return written
@@ -172,11 +146,10 @@ def check_ending(path: Path, form: str) -> None:
     """Check that a path has the ending of its format.
 
     Raises:
-        ExportError: It has another one, or the format is unknown.
+        ExportError: It has another one.
+        AnalysisError: The format is unknown, or of a package that cannot be used.
     """
-    if form not in EXPORTS:
-        raise ExportError(_unknown(form, EXPORTS), fault=faults.OPTION)
-    ending = EXPORTS[form].ending
+    ending = export_format(form).ending
     if ending and path.suffix != ending:
         raise ExportError(
             Message(
@@ -191,7 +164,7 @@ def check_ending(path: Path, form: str) -> None:
 def import_survey(
     path: Union[str, Path],
     form: str,
-    band: Optional[gprmax.Band] = None,
+    band: Optional[Band] = None,
     height_m: Optional[float] = None,
     source: Optional[str] = None,
     progress: Progress = no_progress,
@@ -200,10 +173,10 @@ def import_survey(
 
     Args:
         path: File, or folder of files.
-        form: One of `IMPORTS`.
-        band: Frequencies for the spectra of a gprMax simulation; None: those of the robot.
+        form: Name of a format of an installed package.
+        band: Frequencies for the spectra of a simulation; None: those of the robot.
         height_m: Antenna height of the simulation [m].
-        source: Source signal of the simulation, see `gprmax_source.source_of`.
+        source: Source signal of the simulation, as after `--source`.
         progress: Shows the progress.
 
     Returns:
@@ -211,22 +184,8 @@ def import_survey(
 
     Raises:
         AnalysisError: It does not have this format, is damaged, or differs from its checksums.
+        MissingLibraryError: The package of the format is not installed.
     """
-    path = Path(path).expanduser()
-    if form == "group-csv":
-        return with_imaginary_parts(group_csv.read_group_csv(path, progress, checked_facts(path)))
-    if form == "merged-hdf5":
-        return with_imaginary_parts(merged_hdf5.read_merged(path))
-    if form == "original-json":
-        return original_json.read_original(path, progress, checked_facts(path))
-    if form == "gprmax":
-        return gprmax.read_gprmax(path, band or gprmax.Band(), height_m, source, progress)
-    raise AnalysisError(_unknown(form, IMPORTS))
-
-
-def _unknown(form: str, formats: Iterable[str]) -> Message:
-    return Message(
-        "unknown format '{format}'; formats are {formats}",
-        format=form,
-        formats=", ".join(formats),
-    )
+    options = ImportOptions(band, height_m, source)
+    found: xr.Dataset = IMPORTS.find(form).read(Path(path).expanduser(), options, progress)
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Any, Dict, Hashable, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Hashable, List, Sequence
 
 import numpy as np
 import xarray as xr
@@ -24,30 +24,23 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_grid import image_axes
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.kirchhoff import kirchhoff_image, shallow_notes
-from gpr20_analysis.imaging.noise import law_of, measured_noise
+from gpr20_analysis.imaging.methods import Method, Positions, Volume
+from gpr20_analysis.imaging.noise import measured_noise
 from gpr20_analysis.imaging.permittivity.permittivity_estimate import (
     PermittivityEstimate,
     estimate_permittivity,
 )
-from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.projection.back_projection import back_projection_image
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import delay_of_depth
-from gpr20_survey.radar.frequency_to_delay import Window
 
 NOTED_DEPTH_M = 0.001
 """Error of depths by antennas that are apart above which an image has a note [m]."""
-Positions = Tuple[Optional[np.ndarray], Optional[np.ndarray]]
-"""Positions of the image along X and Y [m]; None: those of the traces."""
-Volume = Tuple[np.ndarray, np.ndarray]
-"""Image (depth, y, x) of one polarization and its depths [m]."""
 
 
 def image_survey(
@@ -65,8 +58,8 @@ def image_survey(
         with_noise: Measure the noise, without which no candidate can be rated.
 
     Returns:
-        Dataset with `image` (polarization, depth, y, x), complex (real for the Kirchhoff
-        methods), and attributes that describe how it was made and what was left out. `noise`
+        Dataset with `image` (polarization, depth, y, x), complex or
+        real, and attributes that describe how it was made and what was left out. `noise`
         (polarization, depth), times `noise_over_y` and `noise_over_x`, is the standard magnitude of
         noise in each voxel, measured where no echo can arrive; missing where that is impossible.
 
@@ -92,15 +85,17 @@ def image_survey(
         focus = replace(focus, permittivity=estimate.permittivity)
         attributes = _estimate_attributes(estimate)
         notes = [*notes, *estimate.notes]
-    if options.method.of_the_group:
-        # The group's program has its own window.
-        focus = replace(focus, window=Window.HAMMING)
-        notes.extend(shallow_notes(traces[0].sweep, focus.permittivity))
-    notes = [*notes, *_separation_notes(heights_m, focus, options.method)]
+    if options.method.own_window is not None:
+        focus = replace(focus, window=options.method.own_window)
+    notes = [
+        *notes,
+        *options.method.notes(traces[0].sweep, focus.permittivity),
+        *_separation_notes(heights_m, focus, options.method),
+    ]
     _check_unambiguous(traces, focus)
     at = (None, None) if options.grid_step_m is None else (x.values, y.values)
     volumes = [
-        _volume(one, focus, options.method, at, stage) for one, stage in in_stages(traces, progress)
+        options.method.image(one, focus, at, stage) for one, stage in in_stages(traces, progress)
     ]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
@@ -121,7 +116,7 @@ def image_survey(
 
 def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Message]:
     """Return a note if the method ignores a separation that moves echoes."""
-    if method is Method.BACK_PROJECTION:
+    if method.exact_paths:
         return []
     longer_m = float(np.hypot(height_m, focus.separation_m / 2.0)) - height_m
     deeper_m = longer_m / float(np.sqrt(focus.permittivity))
@@ -132,10 +127,10 @@ def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Mes
             "the method {method} takes the antennas as one, but they are {separation_mm:.0f} mm "
             "apart: echoes appear up to {deeper_mm:.0f} mm too deep, which the uncertainty of "
             "depths does not contain; use --method {other}",
-            method=method.value,
+            method=method.name,
             separation_mm=MM_PER_M * focus.separation_m,
             deeper_mm=MM_PER_M * deeper_m,
-            other=Method.BACK_PROJECTION.value,
+            other=Method.BACK_PROJECTION.name,
         )
     ]
 
@@ -170,33 +165,16 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _volume(
-    traces: Traces,
-    focus: Focus,
-    method: Method,
-    at: Positions,
-    progress: Progress = no_progress,
-) -> Volume:
-    if method is Method.BACK_PROJECTION:
-        return back_projection_image(traces, focus, *at, progress=progress), focus.depth_m
-    if method is Method.PHASE_SHIFT:
-        return phase_shift_image(traces, focus, *at), focus.depth_m
-    along = "x" if method is Method.KIRCHHOFF_2D else "xy"
-    return kirchhoff_image(traces, focus, along)
-
-
 def _noise(
     traces: Sequence[Traces], focus: Focus, method: Method, volume: Volume, at: Positions
 ) -> Dict[Hashable, Any]:
-    law = law_of(method.value)
-
     def imager(some: Traces, how: Focus) -> Volume:
-        return _volume(some, how, method, at)
+        return method.image(some, how, at, no_progress)
 
-    found = measured_noise(traces, focus, volume[1], law, imager)
+    found = measured_noise(traces, focus, volume[1], method.law, imager)
     if found is None:
         return {}
-    attributes = {"units": "1", "long_name": "standard magnitude of noise", "law": law.value}
+    attributes = {"units": "1", "long_name": "standard magnitude of noise", "law": method.law.value}
     for name, correlation in zip((DEPTH, Y, X), found.correlation):
         attributes[f"correlation_{name}"] = correlation  # type: ignore[assignment]
     attributes["measured_from_s"] = found.late_s  # type: ignore[assignment]
@@ -218,7 +196,7 @@ def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
 
 def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, object]:
     record = {
-        "method": options.method.value,
+        "method": options.method.name,
         "permittivity": focus.permittivity,
         "window": focus.window.value,
         "widest_angle_deg": focus.widest_angle_deg,
@@ -229,5 +207,5 @@ def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, ob
         "leave_out_missing": options.leave_out_missing,
         "delay_s": delay_s,
     }
-    return {"permittivity": focus.permittivity, "method": options.method.value,
+    return {"permittivity": focus.permittivity, "method": options.method.name,
             "imaging": json.dumps(record)}  # fmt: skip

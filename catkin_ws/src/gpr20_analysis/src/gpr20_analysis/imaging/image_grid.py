@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Sequence, Tuple
+from typing import TYPE_CHECKING, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -11,8 +11,11 @@ import xarray as xr
 from gpr20_analysis import lazy
 from gpr20_analysis.dataset import ATTRIBUTES, POLARIZATION, X, Y
 from gpr20_analysis.errors import TooLargeError
-from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.message import Message
+
+if TYPE_CHECKING:
+    # The methods, which options name, import this module.
+    from gpr20_analysis.imaging.image_options import ImageOptions
 
 VOXEL_BYTES = 8
 # Of the image of each polarization: as computed, stacked with the others, and its magnitude. Of

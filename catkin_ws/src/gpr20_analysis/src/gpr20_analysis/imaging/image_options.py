@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
@@ -11,25 +10,12 @@ import numpy as np
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_delay import check_delay
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
-
-
-class Method(enum.Enum):
-    """How an image is computed."""
-
-    PHASE_SHIFT = "phase-shift"
-    BACK_PROJECTION = "back-projection"
-    KIRCHHOFF = "kirchhoff"
-    KIRCHHOFF_2D = "kirchhoff-2d"
-
-    @property
-    def of_the_group(self) -> bool:
-        """Whether it repeats the GPR-20 group's program."""
-        return self in (Method.KIRCHHOFF, Method.KIRCHHOFF_2D)
 
 
 @dataclass(frozen=True)
@@ -95,23 +81,23 @@ class ImageOptions:
         # As the command line gives it.
         step_mm = None if self.grid_step_m is None else MM_PER_M * self.grid_step_m
         _check(Message("the step of the image"), step_mm, 1.0, 1000.0, "mm")
-        if self.grid_step_m is not None and self.method.of_the_group:
+        if self.grid_step_m is not None and not self.method.any_positions:
             raise WrongDatasetError(
                 Message(
-                    "the method {method} repeats the GPR-20 group's program, which images at the "
-                    "positions of the survey; use --grid-step with --method {other}",
-                    method=self.method.value,
-                    other=Method.PHASE_SHIFT.value,
+                    "the method {method} images only at the positions of the survey; use "
+                    "--grid-step with --method {other}",
+                    method=self.method.name,
+                    other=Method.PHASE_SHIFT.name,
                 ),
                 fault=faults.OPTION,
             )
-        if self.ground is Ground.UNEVEN and self.method is not Method.BACK_PROJECTION:
+        if self.ground is Ground.UNEVEN and not self.method.exact_paths:
             raise WrongDatasetError(
                 Message(
                     "the method {method} assumes level ground; uneven ground needs --method "
                     "{other}",
-                    method=self.method.value,
-                    other=Method.BACK_PROJECTION.value,
+                    method=self.method.name,
+                    other=Method.BACK_PROJECTION.name,
                 ),
                 fault=faults.METHOD,
             )

@@ -24,7 +24,7 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.processing.antenna_delay import REMOVED, delay_to_remove_s
 from gpr20_analysis.processing.delay import ADVANCE, known_height
@@ -172,11 +172,7 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
 
 def _check_relief(height_m: np.ndarray, options: ImageOptions) -> None:
     deviation_m = float(np.max(np.std(height_m, axis=(1, 2))))
-    if (
-        deviation_m <= MOST_RELIEF_M
-        or options.ground is not None
-        or options.method is Method.BACK_PROJECTION
-    ):
+    if deviation_m <= MOST_RELIEF_M or options.ground is not None or options.method.exact_paths:
         return
     raise WrongDatasetError(
         Message(

@@ -115,11 +115,6 @@ def _product_tail() -> Tuple[np.ndarray, np.ndarray]:
     return ratios, np.log(np.minimum(tail / tail[0], 1.0))
 
 
-def law_of(method: str) -> Law:
-    """Return the law of the noise of an imaging method, by its name."""
-    return {"kirchhoff": Law.PRODUCT, "kirchhoff-2d": Law.HALF_NORMAL}.get(method, Law.RAYLEIGH)
-
-
 @dataclass(frozen=True)
 class NoiseReference:
     """The noise of an image: a product of functions of depth, y and x.

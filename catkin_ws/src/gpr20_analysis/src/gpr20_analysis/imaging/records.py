@@ -51,7 +51,7 @@ class Focus:
         window: Weights over the band.
         widest_angle_deg: Waves that arrive in air at a wider angle to the vertical are left out.
         separation_m: Distance between the two antennas, along their rotation [m]; the phase
-            shift and the Kirchhoff methods ignore it.
+            shift ignores it.
         ground: Why the recorded heights differ; only the back-projection supports uneven ground,
             where depths are relative to the local surface.
     """

@@ -11,7 +11,7 @@ import enum
 import hashlib
 import importlib.util
 import inspect
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple, get_type_hints
 
@@ -19,7 +19,7 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
-from gpr20_analysis.entry_points import Addition, additions
+from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import AnalysisError, RecipeError
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
@@ -33,7 +33,6 @@ from gpr20_analysis.processing.time_zero import correct_topography, pick_time_ze
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.message import Message
 
-ENTRY_POINTS = "gpr20_analysis.steps"
 SUM_DIGITS = 16
 """Digits of the SHA-256 of a step's file that a result records."""
 PARAMETER_TYPES = "int, float, str, an Enum or xarray.Dataset"
@@ -141,6 +140,16 @@ class StepFunction:
             )
 
 
+STEPS = ExtensionPoint(
+    "gpr20_analysis.steps",
+    Message("the step"),
+    own={name: StepFunction(name, call) for name, call in FUNCTIONS.items()},
+    error=RecipeError,
+    fault=faults.OWN_STEP,
+)
+"""By this, other packages add steps."""
+
+
 class StepLibrary:
     """Finds the functions of steps by name."""
 
@@ -154,15 +163,16 @@ class StepLibrary:
         Raises:
             RecipeError: The file cannot be run, or has a step of a name that exists.
         """
-        self._own: Dict[str, StepFunction] = {} if file is None else _steps_of_file(file)
-        for name in self._own:
+        of_file = {} if file is None else _steps_of_file(file)
+        for name in of_file:
             if name in FUNCTIONS:
-                raise _exists(name, self._own[name].origin)
+                raise _exists(name, of_file[name].origin)
+        self._steps = replace(STEPS, own={**STEPS.own, **of_file})
 
     @property
     def names(self) -> List[str]:
         """Names of all steps."""
-        return [*FUNCTIONS, *self._own, *sorted({one.name for one in additions(ENTRY_POINTS)})]
+        return self._steps.names()
 
     def find(self, name: str) -> StepFunction:
         """Return the function of a step.
@@ -170,21 +180,11 @@ class StepLibrary:
         Raises:
             RecipeError: There is none, or its package cannot be used.
         """
-        if name in FUNCTIONS:
-            return StepFunction(name, FUNCTIONS[name])
-        if name in self._own:
-            return self._own[name]
-        found = [one for one in additions(ENTRY_POINTS) if one.name == name]
-        if len(found) > 1:
-            places = "; ".join(one.origin for one in found)
-            raise _exists(name, places)
-        if found:
-            return _installed(found[0])
-        raise RecipeError(
-            Message(
-                "unknown step '{step}'; steps are {steps}", step=name, steps=", ".join(self.names)
-            )
-        )
+        if name in self._steps.own:
+            found: StepFunction = self._steps.own[name]
+            return found
+        added = self._steps.addition(name)
+        return _checked(name, STEPS.load(added), added.origin)
 
 
 def _kept(survey: xr.Dataset) -> Dict[str, Any]:
@@ -201,22 +201,6 @@ def _exists(name: str, origin: str) -> RecipeError:
         ),
         fault=faults.OWN_STEP,
     )
-
-
-def _installed(addition: Addition) -> StepFunction:
-    try:
-        function = addition.load()
-    except Exception as error:  # the package is not ours: it may raise anything
-        raise RecipeError(
-            Message(
-                "step '{step}' ({origin}) cannot be loaded: {reason}",
-                step=addition.name,
-                origin=addition.origin,
-                reason=f"{type(error).__name__}: {error}",
-            ),
-            fault=faults.OWN_STEP,
-        ) from error
-    return _checked(addition.name, function, addition.origin)
 
 
 def _steps_of_file(path: Path) -> Dict[str, StepFunction]:

@@ -12,15 +12,17 @@ import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.formats import migrated_hdf5
 from gpr20_analysis.formats.dataset_check import checked
 from gpr20_analysis.formats.dataset_files import CHUNK_BYTES, is_dataset, read_dataset
+from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.formats.recognition import refuse_importable
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
+from gpr20_analysis.read.recordings import is_recording
 from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.trace_table import EMPTY, in_memory
 from gpr20_common.message import Message
+from gpr20_survey.folder.survey_folder import SURVEY_FILE
 
 LAZY_BYTES = 1 << 30
 """A survey with more data than this [bytes] is lazy."""
@@ -37,7 +39,7 @@ def load_survey(
 
     Args:
         path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
-            `gpr20` as .nc or .zarr, or a migrated image of the group as .h5.
+            `gpr20` as .nc or .zarr, or an image in a format of an installed package.
         accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
             `faults`, instead of refusing the survey. Samples that are merely missing are never
             refused: they are NaN, marked, and named in attribute `missing`.
@@ -62,9 +64,13 @@ def load_survey(
         )
     if is_dataset(found):
         return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)
-    if found.suffix == migrated_hdf5.ENDING and migrated_hdf5.is_migrated(found):
-        return checked(migrated_hdf5.read_migrated(found), found.name)
-    refuse_importable(found)
+    # What is ours is not shown to the formats of other packages.
+    if not (is_recording(found) or (found / SURVEY_FILE).exists()):
+        refuse_importable(found)
+        if found.is_file() and found.suffix[1:] in IMAGE_FORMATS.names():
+            form: ImageFormat = IMAGE_FORMATS.find(found.suffix[1:])
+            if form.is_image(found):
+                return checked(form.read(found), found.name)
     made: List[_TemporaryArray] = []
 
     def allocate(shape: Tuple[int, int]) -> np.ndarray:

@@ -17,8 +17,9 @@ from gpr20_analysis.candidates.table import (
 )
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions, Method
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import permittivity_line
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.plotting import projections, scans
 from gpr20_analysis.plotting.ranges import last_delay_s, surface_delay_s, until
 from gpr20_analysis.processing.chain import Step, apply_steps
@@ -191,7 +192,7 @@ def _parameters(
     return [
         (catalogue.tr("permittivity"), catalogue.text(permittivity_line(image))),
         (catalogue.tr("depths"), depths),
-        (catalogue.tr("method"), options.method.value),
+        (catalogue.tr("method"), options.method.name),
         (catalogue.tr("window"), options.window.value),
         (
             catalogue.tr("widest angle in air"),

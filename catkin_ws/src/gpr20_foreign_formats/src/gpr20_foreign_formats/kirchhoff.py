@@ -26,7 +26,7 @@ The group stores A-scans in single precision; that rounding alone is not repeate
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, List, Tuple
 
 import numpy as np
@@ -35,10 +35,14 @@ import scipy.fft
 from gpr20_analysis import cluster, faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.methods import Method, Positions, Volume
+from gpr20_analysis.imaging.noise import Law
 from gpr20_analysis.imaging.phase_shift import grid_step_m
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import Window
 
 # The rounded value of the group's program.
 SPEED_M_S = 3e8
@@ -195,3 +199,24 @@ def _angles(
     reached_m = depth_m * np.tan(in_soil) + height_m * np.tan(in_air)
     best = np.argmin(np.abs(offset_m[..., None] - reached_m), axis=-1)
     return in_air[best], in_soil[best]
+
+
+def _two_lines(traces: Traces, focus: Focus, at: Positions, progress: Progress) -> Volume:
+    return kirchhoff_image(traces, focus, "xy")
+
+
+def _one_line(traces: Traces, focus: Focus, at: Positions, progress: Progress) -> Volume:
+    return kirchhoff_image(traces, focus, "x")
+
+
+# The group's program has its own window, and subtracts the mean.
+KIRCHHOFF = Method(
+    "kirchhoff",
+    _two_lines,
+    law=Law.PRODUCT,
+    own_window=Window.HAMMING,
+    any_positions=False,
+    default_steps=("background:method=mean",),
+    notes=shallow_notes,
+)
+KIRCHHOFF_2D = replace(KIRCHHOFF, name="kirchhoff-2d", image=_one_line, law=Law.HALF_NORMAL)

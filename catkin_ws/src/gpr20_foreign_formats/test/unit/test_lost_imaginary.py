@@ -11,12 +11,12 @@ from ground_kit import IMAGING_SCENE, point, scene, survey_of
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats import original_json
 from gpr20_analysis.formats.conversion import export_survey, import_survey
-from gpr20_analysis.formats.lost_imaginary import recover
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
+from gpr20_foreign_formats import original_json
+from gpr20_foreign_formats.lost_imaginary import recover
 
 FREQUENCY_HZ = np.linspace(600e6, 6e9, 201)
 PLACES_MM = np.linspace(120.0, 360.0, 13)

@@ -16,8 +16,14 @@ import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
-from gpr20_analysis.formats.common import DEGREES, even_step, letters, on_grid
-from gpr20_analysis.formats.group_names import (
+from gpr20_analysis.formats.common import even_step, on_grid
+from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions, files_of
+from gpr20_analysis.formats.provenance import Facts, is_simulated
+from gpr20_analysis.formats.sums_beside import checked_facts
+from gpr20_analysis.progress import Progress, no_progress
+from gpr20_common.message import Message
+from gpr20_foreign_formats.group_letters import DEGREES, letters
+from gpr20_foreign_formats.group_names import (
     HZ_PER_MHZ,
     TIME,
     US_PER_S,
@@ -28,9 +34,7 @@ from gpr20_analysis.formats.group_names import (
     place_texts,
     plain,
 )
-from gpr20_analysis.formats.provenance import Facts, is_simulated
-from gpr20_analysis.progress import Progress, no_progress
-from gpr20_common.message import Message
+from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 
 HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}
 KINDS = {dataset.S21: VNA, dataset.A_SCAN: TIME}
@@ -270,3 +274,21 @@ def _csv_numbers(path: Path, content: bytes) -> np.ndarray:
             Message("{file} is damaged", file=path.name, details=error)
         ) from error
     return found
+
+
+def _imported(path: Path, _: ImportOptions, progress: Progress) -> xr.Dataset:
+    return with_imaginary_parts(read_group_csv(path, progress, checked_facts(path)))
+
+
+def _whole(path: Path) -> Optional[Path]:
+    if path.is_dir():
+        return path if holds_group_csv(path) else None
+    is_one = path.suffix == ".csv" and path.name.startswith(tuple(f"{kind}_" for kind in HEADERS))
+    # One file is no survey; its folder is.
+    return path.parent if is_one and path.is_file() else None
+
+
+IMPORT = ImportFormat(_imported, _whole)
+EXPORT = ExportFormat(
+    files_of(write_group_csv), holds=("VNA_*.csv", "TIME_*.csv", TIMES_FILE), over_time=True
+)

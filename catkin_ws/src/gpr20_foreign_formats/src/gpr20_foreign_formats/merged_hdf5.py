@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import h5py
 import numpy as np
@@ -12,9 +12,13 @@ import xarray as xr
 from gpr20_analysis import dataset, faults, lazy
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
-from gpr20_analysis.formats.common import DEGREES, Imported, as_dataset, even_step, letters
+from gpr20_analysis.formats.common import Imported, as_dataset, even_step
+from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import SIMULATED, SIMULATED_KEY, kept, marked, restored
+from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
+from gpr20_foreign_formats.group_letters import DEGREES, letters
+from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 
 COMPRESSION: Dict[str, Any] = {"compression": "gzip", "compression_opts": 4}
 GROUP = {dataset.S21: "Frequency", dataset.A_SCAN: "Time"}
@@ -239,3 +243,29 @@ def _heights(file: Any, letter: str, shape: Tuple[int, ...]) -> Any:
         return np.asarray(position[own][()], np.float64).reshape(shape)
     height_m = position.attrs.get("h")
     return np.nan if height_m is None or isinstance(height_m, str) else float(height_m)
+
+
+def _imported(path: Path, _: ImportOptions, __: Progress) -> xr.Dataset:
+    return with_imaginary_parts(read_merged(path))
+
+
+def _exported(survey: xr.Dataset, path: Path, _: Progress) -> Message:
+    write_merged(survey, path, path.stem)
+    if dataset.A_SCAN in survey:
+        return Message("A-scans over time")
+    return Message("A-scans over frequency")
+
+
+def _whole(path: Path) -> Optional[Path]:
+    if path.suffix not in (".h5", ".hdf5") or not path.is_file():
+        return None
+    try:
+        with h5py.File(str(path), "r") as file:
+            return path if "A-Scan" in file and "Position" in file else None
+    # On damaged files HDF5 raises exceptions of many kinds; it is then no merged file.
+    except Exception:
+        return None
+
+
+IMPORT = ImportFormat(_imported, _whole)
+EXPORT = ExportFormat(_exported, ".h5", has_own_checksum=True, over_time=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import h5py
 import numpy as np
@@ -13,13 +13,15 @@ import xarray as xr
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.gprmax_source import NONE, Signal, check_strength, source_of
+from gpr20_analysis.formats.format import Band, ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
 from gpr20_common.message import Message
+from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
 
 ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
+PATTERNS = ("*.out", "*.h5")
 EXCITATION = "srcs/src1/excitation"
 OFFSET = "TimeSampleOffset"
 DIVIDED = Message(
@@ -29,20 +31,6 @@ DIVIDED = Message(
 WITH_SOURCE = Message(
     "the spectra contain the spectrum of the source, so every delay includes that of the source"
 )
-
-
-@dataclass(frozen=True)
-class Band:
-    """The frequencies at which the spectra of simulated A-scans are taken [Hz]."""
-
-    start_hz: float = 600e6
-    stop_hz: float = 6e9
-    points: int = 501
-
-    @property
-    def frequency_hz(self) -> np.ndarray:
-        """The frequencies [Hz]."""
-        return np.linspace(self.start_hz, self.stop_hz, self.points)
 
 
 @dataclass(frozen=True)
@@ -79,10 +67,12 @@ def read_gprmax(
         AnalysisError: There is no such file, or the source is unknown.
         UnreadableFileError: A file is damaged, or its time step or source does not cover the band.
     """
-    paths = [path] if path.is_file() else sorted([*path.glob("*.out"), *path.glob("*.h5")])
+    paths = [path] if path.is_file() else sorted(_files(path))
     if not paths:
         raise AnalysisError(
-            Message("{folder} contains no files {pattern}", folder=path, pattern="*.out, *.h5"),
+            Message(
+                "{folder} contains no files {pattern}", folder=path, pattern=", ".join(PATTERNS)
+            ),
             fault=faults.NO_INPUT,
         )
     given = source_of(source) if source is not None else None
@@ -114,6 +104,10 @@ def read_gprmax(
         return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, WITH_SOURCE))
     notes = [DIVIDED, *sentences_of(data, "notes")]
     return data.assign_attrs(with_sentences(data.attrs, notes=notes))
+
+
+def _files(folder: Path) -> List[Path]:
+    return [one for pattern in PATTERNS for one in folder.glob(pattern)]
 
 
 def _spectrum(
@@ -228,3 +222,26 @@ def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
 
 def _offset_s(recorded: Any) -> float:
     return float(recorded.attrs.get(OFFSET, 0.0))
+
+
+def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
+    return read_gprmax(path, options.band or Band(), options.height_m, options.source, progress)
+
+
+def _whole(path: Path) -> Optional[Path]:
+    files = _files(path) if path.is_dir() else [path]
+    return path if files and _is_gprmax(files[0]) else None
+
+
+def _is_gprmax(path: Path) -> bool:
+    if path.suffix not in (".h5", ".hdf5", ".out") or not path.is_file():
+        return False
+    try:
+        with h5py.File(str(path), "r") as file:
+            return "rxs" in file
+    # On damaged files HDF5 raises exceptions of many kinds; it is then none of gprMax.
+    except Exception:
+        return False
+
+
+IMPORT = ImportFormat(_imported, _whole)

@@ -14,6 +14,7 @@ from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.common import even_step
+from gpr20_analysis.formats.format import ImageFormat
 from gpr20_analysis.formats.provenance import (
     SIMULATED,
     SIMULATED_KEY,
@@ -24,7 +25,6 @@ from gpr20_analysis.formats.provenance import (
 from gpr20_analysis.sentences import with_sentences
 from gpr20_common.message import Message
 
-ENDING = ".h5"
 GROUP, DATA_SET = "MigratedImage", "Image"
 PERMITTIVITY, ROTATION = "Relative permittivity", "Antenna rotation [deg]"
 METHOD = "method"
@@ -156,3 +156,6 @@ def _notes(depth_m: np.ndarray, name: str, checked: bool) -> List[Message]:
             )
         )
     return notes
+
+
+FORMAT = ImageFormat(is_migrated, read_migrated, write_migrated)

@@ -11,10 +11,10 @@ from ground_kit import point, scene, survey_of
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats import group_csv
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_foreign_formats import group_csv
 from gpr20_survey.radar.frequency_to_delay import Window
 
 STEP_MM = 16.0

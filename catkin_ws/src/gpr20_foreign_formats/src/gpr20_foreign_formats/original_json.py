@@ -16,10 +16,12 @@ import xarray as xr
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import on_grid, usable_samples
-from gpr20_analysis.formats.lost_imaginary import with_imaginary_parts
+from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions, files_of
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
+from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
+from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
@@ -137,3 +139,18 @@ def _read(path: Path) -> Dict[str, Any]:
         raise UnreadableFileError(
             Message("{file} is not a valid sample", file=path.name, details=repr(error))
         ) from error
+
+
+def _imported(path: Path, _: ImportOptions, progress: Progress) -> xr.Dataset:
+    return read_original(path, progress, checked_facts(path))
+
+
+def _whole(path: Path) -> Optional[Path]:
+    if path.is_dir():
+        return path if holds_original(path) else None
+    # One file is no survey; its folder is.
+    return path.parent if NAME.fullmatch(path.name) and path.is_file() else None
+
+
+IMPORT = ImportFormat(_imported, _whole)
+EXPORT = ExportFormat(files_of(write_original), holds=("X*_Y*_Z*.json",))

@@ -109,18 +109,9 @@ def test_a_changed_byte_in_the_file_of_checksums_is_refused(tmp_path, seed):
         import_survey(tmp_path / "out", "group-csv")
 
 
-@pytest.mark.parametrize(
-    ("form", "name"),
-    [
-        ("group-csv", "out"),
-        ("original-json", "out"),
-        ("touchstone", "out"),
-        ("csv", "out.csv"),
-        ("segy", "out.sgy"),
-    ],
-)
-def test_sha256sum_checks_an_export(tmp_path, form, name):
-    export_survey(random_survey(1, one_polarization=True), tmp_path / name, form)
+@pytest.mark.parametrize("form", ["group-csv", "original-json"])
+def test_sha256sum_checks_a_folder(tmp_path, form):
+    export_survey(random_survey(1, one_polarization=True), tmp_path / "out", form)
     (sums,) = tmp_path.glob("*.sha256")
     command = ["sha256sum", "--strict", "--check", sums.name]
     subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)

@@ -9,9 +9,10 @@ from fault_kit import raises_fault
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.gprmax import Band, read_gprmax
-from gpr20_analysis.formats.gprmax_source import WAVEFORMS, source_of
+from gpr20_analysis.formats.format import Band
 from gpr20_analysis.read.load import load_survey
+from gpr20_foreign_formats.gprmax import read_gprmax
+from gpr20_foreign_formats.gprmax_source import WAVEFORMS, source_of
 
 STEP_S, COUNT = 20e-12, 1000
 CENTRE_HZ = 2e9

@@ -1,0 +1,120 @@
+"""What a format of files is, and the formats that installed packages add."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, Optional, Tuple
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import faults
+from gpr20_analysis.entry_points import ExtensionPoint
+from gpr20_analysis.progress import Progress
+from gpr20_common.message import Message
+
+Writer = Callable[[xr.Dataset, Path, Progress], Message]
+WING = "gpr20_foreign_formats"
+
+
+@dataclass(frozen=True)
+class ExportFormat:
+    """A format that a survey can be written in.
+
+    Attributes:
+        write: Writes a survey to a new path, and returns what was written.
+        ending: Ending of the file's name; empty: a folder with one file per sample.
+        holds: Patterns of the file names in the folder.
+        has_own_checksum: Its files contain their checksum, so that none is needed beside them.
+        over_time: It can hold A-scans over time.
+    """
+
+    write: Writer
+    ending: str = ""
+    holds: Tuple[str, ...] = ()
+    has_own_checksum: bool = False
+    over_time: bool = False
+
+
+def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:
+    """Return the writer of a folder, from a function that returns the number of files."""
+    return lambda survey, path, progress: Message(
+        "{count} files", count=write(survey, path, progress)
+    )
+
+
+@dataclass(frozen=True)
+class Band:
+    """The frequencies at which the spectra of simulated A-scans are taken [Hz]."""
+
+    start_hz: float = 600e6
+    stop_hz: float = 6e9
+    points: int = 501
+
+    @property
+    def frequency_hz(self) -> np.ndarray:
+        """The frequencies [Hz]."""
+        return np.linspace(self.start_hz, self.stop_hz, self.points)
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """What a user can say about the files of another program.
+
+    Attributes:
+        band: Frequencies for the spectra of a simulation; None: those of the robot.
+        height_m: Antenna height of a simulation [m].
+        source: Source signal of a simulation, as after `--source`.
+    """
+
+    band: Optional[Band] = None
+    height_m: Optional[float] = None
+    source: Optional[str] = None
+
+
+@dataclass(frozen=True)
+class ImportFormat:
+    """A format of another program.
+
+    Attributes:
+        read: Returns the Dataset of a file or folder.
+        whole: Returns what must be imported if a path has this format: the path, or the folder of
+            a file that is one sample of many; None if the path has another format.
+    """
+
+    read: Callable[[Path, ImportOptions, Progress], xr.Dataset]
+    whole: Callable[[Path], Optional[Path]]
+
+
+@dataclass(frozen=True)
+class ImageFormat:
+    """A format of images of one polarization; its name is the ending, without the dot.
+
+    Attributes:
+        is_image: Returns whether a file with the ending is such an image, without reading it.
+        read: Returns the image in a file.
+        write: Writes an image to a new path, with a title.
+    """
+
+    is_image: Callable[[Path], bool]
+    read: Callable[[Path], xr.Dataset]
+    write: Callable[[xr.Dataset, Path, str], None]
+
+
+IMPORTS = ExtensionPoint(
+    "gpr20_analysis.imports",
+    Message("the format"),
+    fault=faults.ADDITION,
+    wings=dict.fromkeys(("group-csv", "merged-hdf5", "gprmax", "original-json"), WING),
+    kind=ImportFormat,
+)
+"""By this, other packages add formats that can be imported."""
+IMAGE_FORMATS = ExtensionPoint(
+    "gpr20_analysis.image_formats",
+    Message("the image format"),
+    fault=faults.ADDITION,
+    wings={"h5": WING},
+    kind=ImageFormat,
+)
+"""By this, other packages add formats of images."""

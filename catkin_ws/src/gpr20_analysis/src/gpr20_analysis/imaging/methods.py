@@ -1,0 +1,109 @@
+"""The imaging methods: those of this package, and those of installed packages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, ClassVar, List, Optional, Tuple
+
+import numpy as np
+
+from gpr20_analysis import faults
+from gpr20_analysis.entry_points import ExtensionPoint
+from gpr20_analysis.imaging.noise import Law
+from gpr20_analysis.imaging.phase_shift import phase_shift_image
+from gpr20_analysis.imaging.projection.back_projection import back_projection_image
+from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.progress import Progress
+from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import Window
+
+DEFAULT_STEPS = ("background:method=surface",)
+"""Steps before an image of a survey without steps."""
+Positions = Tuple[Optional[np.ndarray], Optional[np.ndarray]]
+"""Positions of the image along X and Y [m]; None: those of the traces."""
+Volume = Tuple[np.ndarray, np.ndarray]
+"""Image (depth, y, x) of one polarization and its depths [m]."""
+
+
+def _no_notes(sweep: FrequencyGrid, permittivity: float) -> List[Message]:
+    return []
+
+
+@dataclass(frozen=True)
+class Method:
+    """How an image is computed.
+
+    Attributes:
+        name: Its name, which images record.
+        image: Makes the image of one polarization.
+        law: How the magnitudes of a voxel of noise are distributed.
+        exact_paths: It knows the separation of the antennas, and uneven ground.
+        own_window: Its own weights over the band; None: those that are chosen.
+        any_positions: It can image at other positions than those of the survey.
+        default_steps: Steps before an image of a survey without steps.
+        notes: Returns what a user should know, by sweep and permittivity.
+    """
+
+    name: str
+    image: Callable[[Traces, Focus, Positions, Progress], Volume]
+    law: Law = Law.RAYLEIGH
+    exact_paths: bool = False
+    own_window: Optional[Window] = None
+    any_positions: bool = True
+    default_steps: Tuple[str, ...] = DEFAULT_STEPS
+    notes: Callable[[FrequencyGrid, float], List[Message]] = _no_notes
+
+    PHASE_SHIFT: ClassVar[Method]
+    BACK_PROJECTION: ClassVar[Method]
+
+
+def _phase_shift(traces: Traces, focus: Focus, at: Positions, progress: Progress) -> Volume:
+    return phase_shift_image(traces, focus, *at), focus.depth_m
+
+
+def _back_projection(traces: Traces, focus: Focus, at: Positions, progress: Progress) -> Volume:
+    return back_projection_image(traces, focus, *at, progress=progress), focus.depth_m
+
+
+Method.PHASE_SHIFT = Method("phase-shift", _phase_shift)
+Method.BACK_PROJECTION = Method("back-projection", _back_projection, exact_paths=True)
+
+METHODS = ExtensionPoint(
+    "gpr20_analysis.imaging_methods",
+    Message("the method"),
+    fault=faults.ADDITION,
+    own={one.name: one for one in (Method.PHASE_SHIFT, Method.BACK_PROJECTION)},
+    wings=dict.fromkeys(("kirchhoff", "kirchhoff-2d"), "gpr20_foreign_formats"),
+    kind=Method,
+)
+"""By this, other packages add imaging methods."""
+
+
+def imaging_method(name: str) -> Method:
+    """Return an imaging method.
+
+    Args:
+        name: Its name; also that of a method of another installed package.
+
+    Returns:
+        The method.
+
+    Raises:
+        MissingLibraryError: Its package is not installed.
+        AnalysisError: There is none, or its package cannot be used.
+    """
+    found: Method = METHODS.find(name)
+    return found
+
+
+def law_of(method: str) -> Law:
+    """Return the law of the noise of an image, by the name of its method.
+
+    Args:
+        method: The name; that of another program's method is taken as one of complex sums.
+
+    Raises:
+        MissingLibraryError: The package of the method is not installed.
+    """
+    return imaging_method(method).law if method in METHODS.names() else Law.RAYLEIGH

@@ -1,0 +1,103 @@
+"""The Kirchhoff methods as methods of gpr20: conditions, noise, candidates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fault_kit import raises_fault
+from ground_kit import IMAGING_SCENE, point, scene, survey_of
+from noise_kit import (
+    DEPTH_M,
+    errors_in_uncertainties,
+    level_over_noise,
+    noise_level_db,
+    share_of_alarms,
+)
+from noise_kit import survey as survey_of_noise
+
+from gpr20_analysis import cluster, faults
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.background import remove_background
+from gpr20_foreign_formats import kirchhoff
+from gpr20_foreign_formats.kirchhoff import KIRCHHOFF, KIRCHHOFF_2D
+
+METHODS = [KIRCHHOFF, KIRCHHOFF_2D]
+QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
+
+
+def test_the_target_is_near_its_place():
+    target = point(173.3, 181.7, 0.1134)
+    survey = survey_of(scene([target], **QUIET), rotations_deg=(0.0,))
+    image = image_survey(survey, ImageOptions(KIRCHHOFF, 4.0))
+    assert image.image.dtype == np.float64
+    found = find_candidates(image).candidates[0]
+    error_m = (
+        found.x_m - target.x_mm / 1e3,
+        found.y_m - target.y_mm / 1e3,
+        found.depth_m - target.depth_m,
+    )
+    assert np.linalg.norm(error_m) < 0.02
+    # The depth step of this method is the sample time times the speed in the soil.
+    sample_s = 1.0 / (2 * round(6e9 / 54e6) * 54e6)
+    assert np.diff(image.depth)[0] == pytest.approx(sample_s * 1.5e8, rel=0.01)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_positions_of_the_survey_are_kept(method):
+    with raises_fault(faults.OPTION, "use --grid-step with --method phase-shift"):
+        ImageOptions(method, 4.0, grid_step_m=0.01)
+
+
+def test_uneven_ground_is_refused():
+    with raises_fault(faults.METHOD, "needs --method back-projection"):
+        ImageOptions(KIRCHHOFF, 4.0, ground=Ground.UNEVEN)
+
+
+@pytest.mark.parametrize("parts", [2, 64])
+@pytest.mark.parametrize("method", METHODS)
+def test_an_image_in_parts_is_the_same_to_the_last_digit(monkeypatch, method, parts):
+    cleaned = remove_background(survey_of(IMAGING_SCENE)).isel(polarization=[0])
+    options = ImageOptions(method, 4.0, tuple(np.arange(0.03, 0.12, 0.01)))
+    expected = image_survey(cleaned, options)
+    calls = []
+    distribute = cluster.distribute
+
+    def counting(function, shared, things):
+        calls.append(len(things))
+        return distribute(function, shared, things)
+
+    monkeypatch.setattr(cluster, "parts", lambda: parts)
+    monkeypatch.setattr(kirchhoff.cluster, "distribute", counting)
+    np.testing.assert_array_equal(image_survey(cleaned, options).image, expected.image)
+    assert min(calls) > 1
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("level", [1e-6, 1.0])
+def test_noise_alone_is_at_0_db(method, level):
+    assert abs(noise_level_db(method, level)) < 0.4
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_noise_alone_leads_to_candidates_as_often_as_the_rate_says(method):
+    assert 0.1 < share_of_alarms(method) < 0.9
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_candidates_lie_where_they_are_within_their_uncertainties(method):
+    assert errors_in_uncertainties(method).max() < 1.6
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_noise_over_depth_follows_the_gain_of_the_group_in_wet_soil(method):
+    parts = []
+    for seed in range(3):
+        data = remove_background(survey_of_noise(np.random.default_rng(seed), points=161))
+        ratio = level_over_noise(image_survey(data, ImageOptions(method, 9.0, DEPTH_M)))
+        third = ratio.shape[1] // 3
+        parts.append([np.mean(np.log(ratio[:, part])) for part in np.s_[:third, -third:]])
+    levels_db = method.law.level_db(np.exp(np.mean(parts, axis=0) - method.law.mean_log))
+    assert abs(np.diff(levels_db)) < 1.2
