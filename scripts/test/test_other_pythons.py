@@ -56,18 +56,18 @@ class OtherPython:
 
 # What these compute does not depend on the Python; Debian's runs them.
 COMPUTED_ALIKE = [
-    *("test_antenna_delay", "test_changed_description", "test_cluster", "test_image_grid"),
-    *("test_image_noise", "test_kirchhoff_of_the_group", "test_many_surveys"),
+    *("test_antenna_delay", "test_changed_description", "test_image_grid"),
+    *("test_image_noise", "test_kirchhoff_of_the_group"),
     *("test_permittivity_estimate", "test_power_cuts", "test_reopening_killed"),
     *("test_report_in_own_language", "test_texts_of_figures", "test_varying_heights"),
 ]
 # Long tests of the analysis that the Python of the robot repeats.
 LONG_TESTS = [
-    *("test_analyst_steps", "test_back_projection", "test_candidates"),
+    *("test_analyst_steps", "test_back_projection", "test_batch_of_surveys", "test_candidates"),
     *("test_damage_of_every_kind", "test_damaged_input", "test_flips_unseen"),
     *("test_focused_images", "test_image_of_damaged_surveys", "test_imaging_methods"),
     *("test_interrupted_command", "test_large_surveys", "test_lazy_steps", "test_notebook"),
-    *("test_survey_report", "test_verify", "test_work_in_parts"),
+    *("test_survey_report", "test_verify"),
 ]
 ANALYSIS = ["gpr20_analysis", "gpr20_common", "gpr20_survey"]
 # That of ROS Noetic, and a new one: the analysis also runs on other computers.

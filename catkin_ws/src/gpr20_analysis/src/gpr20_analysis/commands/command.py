@@ -51,6 +51,7 @@ SUMMARIES: Dict[str, str] = {
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",
+    "batch": "run a command on many surveys side by side",
     "sample": "write a copy of a small simulated survey, to try the other commands on",
     "doctor": "find what is wrong with the robot and this computer",
     "replay": "publish a recorded survey on its ROS topics",

@@ -46,16 +46,6 @@ def add_survey(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_scheduler(parser: argparse.ArgumentParser) -> None:
-    """Declare the cluster that computes instead of this process."""
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
-        "package and, for surveys of more than 1 GiB, access to the same files",
-    )
-
-
 def load(chosen: argparse.Namespace, catalogue: Catalogue) -> xr.Dataset:
     """Load the survey and print on stderr what is missing or damaged in it.
 

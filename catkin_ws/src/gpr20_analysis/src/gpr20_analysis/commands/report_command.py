@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from gpr20_analysis import cluster, dataset
+from gpr20_analysis import dataset
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
@@ -27,7 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     image_command.add_image_options(parser)
     outputs.add_overwrite(parser)
-    inputs.add_scheduler(parser)
     parser.add_argument(
         "--json", action="store_true", help="print the result, or the error, as JSON, for programs"
     )
@@ -47,17 +46,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = inputs.load(chosen, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
-    with cluster.connected(chosen.scheduler):
-        data = cluster.persist(survey)
-        report = report_of(
-            data,
-            chosen.survey,
-            steps,
-            options,
-            language_from_code(chosen.language),
-            catalogue,
-            progress,
-        )
+    report = report_of(
+        survey,
+        chosen.survey,
+        steps,
+        options,
+        language_from_code(chosen.language),
+        catalogue,
+        progress,
+    )
     with atomic_output(chosen.output) as place:
         if chosen.output.suffix == PDF:
             write_pdf(place, report, catalogue)
