@@ -38,7 +38,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         raise ExportError(wrong_ending(chosen.output, (HTML, PDF)))
     from gpr20_analysis.report.build import report_of
     from gpr20_analysis.report.page import page
-    from gpr20_analysis.report.pdf_pages import write_pdf
+
+    is_pdf = chosen.output.suffix == PDF
+    if is_pdf:
+        from gpr20_analysis.report.pdf import write_pdf
 
     options = image_command.options_of(chosen)
     steps = inputs.steps_of(chosen, image_command.DEFAULT_STEPS)
@@ -56,7 +59,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         progress,
     )
     with atomic_output(chosen.output) as place:
-        if chosen.output.suffix == PDF:
+        if is_pdf:
             write_pdf(place, report, catalogue)
         else:
             place.write_text(page(report), encoding="utf-8")
