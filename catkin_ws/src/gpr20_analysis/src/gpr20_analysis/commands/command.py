@@ -41,7 +41,6 @@ SUMMARIES: Dict[str, str] = {
     "process": "apply a chain of steps and store the result with its recipe",
     "image": "image the ground below a survey and list the candidates in it",
     "candidates": "list the candidates in the ground below a survey, and write them to files",
-    "focus": "answer requests for focused images on the standard input, for programs",
     "delay": "fit the delay of cables and antennas to the surface echo",
     "plot": "draw a survey, its A-scans or an image",
     "annotate": "set operator, site, notes and position of a survey",
