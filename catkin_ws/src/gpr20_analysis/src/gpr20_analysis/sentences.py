@@ -56,6 +56,9 @@ def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
     Args:
         survey: The survey.
         language: Code of the language.
+
+    Returns:
+        One line for each.
     """
     return remark_lines(survey, read_catalogue(language_from_code(language)))
 

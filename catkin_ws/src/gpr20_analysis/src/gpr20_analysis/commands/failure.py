@@ -36,6 +36,9 @@ def message_of(error: BaseException, command: str) -> Message:
     Args:
         error: Ended the command.
         command: What was called, such as "gpr20 info x".
+
+    Returns:
+        The message, with its fault.
     """
     if isinstance(error, Gpr20Error):
         return error.message
