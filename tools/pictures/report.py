@@ -1,53 +1,45 @@
-"""The first page and the map of a report of the sample survey."""
+"""The first pages of a report of the sample survey."""
 
 from __future__ import annotations
 
-import io
+import tempfile
 from pathlib import Path
+from typing import List
 
-from matplotlib.figure import Figure
-from matplotlib.image import imread
+import pypdfium2
+from PIL import Image
 
-from gpr20_analysis import ImageOptions, load_survey, sample_survey
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.processing.chain import step_from_text
-from gpr20_analysis.report.build import report_of
-from gpr20_analysis.report.pdf_pages import pages_of
+from gpr20_analysis import sample_survey
+from gpr20_analysis.commands.main import main
 from gpr20_common.low import catalogue_file
-from gpr20_common.low.catalogue_file import read_catalogue
 
 PERMITTIVITY = 5.0
-RESOLUTION_DPI = 90
+SCALE = 90 / 72
 
 
 def make(folder: Path) -> None:
     """Write a picture in each language."""
-    survey = load_survey(sample_survey())
-    steps = [step_from_text(DEFAULT_STEPS[0])]
     for language in catalogue_file.languages():
-        catalogue = read_catalogue(language)
-        options = ImageOptions(permittivity=PERMITTIVITY)
-        report = report_of(survey, sample_survey(), steps, options, language, catalogue)
-        pages = pages_of(report, catalogue)
-        first = next(pages)
-        figure = next(page for page in pages if page.axes)
+        with tempfile.TemporaryDirectory() as place:
+            report = Path(place) / "report.pdf"
+            main(
+                [
+                    *("report", str(sample_survey()), "-o", str(report)),
+                    *("--permittivity", f"{PERMITTIVITY:g}", "--language", language.value),
+                ]
+            )
+            pages = list(pypdfium2.PdfDocument(report))[:2]
+            pictures = [page.render(scale=SCALE).to_pil() for page in pages]
         path = folder / f"report_{language.value}.png"
-        beside(first, figure).savefig(path, dpi=RESOLUTION_DPI)
+        beside(pictures).save(path)
         print(path)
 
 
-def beside(left: Figure, right: Figure) -> Figure:
-    """Return a picture of two pages beside each other."""
-    pictures = []
-    for page in (left, right):
-        stream = io.BytesIO()
-        page.savefig(stream, format="png", dpi=RESOLUTION_DPI)
-        stream.seek(0)
-        pictures.append(imread(stream))
-    heights, widths = zip(*(one.shape[:2] for one in pictures))
-    both = Figure(figsize=(sum(widths) / RESOLUTION_DPI, max(heights) / RESOLUTION_DPI))
+def beside(pictures: List[Image.Image]) -> Image.Image:
+    """Return pictures of the same height beside each other."""
+    both = Image.new("RGB", (sum(one.width for one in pictures), pictures[0].height))
     left_px = 0
-    for picture, height, width in zip(pictures, heights, widths):
-        both.figimage(picture, xo=left_px, yo=max(heights) - height)
-        left_px += width
+    for one in pictures:
+        both.paste(one, (left_px, 0))
+        left_px += one.width
     return both

@@ -13,10 +13,12 @@ __version__ = "0.1.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
     "candidates.files": ("write_candidates",),
+    "candidates.focused": ("focus",),
     "candidates.marker_files": ("write_markers",),
     "candidates.marker_list": ("MarkerList", "survey_markers"),
     "candidates.search": ("Candidate", "CandidateList", "CandidateOptions", "find_candidates"),
     "candidates.table": ("candidate_lines",),
+    "commands.failure": ("message_of",),
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),
     "formats.conversion": ("export_survey", "import_survey"),
@@ -30,10 +32,13 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure"),
     "processing.chain": ("process_survey",),
     "processing.delay": ("to_time",),
+    "read.growing_survey": ("GrowingSurvey",),
     "read.load": ("load_survey",),
     "read.verification": ("Verification", "verify_survey"),
+    "report.build": ("write_report",),
     "report.summary": ("summarize",),
     "sample.sample_survey": ("sample_survey",),
+    "sentences": ("survey_remarks",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)
 

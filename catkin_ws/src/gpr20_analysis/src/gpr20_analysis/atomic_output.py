@@ -51,14 +51,15 @@ def atomic_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
         raise ExportError(_refusal(path, error)) from error
     try:
         yield beside / path.name
-        _put(beside / path.name, path, beside / "replaced")
+        put(beside / path.name, path, beside / "replaced")
     except OSError as error:
         raise ExportError(_refusal(path, error)) from error
     finally:
         shutil.rmtree(str(beside), ignore_errors=True)
 
 
-def _put(written: Path, path: Path, replaced: Path) -> None:
+def put(written: Path, path: Path, replaced: Path) -> None:
+    """Move what is written to its path; a folder that is there goes to `replaced`."""
     # A folder cannot be renamed onto another one.
     if path.is_dir():
         path.rename(replaced)

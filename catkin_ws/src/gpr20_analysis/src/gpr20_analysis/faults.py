@@ -147,6 +147,10 @@ CLUSTER = Fault(
     "analysis.cluster",
     Message("Start the dask scheduler and its workers, or leave --scheduler out."),
 )
+WORKER_KILLED = Fault(
+    "analysis.worker_killed",
+    Message("Run the same command again with fewer workers, or where there is more memory."),
+)
 SURVEY_RUNS = Fault(
     "analysis.survey_runs", Message("End the survey on the robot first, or use its window.")
 )

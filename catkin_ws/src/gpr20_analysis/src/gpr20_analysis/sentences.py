@@ -10,8 +10,10 @@ import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
+from gpr20_survey.errors import printable
 
 # The command line needs this module before it knows which libraries a command needs.
 if TYPE_CHECKING:
@@ -21,6 +23,8 @@ MISSING, FAULTS, NOTES = "missing", "faults", "notes"
 LIST_ATTRIBUTES = (MISSING, FAULTS, NOTES)
 """Attributes that are lists of sentences."""
 MESSAGES = "messages"
+MOST_REMARKS = 8
+"""Number of sentences of a list that are shown with a survey."""
 ENGLISH = Catalogue()
 
 
@@ -44,6 +48,43 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
     if recorded:
         changed[MESSAGES] = json.dumps(recorded)
     return changed
+
+
+def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
+    """Return what is damaged, missing or noted in a survey, as commands print it.
+
+    Args:
+        survey: The survey.
+        language: Code of the language.
+
+    Returns:
+        One line for each.
+    """
+    return remark_lines(survey, read_catalogue(language_from_code(language)))
+
+
+def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
+    """Return what is damaged, missing or noted in a survey, each of a list only up to a number.
+
+    Args:
+        survey: The survey.
+        catalogue: Language of the lines.
+        path: Where it was read from, if each line says that.
+    """
+    lines = []
+    for name in LIST_ATTRIBUTES:
+        for one in limited(sentences_of(survey, name), MOST_REMARKS):
+            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
+            lines.append(printable(shown(_labelled(name, sentence), catalogue)))
+    return lines
+
+
+def _labelled(name: str, sentence: Message) -> Message:
+    if name == FAULTS:
+        return Message("DAMAGED: {sentence}", sentence=sentence)
+    if name == MISSING:
+        return Message("NO DATA: {sentence}", sentence=sentence)
+    return Message("note: {sentence}", sentence=sentence)
 
 
 def sentence_of(data: xr.Dataset, name: str) -> Optional[Message]:

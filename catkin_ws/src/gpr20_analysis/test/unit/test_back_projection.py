@@ -12,7 +12,6 @@ from ground_kit import GRID_MM, IMAGING_SCENE, survey_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gpr20_analysis import cluster
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import Method
@@ -24,6 +23,7 @@ from gpr20_analysis.imaging.projection.projection_scene import scene_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import in_stages, no_progress
+from gpr20_analysis.threads import on_threads
 from gpr20_survey.radar.refraction import one_way_delay_s
 
 SWEEP = FrequencyGrid(600e6, 54e6, 101)
@@ -221,7 +221,7 @@ def test_after_an_interruption_nothing_more_is_begun():
     begun = []
     entered = threading.Event()
 
-    def work(_, item):
+    def work(item):
         begun.append(item)
         entered.set()
         time.sleep(0.01)
@@ -232,5 +232,5 @@ def test_after_an_interruption_nothing_more_is_begun():
         yield from items
 
     with pytest.raises(KeyboardInterrupt):
-        cluster.distribute(work, None, list(range(500)), progress, 2)
+        on_threads(work, range(500), progress)
     assert 0 < len(begun) < 250

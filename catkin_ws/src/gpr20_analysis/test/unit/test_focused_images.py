@@ -1,9 +1,6 @@
 """The focused image that the robot's window shows, also of a survey that is still measured."""
 
-import io
-import json
 import os
-import sys
 
 import numpy as np
 import pytest
@@ -14,8 +11,6 @@ from survey_kit import POINTS, make_survey, planned_trace
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.focused import FEWEST_LINES, focus
-from gpr20_analysis.commands.focus_command import FocusService
-from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.read.growing_survey import GrowingSurvey
 from gpr20_analysis.read.load import load_survey
@@ -125,22 +120,3 @@ def test_a_damaged_trace_is_left_out_and_not_kept(tmp_path):
     assert "000003" in str(growing.load().attrs["faults"])
     path.write_bytes(whole)
     assert growing.load().attrs["faults"] == []
-
-
-def ask(tmp_path, **request):
-    values = {"survey": "", "permittivity": 4.0, "levels": str(tmp_path / "levels"), **request}
-    return FocusService().answer(json.dumps(values))
-
-
-def test_what_cannot_be_imaged_is_answered_with_its_reason(tmp_path):
-    folder = make_survey(tmp_path, 4, None)
-    for request in ({"survey": str(folder)}, {"survey": str(tmp_path / "nowhere")}):
-        assert ask(tmp_path, **request)["error"]["fault_code"]
-
-
-def test_the_command_answers_every_line(tmp_path, monkeypatch, capsys):
-    lines = [json.dumps({"survey": str(tmp_path), "permittivity": 4.0, "levels": "x"})] * 2
-    monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(lines) + "\n"))
-    assert main(["focus"]) == 0
-    answers = [json.loads(one) for one in capsys.readouterr().out.splitlines()]
-    assert len(answers) == 2 and all("error" in one for one in answers)

@@ -11,6 +11,7 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis.commands import main as gpr20
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.report import build
 from gpr20_analysis.report.summary import settings_of, summary_of
 from gpr20_analysis.sentences import sentences_of, shown, with_sentences
 from gpr20_common.catalogue import Catalogue, Language
@@ -38,7 +39,8 @@ def catalogues(monkeypatch):
     def read(language):
         return Catalogue(SPANISH if language == Language.SPANISH else None)
 
-    monkeypatch.setattr(gpr20, "read_catalogue", read)
+    for module in (gpr20, build):
+        monkeypatch.setattr(module, "read_catalogue", read)
     for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("LANG", "en_US.UTF-8")

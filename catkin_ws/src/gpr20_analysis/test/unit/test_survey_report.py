@@ -14,7 +14,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.report import pdf_text, pictures
+from gpr20_analysis.report import pictures
 from gpr20_analysis.report.page import page
 from gpr20_analysis.report.records import Report, Section
 
@@ -45,28 +45,6 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
     assert all(base64.b64decode(one).startswith(b"\x89PNG") for one in figures)
     for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
         assert words in text
-
-
-def test_a_text_of_several_lines_keeps_them_in_a_pdf():
-    section = Section("t", rows=[("notes", "wet\n\nsoil"), ("size", "1 MB")])
-    ((*_, notes, more, size),) = pdf_text.text_pages(Report("t", [section]))
-    assert [[text for _, text in line.cells] for line in (notes, more, size)] == [
-        ["notes", "wet"],
-        ["soil"],
-        ["size", "1 MB"],
-    ]
-    assert more.cells[0][0] == notes.cells[1][0] == size.cells[1][0]
-
-
-def test_each_page_of_a_table_has_its_titles_and_rows_stay_together():
-    rows = [(f"C{number}", "one line\nanother\na third") for number in range(100)]
-    pages = pdf_text.text_pages(Report("t", [Section("t", rows=rows, heading=("id", "flags"))]))
-    assert len(pages) > 3
-    for one_page in pages[1:]:
-        first, second, *_, last = [[text for _, text in line.cells] for line in one_page]
-        assert first == ["id", "flags"] and second[0].startswith("C") and last == ["a third"]
-    texts = [text for lines in pages for line in lines for _, text in line.cells]
-    assert [one for one in texts if one.startswith("C")] == [name for name, _ in rows]
 
 
 @pytest.mark.usefixtures("blank_figures")
@@ -120,14 +98,6 @@ def test_words_of_a_survey_are_never_markup(tmp_path):
 def test_a_report_must_be_html_or_pdf(tmp_path, refusals):
     assert main(["report", str(tmp_path), "--output", str(tmp_path / "r.txt")]) == 3
     assert refusals[-1:] == [faults.OUTPUT.code]
-
-
-def test_a_report_as_pdf_has_its_text_and_a_page_for_each_figure(whole, tmp_path):
-    output = tmp_path / "r.pdf"
-    assert main(["report", str(whole), "--output", str(output), *OPTIONS, *LOW]) == 0
-    content = output.read_bytes()
-    assert content.startswith(b"%PDF-")
-    assert len(re.findall(rb"/Type /Page\b", content)) >= 10
 
 
 @pytest.mark.usefixtures("blank_figures")

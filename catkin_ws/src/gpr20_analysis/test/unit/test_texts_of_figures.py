@@ -15,8 +15,6 @@ from gpr20_analysis.plotting import maps, projections, scans
 from gpr20_analysis.plotting.noted_figure import NOTE_PT, NotedFigure, wrapped
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
-from gpr20_analysis.report import pdf_pages, pdf_text
-from gpr20_analysis.report.records import Report, Section
 from gpr20_common.low.catalogue_file import languages, read_catalogue
 
 PLACES_MM = np.linspace(180.0, 300.0, 5)
@@ -78,10 +76,10 @@ def check(figure: NotedFigure) -> None:
 def test_texts_are_apart_with_random_notes(name, catalogue):
     draw = random.Random(name)
     notes = [random_text(draw) for _ in range(draw.randint(0, 12))]
+    plain = FIGURES[name]({}, catalogue)
+    plain.draw_without_rendering()
+    height = plain.axes[0].get_window_extent().height
     figure = FIGURES[name]({"notes": notes}, catalogue)
-    figure.draw_without_rendering()
-    height = figure.axes[0].get_window_extent().height
-    figure.add_lines(above=[random_text(draw)], below=[random_text(draw), "page 1 of 2"])
     check(figure)
     # The axes keep their size, because the figure grows.
     assert figure.axes[0].get_window_extent().height > 0.75 * height
@@ -93,22 +91,3 @@ def test_no_letter_of_a_wrapped_text_is_lost():
         text, width_in = random_text(draw), draw.uniform(1.0, 12.0)
         lines = wrapped([text], width_in, NOTE_PT)
         assert "".join("".join(lines).split()) == "".join(text.split())
-
-
-def test_lines_of_a_pdf_page_are_on_it_and_apart():
-    draw = random.Random(3)
-    for columns in (2, 9):
-        rows = [tuple(random_text(draw, 9) for _ in range(columns)) for _ in range(20)]
-        section = Section("Title", random_text(draw), [random_text(draw)], rows=rows)
-        section.heading = tuple(random_text(draw, 2) for _ in range(columns))
-        report = Report(random_text(draw), [section] * 2, banner="SIMULATED", footer="No clearance")
-        pages = pdf_text.text_pages(report)
-        assert len(pages) > 1
-        for lines in pages[:2]:
-            sheet = pdf_pages._sheet(lines, report, "page 1 of 2")
-            sheet.draw_without_rendering()
-            boxes = [one.get_window_extent() for one in sheet.texts]
-            for number, box in enumerate(boxes):
-                assert sheet.bbox.x0 <= box.x0 and box.x1 <= sheet.bbox.x1, sheet.texts[number]
-                assert sheet.bbox.y0 <= box.y0 and box.y1 <= sheet.bbox.y1
-                assert not any(overlap(box, other) for other in boxes[number + 1 :])

@@ -32,7 +32,7 @@ from typing import Any, List, Tuple
 import numpy as np
 import scipy.fft
 
-from gpr20_analysis import cluster, faults
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method, Positions, Volume
@@ -125,9 +125,10 @@ def kirchhoff_image(
     image = np.ones((len(depth_m), *traces.height_m.shape))
 
     def lines(a_scans: np.ndarray, place_m: np.ndarray) -> np.ndarray:
-        shared = (place_m, height_m, depth_m, sample_s, focus.permittivity)
-        # Always split alike: the number of lines added up at once may change the last digit.
-        return np.concatenate(cluster.distribute(_lines, shared, _bundles(a_scans)), axis=1)
+        # Some lines at once, so that the parts of their sums stay small.
+        bundles = np.split(a_scans, range(LINES_AT_ONCE, len(a_scans), LINES_AT_ONCE))
+        own = (place_m, height_m, depth_m, sample_s, focus.permittivity)
+        return np.concatenate([_lines(*own, bundle) for bundle in bundles], axis=1)
 
     if "x" in along:
         image *= lines(a_scans, traces.x_m)
@@ -164,16 +165,15 @@ def _real_a_scans(traces: Traces) -> Tuple[np.ndarray, float]:
     return a_scans * np.sqrt(np.pi * np.abs(misplaced_hz)), time.sample_s
 
 
-def _bundles(a_scans: np.ndarray) -> List[np.ndarray]:
-    return [
-        np.ascontiguousarray(a_scans[first : first + LINES_AT_ONCE])
-        for first in range(0, len(a_scans), LINES_AT_ONCE)
-    ]
-
-
-def _lines(shared: Tuple[Any, ...], a_scans: np.ndarray) -> np.ndarray:
+def _lines(
+    place_m: np.ndarray,
+    height_m: float,
+    depth_m: np.ndarray,
+    sample_s: float,
+    permittivity: float,
+    a_scans: np.ndarray,
+) -> np.ndarray:
     """Migrate each line (line, position, delay) separately; return (depth, line, position)."""
-    place_m, height_m, depth_m, sample_s, permittivity = shared
     places = np.arange(len(place_m))
     offset_m = np.abs(place_m[:, None] - place_m[None, :])
     speed_m_s = SPEED_M_S / np.sqrt(permittivity)

@@ -6,7 +6,7 @@ import pytest
 # The example candidates of gpr20_survey's tests.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/unit"))
 
-from imaging_kit import FakeCommand, FakeSticks
+from imaging_kit import FakeAnalysis, FakeSticks
 
 
 @pytest.fixture
@@ -15,5 +15,7 @@ def sticks(tmp_path):
 
 
 @pytest.fixture
-def command(tmp_path):
-    return FakeCommand(tmp_path)
+def analysis(tmp_path):
+    fake = FakeAnalysis(tmp_path)
+    yield fake
+    fake.process.close()

@@ -1,83 +1,82 @@
-"""A fake command gpr20, and sticks that are folders."""
+"""A fake analysis, and sticks that are folders."""
 
 from __future__ import annotations
 
 import json
-import stat
 import sys
 import uuid
 
-from candidate_examples import candidate, candidate_list
-
 from gpr20_common.message import Fault, Message
-from gpr20_common.sent_message import message_fields
-from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
-from gpr20_survey.results.candidate_json import json_text
 
 REFUSAL = Message("no {what}", what="permittivity").with_fault(
     Fault("test.refused", Message("Give the permittivity."))
 )
-# It does what its first line says: focus answers, report and candidates write their output.
-PROGRAM = """#!{python}
-import json, os, sys, time
-def listed(survey, note):
-    found = json.loads({listed!r})
-    found["survey_id"] = json.load(open(survey + "/survey.json"))["survey_id"]
-    return json.dumps(dict(found, notes=note))
-mode = open({mode!r}).read()
-if mode == "refuse":
-    print("the permittivity cannot be estimated", file=sys.stderr)
-    sys.exit(print({refusal!r} if "--json" in sys.argv else "") or 3)
-if mode == "crash":
-    sys.exit(print("Killed by a test", file=sys.stderr) or 7)
-if mode == "hang":
-    open({started!r}, "w").write(str(os.getpid()))
-    time.sleep(600)
-if sys.argv[1] == "focus":
-    for line in sys.stdin:
-        request = json.loads(line)
-        open({asked!r}, "a").write(line)
-        if mode == "error":
-            print({refusal!r}, flush=True)
-            continue
-        if mode == "die":
-            sys.exit(print("Killed by a test", file=sys.stderr) or 7)
-        open(request["levels"], "wb").write(bytes(range(4)) * 8)
-        answer = dict(traces=os.getpid(), x_mm=[1.0, 2.0], y_mm=[1.0, 2.0], depth_mm=[0.0, 3.0])
-        answer["candidates_json"] = "{{}}" if mode == "damage" else listed(request["survey"], [])
-        print(json.dumps(answer), flush=True)
-    sys.exit()
-for place in [sys.argv[at + 1] for at, one in enumerate(sys.argv) if one == "-o"]:
-    open(place, "w").write(" ".join(sys.argv[1:]) + " No echo does not mean no mine")
-if sys.argv[1] == "candidates":
-    print("{{}}" if mode == "damage" else listed(sys.argv[2], sys.argv[1:]))
-print("note: a remark", file=sys.stderr)
-sys.exit(1)
+# It does what the file `mode` says; what it writes and lists says what it was asked for.
+WORKER = """
+import os, sys, time
+from multiprocessing.connection import Connection
+from pathlib import Path
+import numpy as np
+sys.path[:0] = {path!r}
+from candidate_examples import candidate, candidate_list
+from imaging_kit import REFUSAL
+from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.low.analysis_worker import serve
+from gpr20_survey.results.focused_image import FocusedImage
+
+folder = Path({folder!r})
+
+def obey():
+    mode = (folder / "mode").read_text()
+    if mode == "refuse":
+        raise ImagingError(REFUSAL)
+    if mode == "full":
+        raise OSError(28, "No space left on device", "/tmp/x")
+    if mode == "die":
+        sys.exit(print("Killed by a test", file=sys.stderr) or 7)
+    if mode == "hang":
+        (folder / "started").write_text(str(os.getpid()))
+        time.sleep(600)
+
+class Fake:
+    def focus(self, survey, permittivity):
+        obey()
+        with (folder / "asked").open("a") as stream:
+            print(survey, permittivity, file=stream)
+        place, depth = np.array([1.0, 2.0]), np.array([0.0, 3.0])
+        levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
+        found = candidate_list([candidate()])
+        return FocusedImage(os.getpid(), place, place, depth, levels, found)
+
+    def find_candidates(self, survey, permittivity, language):
+        obey()
+        return candidate_list([candidate()]), f"{{survey}} {{permittivity}} {{language}}"
+
+    def write_report(self, survey, output, permittivity, language):
+        obey()
+        output.write_text(f"{{survey}} {{permittivity}} {{language}}: no echo is no clearance")
+
+    write_candidates = write_report
+
+with Connection(int(sys.argv[1])) as connection:
+    serve(connection, Fake())
 """
 
 
-class FakeCommand:
-    """The command; its program does what `mode` says."""
+class FakeAnalysis:
+    """The analysis; its process does what `mode` says."""
 
     def __init__(self, folder):
         self._mode = folder / "mode"
         self.asked = folder / "asked"
         self.started = folder / "started"
-        program = folder / "gpr20"
-        program.write_text(
-            PROGRAM.format(
-                python=sys.executable,
-                mode=str(self._mode),
-                started=str(self.started),
-                asked=str(self.asked),
-                refusal=json.dumps({"error": message_fields(REFUSAL)}),
-                listed=json_text(candidate_list([candidate()])),
-            )
-        )
-        program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        program = folder / "worker.py"
+        program.write_text(WORKER.format(path=sys.path, folder=str(folder)))
+        self.command = [sys.executable, str(program)]
         self.mode = ""
-        self.command = AnalysisCommand(lambda: str(program))
+        self.process = AnalysisProcess(self.command)
 
     @property
     def mode(self):

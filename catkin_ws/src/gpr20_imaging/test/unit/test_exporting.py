@@ -23,8 +23,8 @@ def stages():
 
 
 @pytest.fixture
-def exporter(command, sticks, stages):
-    return Exporter(command.command, sticks.volumes, stages.append)
+def exporter(analysis, sticks, stages):
+    return Exporter(analysis.process, sticks.volumes, stages.append)
 
 
 def request_for(folder, stick, *kinds, simulated=True):
@@ -47,7 +47,7 @@ def test_every_kind_is_written_with_its_checksum(tmp_path, exporter, sticks, sta
         assert line == f"{hashlib.sha256(content).hexdigest()}  {name.split('/')[1]}\n"
     assert len(files_of(stick)) == 2 * len(names)
     report = (stick / names[0]).read_text()
-    assert "--json --leave-out-missing --language es --permittivity=4" in report
+    assert report.startswith(f"{folder} 4.0 es")
     assert len(stages) == 2 * len(names)
 
 
@@ -194,9 +194,9 @@ def test_a_survey_that_changes_meanwhile_is_refused(tmp_path, exporter, sticks, 
     assert files_of(stick) == []
 
 
-def test_a_refusal_of_the_analysis_is_passed_on(tmp_path, exporter, sticks, command):
+def test_a_refusal_of_the_analysis_is_passed_on(tmp_path, exporter, sticks, analysis):
     folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
-    command.mode = "refuse"
+    analysis.mode = "refuse"
     with raises_fault("test.refused"):
         exporter.export(request_for(folder, stick, ExportKind.REPORT_PDF), Cancellation())
     assert files_of(stick) == []
@@ -217,15 +217,15 @@ def test_a_cancelled_export_leaves_nothing(tmp_path, exporter, sticks, monkeypat
     assert files_of(stick) == []
 
 
-def test_cancelling_ends_the_command(tmp_path, exporter, sticks, command):
+def test_cancelling_ends_the_analysis(tmp_path, exporter, sticks, analysis):
     folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
-    command.mode = "hang"
+    analysis.mode = "hang"
     cancellation = Cancellation()
     seen = threading.Event()
 
     def cancel_when_started():
         while not seen.wait(0.02):
-            if command.started.exists() and command.started.read_text():
+            if analysis.started.exists() and analysis.started.read_text():
                 cancellation.cancel()
                 return
 

@@ -12,19 +12,20 @@ import pytest
 from fault_kit import raises_fault
 from imaging_kit import REFUSAL, store_survey
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError
-from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low import analysis_process
+from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.child_process import LOWEST_NICE, OOM_SCORE, memory_limit_bytes
 from gpr20_imaging.mid.imaging import Imaging
 from gpr20_imaging.mid.job_queue import MOST_WAITING, JobQueue
 
 
 @pytest.fixture
-def imaging(tmp_path, command, sticks):
-    made = Imaging(tmp_path / "data", command.command, sticks.volumes, lambda *_: None)
+def imaging(tmp_path, analysis, sticks):
+    made = Imaging(tmp_path / "data", analysis.process, sticks.volumes, lambda *_: None)
     yield made
     made.close()
 
@@ -47,17 +48,15 @@ def is_running(process):
     return status.exists() and status.read_text().rsplit(")", 1)[1].split()[0] != "Z"
 
 
-def test_one_child_makes_all_images_of_a_survey(imaging, survey, command):
+def test_one_child_makes_all_images_of_a_survey(imaging, survey, analysis):
     first = imaging.focus("a", survey.name, 4.0)
-    second = imaging.focus("b", first.survey_id, 0.0)
-    assert first.levels_db.tobytes() == bytes(range(4)) * 8
-    assert (first.levels_db.shape, first.found.candidates[0].id) == ((2, 2, 2), "C01")
-    # The fake command answers with its process as number of traces.
+    survey_id = json.loads((survey / "survey.json").read_text())["survey_id"]
+    second = imaging.focus("b", survey_id, 0.0)
+    assert first.levels_db.tolist() == [[[0.0, 1.0], [2.0, 3.0]], [[4.0, 5.0], [6.0, 7.0]]]
+    assert first.found.candidates[0].id == "C01"
+    # The fake analysis answers with its process as number of traces.
     assert first.traces == second.traces
-    asked = [json.loads(one) for one in command.asked.read_text().splitlines()]
-    assert [one["permittivity"] for one in asked] == [4.0, None]
-    assert asked[0]["survey"] == str(survey)
-    assert not any(Path(one["levels"]).exists() for one in asked)
+    assert analysis.asked.read_text() == f"{survey} 4.0\n{survey} None\n"
 
 
 def test_the_child_has_the_lowest_priority_and_bounded_memory(imaging, survey):
@@ -69,51 +68,52 @@ def test_the_child_has_the_lowest_priority_and_bounded_memory(imaging, survey):
     assert os.getpriority(os.PRIO_PROCESS, 0) < LOWEST_NICE
 
 
-def test_a_child_that_died_is_replaced(imaging, survey, command):
-    command.mode = "die"
+def test_a_child_that_died_is_replaced(imaging, survey, analysis):
+    analysis.mode = "die"
     with raises_fault(faults.TOO_MUCH, "Killed by a test"):
         imaging.focus("a", survey.name, 4.0)
-    command.mode = ""
+    analysis.mode = ""
     assert imaging.focus("b", survey.name, 4.0).traces
 
 
-def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey, command):
-    command.mode = "error"
-    with raises_fault("test.refused") as caught:
+def test_a_child_that_was_killed_between_requests_is_replaced(imaging, survey):
+    first = imaging.focus("a", survey.name, 4.0).traces
+    os.kill(first, signal.SIGKILL)
+    while is_running(first):
+        time.sleep(0.01)
+    assert imaging.focus("b", survey.name, 4.0).traces != first
+
+
+def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeypatch):
+    analysis.mode = "hang"
+    monkeypatch.setattr(analysis_process, "FOCUS_LIMIT_S", 3.0)
+    with raises_fault(faults.TOO_MUCH, 3):
         imaging.focus("a", survey.name, 4.0)
-    message = caught.value.message
-    assert message == REFUSAL and message.cause == REFUSAL.fault
+    assert not is_running(wait_for(analysis.started))
 
 
-def test_candidates_come_with_the_remarks_of_the_command(imaging, survey):
-    found = imaging.find_candidates("a", survey.name, 0.0, "es")
-    assert [str(note) for note in found.found.notes] == [
-        *("candidates", str(survey), "--json", "--leave-out-missing", "--language", "es")
-    ]
-    assert found.remarks == "note: a remark"
-
-
-def test_an_answer_of_the_analysis_that_is_not_valid_is_a_failure(imaging, survey, command):
-    command.mode = "damage"
+def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey, analysis):
+    analysis.mode = "refuse"
     for ask in (
         lambda: imaging.focus("a", survey.name, 4.0),
         lambda: imaging.find_candidates("a", survey.name, 0.0, "en"),
     ):
-        with pytest.raises(InvalidValueError, match="not complete or not valid"):
+        with raises_fault("test.refused") as caught:
             ask()
+        message = caught.value.message
+        assert message == REFUSAL and message.cause == REFUSAL.fault
 
 
-def test_without_a_list_the_reason_is_that_of_the_command(imaging, survey, command):
-    command.mode = "refuse"
-    with raises_fault("test.refused") as caught:
-        imaging.find_candidates("a", survey.name, 0.0, "en")
-    assert caught.value.message == REFUSAL
+def test_an_error_that_no_package_raises_on_purpose_is_told_too(imaging, survey, analysis):
+    analysis.mode = "full"
+    with raises_fault(DISK_FULL, "/tmp/x"):
+        imaging.focus("a", survey.name, 4.0)
 
 
-def test_what_a_command_printed_as_it_crashed_is_the_reason(imaging, survey, command):
-    command.mode = "crash"
-    with raises_fault(faults.FAILED, "Killed by a test"):
-        imaging.find_candidates("a", survey.name, 0.0, "en")
+def test_candidates_come_with_remarks_in_the_language(imaging, survey):
+    found = imaging.find_candidates("a", survey.name, 0.0, "es")
+    assert found.found.candidates[0].id == "C01"
+    assert found.remarks == f"{survey} None es"
 
 
 @pytest.mark.parametrize("permittivity", [-1.0, 0.5, 101.0, math.nan, math.inf])
@@ -133,10 +133,10 @@ def test_only_surveys_of_the_data_folder_are_read(imaging, name):
         imaging.focus("a", name, 4.0)
 
 
-def test_without_the_analysis_the_node_says_what_is_missing(tmp_path, sticks, survey):
-    imaging = Imaging(
-        tmp_path / "data", AnalysisCommand(lambda: None), sticks.volumes, lambda *_: None
-    )
+def test_without_the_analysis_the_node_says_what_is_missing(tmp_path, sticks, survey, monkeypatch):
+    # Every workspace has the analysis, also where its libraries are not installed.
+    monkeypatch.setattr(analysis_process, "NEEDED", ("json", "no_such_library"))
+    imaging = Imaging(tmp_path / "data", AnalysisProcess(), sticks.volumes, lambda *_: None)
     assert imaging.missing.fault == faults.NOT_INSTALLED
     with raises_fault(faults.NOT_INSTALLED, imaging.computer):
         imaging.focus("a", survey.name, 4.0)
@@ -146,8 +146,8 @@ def test_without_the_analysis_the_node_says_what_is_missing(tmp_path, sticks, su
     imaging.close()
 
 
-def test_a_request_that_runs_can_be_cancelled(imaging, survey, command):
-    command.mode = "hang"
+def test_a_request_that_runs_can_be_cancelled(imaging, survey, analysis):
+    analysis.mode = "hang"
     failures = []
 
     def ask():
@@ -158,7 +158,7 @@ def test_a_request_that_runs_can_be_cancelled(imaging, survey, command):
 
     asking = threading.Thread(target=ask)
     asking.start()
-    child = wait_for(command.started)
+    child = wait_for(analysis.started)
     imaging.cancel("slow")
     asking.join(20.0)
     assert len(failures) == 1
@@ -218,20 +218,22 @@ def test_a_waiting_request_can_be_cancelled():
 NODE = """
 import sys
 from pathlib import Path
-from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low import analysis_process
+from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging import Imaging
-command, data, survey = sys.argv[1:]
-imaging = Imaging(Path(data), AnalysisCommand(lambda: command), UsbVolumes(), lambda *_: None)
+python, program, data, survey = sys.argv[1:]
+analysis = AnalysisProcess([python, program])
+imaging = Imaging(Path(data), analysis, UsbVolumes(), lambda *_: None)
 imaging.focus("a", survey, 4.0)
 """
 
 
-def test_the_child_is_killed_with_the_node(tmp_path, command, survey):
-    command.mode = "hang"
-    arguments = [command.command.path, str(survey.parent), survey.name]
+def test_the_child_is_killed_with_the_node(tmp_path, analysis, survey):
+    analysis.mode = "hang"
+    arguments = [*analysis.command, str(survey.parent), survey.name]
     node = subprocess.Popen([sys.executable, "-c", NODE, *arguments])
-    child = wait_for(command.started)
+    child = wait_for(analysis.started)
     node.send_signal(signal.SIGKILL)
     node.wait()
     deadline = time.monotonic() + 20.0

@@ -30,7 +30,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_steps(parser)
     image_command.add_image_options(parser)
     image_command.add_candidate_options(parser)
-    inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
         help="list as .csv, .json, .geojson or .gpkg; may be given more than once")  # fmt: skip

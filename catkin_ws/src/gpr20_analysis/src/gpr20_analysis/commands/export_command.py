@@ -8,7 +8,7 @@ from typing import Sequence
 
 import xarray as xr
 
-from gpr20_analysis import cluster, dataset
+from gpr20_analysis import dataset
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
@@ -46,7 +46,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "time; default: as in the data",
     )
     outputs.add_overwrite(parser)
-    inputs.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -55,11 +54,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     _check([chosen.output], chosen)
     survey = inputs.load(chosen, catalogue)
     _check(output_paths(survey, chosen.output, chosen.format), chosen)
-    with cluster.connected(chosen.scheduler):
-        transformed = _transformed(survey, chosen)
-        with cluster.fetched(transformed) as fetched:
-            progress = inputs.progress_bar(catalogue.tr("writing"))
-            written = export_survey(fetched, chosen.output, chosen.format, progress)
+    transformed = _transformed(survey, chosen)
+    progress = inputs.progress_bar(catalogue.tr("writing"))
+    written = export_survey(transformed, chosen.output, chosen.format, progress)
     for path, content in written.items():
         print(f"{path}: {catalogue.text(content)}")
     return inputs.status_of(survey)
@@ -72,7 +69,7 @@ def _transformed(survey: xr.Dataset, chosen: argparse.Namespace) -> xr.Dataset:
         if chosen.domain == "frequency":
             return to_frequency(survey)
     elif chosen.domain == "time":
-        return to_time(cluster.persist(survey), Window.NONE, _padding_for_real_parts(survey))
+        return to_time(survey, Window.NONE, _padding_for_real_parts(survey))
     return survey
 
 

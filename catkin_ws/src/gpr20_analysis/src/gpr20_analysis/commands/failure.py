@@ -10,7 +10,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 
-EXTRAS = {"matplotlib": "plots"}
+EXTRAS = {"distributed": "batch", "matplotlib": "plots", "reportlab": "pdf"}
 """Optional libraries that whole commands need, and the extra of each."""
 EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
 """Errors whose message is sufficient; all others are program errors."""
@@ -36,6 +36,9 @@ def message_of(error: BaseException, command: str) -> Message:
     Args:
         error: Ended the command.
         command: What was called, such as "gpr20 info x".
+
+    Returns:
+        The message, with its fault.
     """
     if isinstance(error, Gpr20Error):
         return error.message

@@ -10,7 +10,7 @@ from typing import List, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import cluster, faults
+from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import candidate_lines
@@ -53,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_survey(parser)
     inputs.add_steps(parser)
     add_image_options(parser)
-    inputs.add_scheduler(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
         help="image as .nc, .zarr or .vtr (VTK), or in a format of an installed package "
@@ -151,12 +150,11 @@ def image_of(
     """
     survey = inputs.load(chosen, catalogue)
     default = () if recipe_of(survey) else options.method.default_steps
-    with cluster.connected(chosen.scheduler):
-        steps = inputs.steps_of(chosen, default)
-        processed, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
-        progress = inputs.progress_bar(catalogue.tr("imaging"))
-        return image_survey(processed, options, progress), status
+    steps = inputs.steps_of(chosen, default)
+    processed, status = inputs.process(survey, steps, catalogue)
+    outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
+    progress = inputs.progress_bar(catalogue.tr("imaging"))
+    return image_survey(processed, options, progress), status
 
 
 def options_of(chosen: argparse.Namespace) -> ImageOptions:

@@ -22,13 +22,9 @@ from gpr20_analysis.processing.chain import (
 )
 from gpr20_analysis.processing.step_functions import FUNCTIONS, StepFunction, StepLibrary
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sentences import FAULTS, LIST_ATTRIBUTES, MISSING, limited, sentences_of, shown
+from gpr20_analysis.sentences import remark_lines
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
-
-LISTED = 8
-"""Number of sentences of a list that are printed."""
 
 
 def add_survey(parser: argparse.ArgumentParser) -> None:
@@ -43,16 +39,6 @@ def add_survey(parser: argparse.ArgumentParser) -> None:
         "--accept-damaged",
         action="store_true",
         help="mark damaged samples and leave them out, instead of refusing the survey",
-    )
-
-
-def add_scheduler(parser: argparse.ArgumentParser) -> None:
-    """Declare the cluster that computes instead of this process."""
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
-        "package and, for surveys of more than 1 GiB, access to the same files",
     )
 
 
@@ -83,19 +69,8 @@ def print_warnings(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> 
         catalogue: Language of the output.
         path: Where it was read from, if it is not the survey of the command.
     """
-    for name in LIST_ATTRIBUTES:
-        for one in limited(sentences_of(survey, name), LISTED):
-            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
-            warning = _labelled(name, sentence)
-            print(printable(shown(warning, catalogue)), file=sys.stderr)
-
-
-def _labelled(name: str, sentence: Message) -> Message:
-    if name == FAULTS:
-        return Message("DAMAGED: {sentence}", sentence=sentence)
-    if name == MISSING:
-        return Message("NO DATA: {sentence}", sentence=sentence)
-    return Message("note: {sentence}", sentence=sentence)
+    for line in remark_lines(survey, catalogue, path):
+        print(line, file=sys.stderr)
 
 
 def progress_bar(what: str) -> Any:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Dict, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import cluster, faults
+from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
@@ -67,7 +67,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rotation", type=float, metavar="DEG", help="rotation of a projection")
     parser.add_argument("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
     outputs.add_overwrite(parser)
-    inputs.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -78,9 +77,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = inputs.steps_of(chosen)
     outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
     survey = inputs.load(chosen, catalogue)
-    with cluster.connected(chosen.scheduler):
-        data, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        figure = figure_of(data, chosen, catalogue)
+    data, status = inputs.process(survey, steps, catalogue)
+    figure = figure_of(data, chosen, catalogue)
     with atomic_output(chosen.output) as place:
         save_figure(figure, place)
     return status

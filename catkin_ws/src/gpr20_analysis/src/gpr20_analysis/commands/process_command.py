@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from gpr20_analysis import cluster
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
@@ -22,7 +21,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", "-o", type=Path, required=True, help="result: .nc or .zarr")
     parser.add_argument("--save-recipe", type=Path, help="write the whole recipe to this YAML file")
     outputs.add_overwrite(parser)
-    inputs.add_scheduler(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -33,10 +31,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     written += [Output(chosen.save_recipe)] if chosen.save_recipe else []
     outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
     survey = inputs.load(chosen, catalogue)
-    with cluster.connected(chosen.scheduler):
-        result, status = inputs.process(cluster.persist(survey), steps, catalogue)
-        with cluster.fetched(result) as fetched:
-            write_dataset(fetched, chosen.output)
+    result, status = inputs.process(survey, steps, catalogue)
+    write_dataset(result, chosen.output)
     recipe = recipe_text(recipe_of(result))
     if chosen.save_recipe:
         with atomic_output(chosen.save_recipe) as place:

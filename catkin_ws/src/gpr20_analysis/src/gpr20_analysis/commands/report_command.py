@@ -6,17 +6,12 @@ import argparse
 import json
 from pathlib import Path
 
-from gpr20_analysis import cluster, dataset
-from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis import dataset
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
-from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import language_from_code
-
-HTML, PDF = ".html", ".pdf"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     image_command.add_image_options(parser)
     outputs.add_overwrite(parser)
-    inputs.add_scheduler(parser)
     parser.add_argument(
         "--json", action="store_true", help="print the result, or the error, as JSON, for programs"
     )
@@ -36,34 +30,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the report; return the exit status."""
-    if chosen.output.suffix not in (HTML, PDF):
-        raise ExportError(wrong_ending(chosen.output, (HTML, PDF)))
-    from gpr20_analysis.report.build import report_of
-    from gpr20_analysis.report.page import page
-    from gpr20_analysis.report.pdf_pages import write_pdf
+    from gpr20_analysis.report.build import check_report_path, write_report
 
+    check_report_path(chosen.output)
     options = image_command.options_of(chosen)
     steps = inputs.steps_of(chosen, DEFAULT_STEPS)
     outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
     survey = inputs.load(chosen, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
-    with cluster.connected(chosen.scheduler):
-        data = cluster.persist(survey)
-        report = report_of(
-            data,
-            chosen.survey,
-            steps,
-            options,
-            language_from_code(chosen.language),
-            catalogue,
-            progress,
-        )
-    with atomic_output(chosen.output) as place:
-        if chosen.output.suffix == PDF:
-            write_pdf(place, report, catalogue)
-        else:
-            place.write_text(page(report), encoding="utf-8")
+    write_report(survey, chosen.survey, chosen.output, options, steps, chosen.language, progress)
     print(json.dumps({"output": str(chosen.output)}) if chosen.json else chosen.output)
     return inputs.status_of(survey)
 

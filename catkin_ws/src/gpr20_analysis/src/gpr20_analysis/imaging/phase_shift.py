@@ -20,7 +20,7 @@ from typing import Iterator, Optional, Tuple, Union
 import numpy as np
 import scipy.fft
 
-from gpr20_analysis import cluster, faults
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
@@ -73,14 +73,7 @@ def phase_shift_image(
         spectra, traces.height_m - height_m, padded, air_rad_m, across_rad_m, focus
     )
     waves = PlaneWaves(spectra, air_rad_m, across_rad_m, height_m)
-    # Interleaved parts: most of the work is in the lower wavenumbers, which are adjacent.
-    parts = cluster.parts()
-    cut = [slice(first, None, parts) for first in range(parts)]
-    image = np.empty((len(focus.depth_m), waves.count), dtype=np.complex64)
-    focused = cluster.distribute(_focused, focus, [waves.some(part) for part in cut])
-    for part, found in zip(cut, focused):
-        image[:, part] = found
-    image = image.reshape(-1, *padded)
+    image = _focused(focus, waves).reshape(-1, *padded)
     if x_m is not None and y_m is not None:
         return interpolated(image, step_m, x_m - traces.x_m[0], y_m - traces.y_m[0])
     image = scipy.fft.ifft2(image, workers=THREADS, overwrite_x=True)
@@ -109,11 +102,6 @@ class PlaneWaves:
     def count(self) -> int:
         """Number of wavenumbers."""
         return len(self._across_rad_m)
-
-    def some(self, part: slice) -> PlaneWaves:
-        """Return the part for some wavenumbers."""
-        spectra = np.ascontiguousarray(self._spectra[:, part])
-        return PlaneWaves(spectra, self._air_rad_m, self._across_rad_m[part], self._height_m)
 
     def parts(self, focus: Focus) -> Iterator[np.ndarray]:
         """Yield groups of indices of wavenumbers to process together."""

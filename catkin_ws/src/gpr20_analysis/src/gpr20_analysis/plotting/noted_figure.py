@@ -28,24 +28,14 @@ class NotedFigure(Figure):
 
     def __init__(self, size_in: Tuple[float, float], title: str, notes: Sequence[str]) -> None:
         super().__init__(figsize=size_in, layout="compressed")
-        self._title, self._notes, self._axes_height_in = title, list(notes), size_in[1]
-        self.add_lines()
-
-    def add_lines(self, above: Sequence[str] = (), below: Sequence[str] = ()) -> None:
-        """Add lines above the title and below the notes, in place of those of an earlier call.
-
-        Args:
-            above: Lines above the title.
-            below: Lines below the notes.
-        """
-        width_in = self.get_figwidth()
-        heading = wrapped([*above, self._title], width_in, TITLE_PT)
-        remarks = wrapped([*self._notes, *below], width_in, NOTE_PT)
+        width_in, axes_height_in = size_in
+        heading = wrapped([title], width_in, TITLE_PT)
+        remarks = wrapped(notes, width_in, NOTE_PT)
         # A dollar sign is no formula.
         self.suptitle("\n".join(heading), fontsize=TITLE_PT, parse_math=False)
         self.supxlabel("\n".join(remarks), fontsize=NOTE_PT, color="firebrick", parse_math=False)
         points = len(heading) * TITLE_PT + len(remarks) * NOTE_PT
-        self.set_figheight(self._axes_height_in + points * LINE_SPACING / POINTS_PER_IN)
+        self.set_figheight(axes_height_in + points * LINE_SPACING / POINTS_PER_IN)
 
 
 def wrapped(texts: Sequence[str], width_in: float, size_pt: float) -> List[str]:

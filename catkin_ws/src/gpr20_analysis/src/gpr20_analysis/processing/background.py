@@ -9,7 +9,6 @@ import xarray as xr
 from scipy.ndimage import uniform_filter
 
 from gpr20_analysis import faults, lazy
-from gpr20_analysis.cluster import slices
 from gpr20_analysis.dataset import (
     FREQUENCY,
     POLARIZATION,
@@ -155,9 +154,12 @@ def _median(measured: xr.DataArray) -> xr.DataArray:
     present = _present(measured).values
     median = np.zeros((measured.shape[0], measured.shape[-1]), dtype=measured.dtype)
     # A median needs all traces of a frequency, so lazy data are read band by band.
+    count = measured.shape[-1]
     bands = 1 if measured.chunks is None else -(-measured[0].nbytes // BAND_BYTES)
+    width = -(-count // bands)
     for turn in np.flatnonzero(present.any((1, 2))):
-        for band in slices(measured.shape[-1], bands):
+        for first in range(0, count, width):
+            band = slice(first, first + width)
             traces = measured[turn, ..., band].values[present[turn]]
             median[turn, band] = np.median(traces.real, axis=0)
             median[turn, band] += 1j * np.median(traces.imag, axis=0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, List, Tuple, Union
+from typing import Any, List, Tuple, Union
 
 import numpy as np
 import xarray as xr
@@ -94,7 +94,7 @@ def load_survey(
 class _TemporaryArray:
     """Data in a temporary file, which is deleted with the last array that reads it.
 
-    A memory map writes each trace to its place in the grid. A cluster reads the same file.
+    A memory map writes each trace to its place in the grid.
     """
 
     dtype = COMPLEX
@@ -126,6 +126,3 @@ class _TemporaryArray:
 
     def __getitem__(self, place: Any) -> np.ndarray:
         return np.array(np.memmap(str(self._path), COMPLEX, "r", shape=self.shape)[place])
-
-    def __getstate__(self) -> Dict[str, Any]:
-        return {**self.__dict__, "_folder": None}  # the file belongs to this process

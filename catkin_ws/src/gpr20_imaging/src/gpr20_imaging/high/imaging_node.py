@@ -13,7 +13,7 @@ from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.sent_message import message_fields
-from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging import Imaging, health_values
 from gpr20_imaging.mid.imaging_parameters import ImagingParameters
@@ -47,7 +47,7 @@ class ImagingNode:
         self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
         self._candidates = CandidateTopics(BASE_LINK)
         self._imaging = Imaging(
-            parameters.data_folder(), AnalysisCommand(), volumes, self._publish_progress
+            parameters.data_folder(), AnalysisProcess(), volumes, self._publish_progress
         )
         rospy.on_shutdown(self._imaging.close)
         self._services = [

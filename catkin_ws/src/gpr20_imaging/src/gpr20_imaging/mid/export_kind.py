@@ -1,9 +1,8 @@
-"""What can be exported of a survey, and how the command gpr20 writes it."""
+"""What can be exported of a survey, and what of the analysis writes it."""
 
 from __future__ import annotations
 
 import enum
-from typing import Tuple
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -31,12 +30,12 @@ class ExportKind(enum.Enum):
         }[self]
 
     @property
-    def command(self) -> Tuple[str, ...]:
-        """Subcommand of gpr20 that writes the file; empty: none is needed."""
+    def analysis(self) -> str:
+        """What the analysis writes: "report" or "candidates"; empty: it is not needed."""
         if self is ExportKind.SURVEY_ZIP:
-            return ()
+            return ""
         is_report = self in (ExportKind.REPORT_HTML, ExportKind.REPORT_PDF)
-        return ("report",) if is_report else ("candidates",)
+        return "report" if is_report else "candidates"
 
     @property
     def message(self) -> Message:

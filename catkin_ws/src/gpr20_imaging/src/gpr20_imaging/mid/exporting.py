@@ -11,9 +11,9 @@ from typing import Callable, List, Optional, Sequence, Tuple
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ExportFailedError, ImagingError
+from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files
-from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
@@ -21,9 +21,6 @@ from gpr20_imaging.mid.survey_zip import write_zip
 from gpr20_survey.results.volume import Volume
 
 FOLDER = "GPR20"
-LIMIT_S = 1800.0
-# Exit statuses of gpr20 with an output.
-WRITTEN = (0, 1)
 MARGIN_BYTES = 1 << 20
 GONE = (errno.ENOENT, errno.EIO, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.EROFS)
 
@@ -58,15 +55,15 @@ class Exporter:
     """Writes files of a survey to a stick.
 
     Args:
-        command: The command gpr20.
+        analysis: The analysis.
         volumes: The sticks.
         report: Called with what is being done.
     """
 
     def __init__(
-        self, command: AnalysisCommand, volumes: UsbVolumes, report: Callable[[Message], None]
+        self, analysis: AnalysisProcess, volumes: UsbVolumes, report: Callable[[Message], None]
     ) -> None:
-        self._command = command
+        self._analysis = analysis
         self._volumes = volumes
         self._report = report
 
@@ -98,24 +95,23 @@ class Exporter:
         self, kind: ExportKind, request: ExportRequest, folder: Path, cancellation: Cancellation
     ) -> Optional[Path]:
         """Return the file that the analysis has written; None if the kind needs none."""
-        if not kind.command:
+        if not kind.analysis:
             return None
         self._report(Message("creating {what}", what=kind.message))
         path = folder / request.name(kind)
-        options = ["-o", str(path), "--json", "--leave-out-missing", "--language", request.language]
-        if request.permittivity is not None:
-            options.append(f"--permittivity={request.permittivity:g}")
-        done = self._command.run(
-            [*kind.command, str(request.folder), *options], LIMIT_S, cancellation
-        )
-        if done.status not in WRITTEN or not path.is_file():
+        source = (request.folder, path, request.permittivity, request.language)
+        try:
+            self._analysis.write(kind.analysis, *source, cancellation)
+        except CancelledError:
+            raise
+        except ImagingError as error:
             raise ImagingError(
                 Message(
                     "{what} could not be created: {reason}",
                     what=kind.message,
-                    reason=done.failure,
+                    reason=error.message,
                 )
-            )
+            ) from error
         return path
 
     def _put(

@@ -6,7 +6,6 @@ import math
 import socket
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from gpr20_common.faults import NOT_ALLOWED
@@ -14,28 +13,22 @@ from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
-from gpr20_imaging.low.analysis_command import AnalysisCommand
+from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import lower_this_thread
-from gpr20_imaging.low.focus_process import FocusProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import Exporter, ExportRequest
-from gpr20_imaging.mid.job_queue import JobQueue
+from gpr20_imaging.mid.job_queue import JobQueue, Result
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
-from gpr20_survey.results.candidate_json import list_from
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.focused_image import FocusedImage, image_from
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.volume import Volume
 
 MOST_ID_CHARACTERS = 64
-FOCUS_LIMIT_S = 300.0
-SEARCH_LIMIT_S = 1800.0
 # Memory is given back if nobody looks at images for so long [s].
 IDLE_S = 60.0
-# Exit statuses of `gpr20 candidates` with a list.
-LISTED = (0, 1)
 Progress = Callable[[str, Message], None]
 """Called with the id of a request and what is done for it."""
 
@@ -53,20 +46,19 @@ class Imaging:
 
     Args:
         data: Folder of the surveys.
-        command: The command gpr20.
+        analysis: The analysis.
         volumes: The sticks.
         progress: Called with what is done for a request.
     """
 
     def __init__(
-        self, data: Path, command: AnalysisCommand, volumes: UsbVolumes, progress: Progress
+        self, data: Path, analysis: AnalysisProcess, volumes: UsbVolumes, progress: Progress
     ) -> None:
         self._data = data
-        self._command = command
+        self._analysis = analysis
         self._volumes = volumes
         self._progress = progress
-        self._focus = FocusProcess(lambda: command.path, FOCUS_LIMIT_S)
-        self._jobs = JobQueue(lower_this_thread, self._focus.close, IDLE_S)
+        self._jobs = JobQueue(lower_this_thread, analysis.close, IDLE_S)
         self.computer = socket.gethostname()
 
     @property
@@ -77,7 +69,7 @@ class Imaging:
     @property
     def missing(self) -> Optional[Message]:
         """What is missing on this computer; None if nothing is."""
-        if self._command.is_installed:
+        if self._analysis.is_installed:
             return None
         return Message(
             "The analysis is not installed on the computer {computer}: no focused image, "
@@ -99,11 +91,8 @@ class Imaging:
         """
         value = _permittivity(permittivity)
         self._require_analysis()
-        folder, description = find_survey(self._data, survey)
-        answer = self._run(request_id, lambda stop: self._focus.ask(folder, value, stop))
-        # The list of another survey is refused.
-        values = {**answer, "survey_id": description["survey_id"]}
-        return image_from(SimpleNamespace(**values))
+        folder, _ = find_survey(self._data, survey)
+        return self._run(request_id, lambda stop: self._analysis.focus(folder, value, stop))
 
     def find_candidates(
         self, request_id: str, survey: str, permittivity: float, language: str
@@ -122,18 +111,12 @@ class Imaging:
         value = _permittivity(permittivity)
         _check_language(language)
         self._require_analysis()
-        folder, description = find_survey(self._data, survey)
-        arguments = ["candidates", str(folder), "--json", "--leave-out-missing"]
-        arguments += ["--language", language]
-        if value is not None:
-            arguments.append(f"--permittivity={value:g}")
-        done = self._run(
-            request_id, lambda stop: self._command.run(arguments, SEARCH_LIMIT_S, stop)
+        folder, _ = find_survey(self._data, survey)
+        found = self._run(
+            request_id,
+            lambda stop: self._analysis.find_candidates(folder, value, language, stop),
         )
-        if done.status not in LISTED:
-            raise ImagingError(done.failure)
-        remarks = done.errors.strip()
-        return SearchAnswer(list_from(done.output, description["survey_id"]), remarks)
+        return SearchAnswer(*found)
 
     def export(
         self,
@@ -162,13 +145,13 @@ class Imaging:
         chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
         if not chosen:
             raise ImagingError(Message("Choose what to export."), fault=faults.NOTHING_CHOSEN)
-        if any(one.command for one in chosen):
+        if any(one.analysis for one in chosen):
             self._require_analysis()
         folder, description = find_survey(self._data, survey)
         simulated = description.get("simulated") is not False
         request = ExportRequest(folder, simulated, chosen, value, language, volume)
         exporter = Exporter(
-            self._command, self._volumes, lambda stage: self._progress(request_id, stage)
+            self._analysis, self._volumes, lambda stage: self._progress(request_id, stage)
         )
         return self._run(request_id, lambda stop: exporter.export(request, stop))
 
@@ -195,7 +178,7 @@ class Imaging:
         """End every request and every child process."""
         self._jobs.close()
 
-    def _run(self, request_id: str, work: Callable[[Cancellation], Any]) -> Any:
+    def _run(self, request_id: str, work: Callable[[Cancellation], Result]) -> Result:
         if len(request_id) > MOST_ID_CHARACTERS:
             raise ImagingError(
                 Message(

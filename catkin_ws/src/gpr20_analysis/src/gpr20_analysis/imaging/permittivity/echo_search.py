@@ -11,7 +11,6 @@ from typing import List, Tuple
 
 import numpy as np
 
-from gpr20_analysis import cluster
 from gpr20_analysis.imaging.a_scans import gated_a_scans
 from gpr20_analysis.imaging.permittivity.wavefront import antenna_offset_m
 from gpr20_analysis.imaging.projection.delay_table import DISTANCE_STEP_M
@@ -28,7 +27,6 @@ PLACE_SPACING_M = 0.028
 OPTICAL_STEP_M = 0.012
 APERTURE_M = 0.22
 APPARENT_DEPTH_M = 0.05
-PLACES_AT_ONCE = 32
 # Resolution cells below the surface; nearer to it its residue hides an echo.
 SHALLOWEST_CELLS = 1.7
 MOST_ECHOES = 4
@@ -111,9 +109,8 @@ def find_apexes(traces: Traces, focus: Focus, deepest_m: float) -> List[Apex]:
         axis.ravel() for axis in np.meshgrid(traces.y_m[y_m], traces.x_m[x_m], indexing="ij")
     )
     places = np.stack([place_x, place_y], axis=1)
-    blocks = np.split(places, range(PLACES_AT_ONCE, len(places), PLACES_AT_ONCE))
     shared = _aligned(traces, focus, optical_m)
-    level = np.concatenate(cluster.distribute(_levels, shared, blocks))
+    level = np.stack([_level(shared, float(x_m), float(y_m)) for x_m, y_m in places])
     return _strongest(level, places, optical_m)
 
 
@@ -135,12 +132,8 @@ def _aligned(traces: Traces, focus: Focus, optical_m: np.ndarray) -> _Aligned:
     )
 
 
-def _levels(shared: _Aligned, places: np.ndarray) -> np.ndarray:
-    """Return the level (place, depth) at some places (x, y)."""
-    return np.stack([_level(shared, float(x_m), float(y_m)) for x_m, y_m in places])
-
-
 def _level(shared: _Aligned, x_m: float, y_m: float) -> np.ndarray:
+    """Return the level of each depth at a place."""
     away_m = np.hypot(shared.x_m - x_m, shared.y_m - y_m)
     near = np.flatnonzero(away_m <= APERTURE_M)
     delay_s = shared.higher_s[near][:, None]

@@ -12,11 +12,11 @@ chance exceeds in 5 % of cases. Where the data leave too much open, the estimate
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_analysis import cluster, faults
+from gpr20_analysis import faults
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.permittivity.echo_cells import Cells, cells_around
 from gpr20_analysis.imaging.permittivity.echo_fit import PERMITTIVITIES, EchoFit, fit_echo
@@ -94,7 +94,7 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
             ),
             fault=faults.NO_PERMITTIVITY,
         )
-    fits = [fit for fit in cluster.distribute(_fitted, None, echoes) if fit is not None]
+    fits = [fit for fit in (fit_echo(*echo) for echo in echoes) if fit is not None]
     fits = [fit for fit in fits if fit.left_over <= MOST_LEFT_OVER]
     if not fits:
         raise WrongDatasetError(
@@ -130,10 +130,6 @@ def _clear_echoes(traces: Traces, focus: Focus) -> List[Tuple[Cells, Apex, float
         if apex.level >= 10.0 ** (ABOVE_NOISE_DB / 20.0) * np.sqrt(noise)
         and apex.level >= 10.0 ** (ABOVE_CLUTTER_DB / 20.0) * apex.clutter
     ]
-
-
-def _fitted(_: None, echo: Tuple[Cells, Apex, float]) -> Optional[EchoFit]:
-    return fit_echo(*echo)
 
 
 def _of_same_body(fits: Sequence[EchoFit]) -> List[np.ndarray]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 
-from gpr20_analysis import cluster
-from gpr20_analysis.cluster import slices
-from gpr20_analysis.imaging.projection.lattice import combs_of, even_step_m, paths_of
-from gpr20_analysis.imaging.projection.projection_scene import Scene
+from gpr20_analysis.imaging.lattice import combs_of, even_step_m, paths_of
+from gpr20_analysis.imaging.projection_scene import Scene
 from gpr20_analysis.progress import Progress
+from gpr20_analysis.threads import on_threads
 
 
 def lattice_image(scene: Scene, progress: Progress) -> Optional[np.ndarray]:
@@ -32,40 +31,35 @@ def lattice_image(scene: Scene, progress: Progress) -> Optional[np.ndarray]:
         steps = paths.distance_m / [1.0, *2 * [scene.table.distance_step_m]]
         parts.append((pair, (steps, paths.offsets, paths.ends)))
     level, more = scene.levels(scene.height_m)
-    shared = (
+    planes: Tuple[Any, ...] = (
         _planes(scene),
         *(one.reshape(counts) for one in (scene.height_m, level, more)),
-        scene.in_air,
-        parts,
     )
     shape = (len(scene.focus.depth_m), len(scene.y_m), len(scene.x_m))
     delays = np.moveaxis(scene.delays, 2, 0)
-    # Distance by height, so that what is needed for one path is adjacent.
-    items = [
-        [
-            (np.ascontiguousarray(delays[one].T), scene.in_soil * float(scene.focus.depth_m[one]))
-            for one in range(shape[0])[part]
-        ]
-        for part in slices(shape[0], cluster.pieces(shape[0]))
-    ]
-    threads = cluster.processors()
-    found = cluster.distribute(_grid_slab, (shared, shape[1:]), items, progress, threads)
-    return np.concatenate(found)
+    image = np.empty(shape, dtype=np.complex64)
+    from gpr20_analysis.imaging.lattice_kernel import project_depth  # compiled: slow to import
 
-
-def _grid_slab(shared: Tuple[Any, ...], depths: List[Tuple[np.ndarray, float]]) -> np.ndarray:
-    """Return the image of some depths (depth, y, x)."""
-    from gpr20_analysis.imaging.projection.lattice_kernel import project_depth
-
-    (samples, height_m, level, more, in_air, parts), size = shared
-    image = np.empty((len(depths), *size), dtype=np.complex64)
-    for one, (table, in_soil_m) in zip(image, depths):
+    def project(row: int) -> None:
+        # Distance by height, so that what is needed for one path is adjacent.
+        table = np.ascontiguousarray(delays[row].T)
+        in_soil_m = scene.in_soil * float(scene.focus.depth_m[row])
         for (down, right), (paths, offsets, ends) in parts:
-            real, imaginary = project_depth(
-                *(samples, height_m, level, more, table, in_air, in_soil_m),
-                *((down.first, right.first), (down.count, right.count), paths, offsets, ends),
+            first, count = (down.first, right.first), (down.count, right.count)
+            own: Tuple[Any, ...] = (
+                table,
+                scene.in_air,
+                in_soil_m,
+                first,
+                count,
+                paths,
+                offsets,
+                ends,
             )
-            one[down.columns, right.columns] = real + np.complex64(1j) * imaginary
+            real, imaginary = project_depth(*planes, *own)
+            image[row][down.columns, right.columns] = real + np.complex64(1j) * imaginary
+
+    on_threads(project, range(shape[0]), progress)
     return image
 
 

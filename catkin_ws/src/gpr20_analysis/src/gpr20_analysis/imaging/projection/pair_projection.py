@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Tuple
+from typing import Any, Tuple
 
 import numpy as np
 
-from gpr20_analysis import cluster
-from gpr20_analysis.cluster import slices
-from gpr20_analysis.imaging.projection.projection_scene import Scene
+from gpr20_analysis.imaging.projection_scene import Scene
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.progress import Progress
+from gpr20_analysis.threads import on_threads
 
 # Pairs of trace and column that are computed at once: less than a second.
 PAIRS = 2_000_000
@@ -40,19 +39,15 @@ def pair_image(scene: Scene, progress: Progress) -> np.ndarray:
         for row, y_m in enumerate(scene.y_m)
         for one in columns
     ]
-    items = [parts[one] for one in slices(len(parts), cluster.pieces(len(parts)))]
-    found = cluster.distribute(_columns, shared, items, progress, cluster.processors())
-    image = np.concatenate(found).reshape(len(scene.y_m), len(scene.x_m), -1)
+    from gpr20_analysis.imaging.pair_kernel import project_columns  # compiled: slow to import
+
+    def project(part: Tuple[Any, ...]) -> np.ndarray:
+        return project_columns(*shared, *part)
+
+    found = np.concatenate(on_threads(project, parts, progress))
+    image = found[:, 0] + np.complex64(1j) * found[:, 1]
+    image = image.reshape(len(scene.y_m), len(scene.x_m), -1)
     return np.ascontiguousarray(np.moveaxis(image, 2, 0))
-
-
-def _columns(shared: Tuple[Any, ...], parts: List[Tuple[Any, ...]]) -> np.ndarray:
-    """Return some columns of the image (column, depth)."""
-    from gpr20_analysis.imaging.projection.pair_kernel import project_columns
-
-    found = np.concatenate([project_columns(*shared, *part) for part in parts])
-    columns: np.ndarray = found[:, 0] + np.complex64(1j) * found[:, 1]
-    return columns
 
 
 def _stored(scene: Scene) -> np.ndarray:

@@ -1,0 +1,179 @@
+"""The work of gpr20 batch: one command on each of many surveys, by the workers of dask."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import copy
+import io
+import logging
+import shutil
+import tempfile
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterator, Optional, Sequence, Tuple
+
+import dask
+from distributed import Client, KilledWorker, LocalCluster, as_completed
+from tqdm import tqdm
+
+from gpr20_analysis import faults
+from gpr20_analysis.atomic_output import BESIDE, put
+from gpr20_analysis.commands.command import REFUSED, load
+from gpr20_analysis.commands.failure import message_of
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.lazy import available_bytes
+from gpr20_analysis.threads import processors
+from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
+from gpr20_common.message import Message
+
+TIME_LIMIT_S = 10.0
+WITHOUT_CTRL_C = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
+"""What a worker of this computer runs first: it is ended in order by the process it belongs to."""
+WORKER_BYTES = 1 << 30
+"""Memory that a survey of usual size needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """One survey.
+
+    Attributes:
+        name: The survey's, in the table.
+        result: Where the result is put.
+        command: Name of the command.
+        call: Arguments of the command, but for the output.
+    """
+
+    name: str
+    result: Path
+    command: str
+    call: argparse.Namespace
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a survey: the command's exit status, and why there is no result."""
+
+    status: int
+    seconds: float
+    error: Optional[Message] = None
+
+
+def standard_workers(jobs: int) -> int:
+    """Return how many workers this computer has the processors and the memory for."""
+    return max(1, min(jobs, processors(), int(available_bytes() // WORKER_BYTES)))
+
+
+@contextlib.contextmanager
+def connected(address: Optional[str], workers: int) -> Iterator[Client]:
+    """Yield the client of the scheduler at an address, or of processes of this computer.
+
+    Raises:
+        AnalysisError: No scheduler answers at the address, or it has no workers.
+    """
+    if not address:
+        # A survey that waits behind another one would share the blame for a worker's death.
+        alone = dask.config.set({"distributed.scheduler.worker-saturation": 1.0})
+        # A command checks its memory itself; dask would kill what a command may need.
+        with alone, LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            memory_limit=0,
+            preload=WITHOUT_CTRL_C,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+        ) as cluster, Client(cluster) as client:
+            yield client
+        return
+    try:
+        client = Client(address, timeout=TIME_LIMIT_S)
+    except (OSError, ValueError) as error:
+        raise AnalysisError(
+            Message(
+                "no dask scheduler answers at {address} within {limit_s:g} s",
+                address=address,
+                limit_s=TIME_LIMIT_S,
+                details=error,
+            ),
+            fault=faults.CLUSTER,
+        ) from error
+    with client:
+        if not client.nthreads():
+            raise AnalysisError(
+                Message(
+                    "the cluster at {address} has no workers; start them with "
+                    "'dask worker {address}'",
+                    address=address,
+                ),
+                fault=faults.CLUSTER,
+            )
+        yield client
+
+
+@contextlib.contextmanager
+def unfinished_folder(into: Path) -> Iterator[Path]:
+    """Yield a folder for what is not finished, beside the results; it is removed at the end."""
+    into.mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix=BESIDE, dir=str(into)))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(str(folder), ignore_errors=True)
+
+
+def outcomes(
+    client: Client, jobs: Sequence[Job], unfinished: Path
+) -> Iterator[Tuple[Job, Outcome]]:
+    """Yield each job when it has ended.
+
+    The job of a worker that dies is done again by another one. What a dead worker has begun to
+    write stays in the folder of what is unfinished.
+    """
+    begun = {client.submit(compute, job, unfinished, pure=False): job for job in jobs}
+    for ended in as_completed(begun):
+        error = ended.exception()
+        yield begun[ended], ended.result() if error is None else _lost(error, begun[ended])
+
+
+def compute(job: Job, unfinished: Path) -> Outcome:
+    """Run a job's command, on a worker.
+
+    Args:
+        job: What to do.
+        unfinished: Folder for what is not finished, on the file system of the results.
+    """
+    started_s = time.monotonic()
+    # Its own is shared by processes: one that is killed could not give it back.
+    tqdm.set_lock(threading.RLock())
+    folder = Path(tempfile.mkdtemp(dir=str(unfinished)))
+    made = folder / job.result.name
+    call = copy.copy(job.call)
+    call.output = [made] if isinstance(call.output, list) else made
+    printed = io.StringIO()
+    status, reason = REFUSED, None
+    try:
+        # One survey is computed by one worker.
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(
+            printed
+        ), dask.config.set(scheduler="threads"):
+            status = load(job.command).run(call, read_catalogue(language_from_code(call.language)))
+        job.result.parent.mkdir(parents=True, exist_ok=True)
+        # The file that marks a job as done comes last.
+        for one in sorted(folder.iterdir(), key=lambda path: path == made):
+            put(one, job.result.with_name(one.name), folder / "replaced")
+    except Exception as error:  # any of them is told, and concerns this survey only
+        reason = message_of(error, f"gpr20 {job.command} {call.survey}")
+    return Outcome(status, time.monotonic() - started_s, reason)
+
+
+def _lost(error: BaseException, job: Job) -> Outcome:
+    reason = message_of(error, f"gpr20 batch {job.call.survey}")
+    if isinstance(error, KilledWorker):
+        reason = Message(
+            "every worker that computed this survey was killed, probably for lack of memory",
+            details=error,
+        ).with_fault(faults.WORKER_KILLED)
+    return Outcome(REFUSED, 0.0, reason)

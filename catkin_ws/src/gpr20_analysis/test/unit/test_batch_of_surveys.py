@@ -1,0 +1,203 @@
+"""gpr20 batch: many surveys at once, whatever becomes of one of them or of a worker."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import psutil
+import pytest
+from distributed import LocalCluster
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis import faults
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.read.load import load_survey
+
+pytestmark = [pytest.mark.real_time, pytest.mark.takes(60)]
+
+TIME_LIMIT_S = 120.0
+GPR20 = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
+IMAGE = "image --permittivity 4 --depth 0 0.1 0.01 --method back-projection"
+DEADLY = '''
+import os, signal
+
+def deadly(survey):
+    """Kill this process if a survey has 9 columns."""
+    if survey.sizes["x"] == 9:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return survey
+'''
+
+
+def write_noise(path, columns):
+    frequency_hz = np.linspace(1e9, 5e9, 81)
+    noise = np.random.default_rng(columns).standard_normal((2, 2, 6, columns, 81))
+    found = Imported(
+        noise[0] + 1j * noise[1], [0.0, 90.0], np.arange(6) * 0.02, np.arange(columns) * 0.02,
+        np.full((2, 6, columns), 0.2), "noise", frequency_hz=frequency_hz,
+    )  # fmt: skip
+    write_dataset(as_dataset(found), path)
+
+
+@pytest.fixture(scope="module")
+def surveys(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("surveys")
+    paths = [folder / f"{columns}.nc" for columns in (6, 7, 8, 9)]
+    for path, columns in zip(paths, (6, 7, 8, 9)):
+        write_noise(path, columns)
+    return [str(path) for path in paths]
+
+
+@pytest.fixture(scope="module")
+def made_survey(tmp_path_factory):
+    """The folder of a survey, as the robot writes it."""
+    return make_survey(tmp_path_factory.mktemp("robot"), len(POINTS), "finished")
+
+
+@pytest.fixture
+def batch(capsys):
+    """Return a function that runs the command and returns exit status and records."""
+
+    def run(*arguments):
+        status = main(["batch", *map(str, arguments), "--json"])
+        return status, json.loads(capsys.readouterr().out)["surveys"]
+
+    return run
+
+
+def begun(arguments):
+    return subprocess.Popen(
+        [sys.executable, "-c", GPR20, "batch", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def workers_of(process):
+    children = psutil.Process(process.pid).children(recursive=True)
+    return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+
+
+def wait_for_jobs(process, into, count):
+    """Wait until workers have begun some jobs."""
+    end_s = time.monotonic() + TIME_LIMIT_S
+    while len(list(into.glob(".gpr20-*/*"))) < count:
+        assert process.poll() is None and time.monotonic() < end_s
+        time.sleep(0.01)
+
+
+def test_the_survey_of_a_killed_worker_is_computed_by_another(surveys, tmp_path):
+    into, alone = tmp_path / "into", tmp_path / "alone"
+    process = begun([*surveys, "--into", into, "--workers", 2, "--command", IMAGE])
+    try:
+        wait_for_jobs(process, into, 2)
+        workers = workers_of(process)
+        assert len(workers) == 2
+        workers[0].kill()
+        # Four surveys, and the killed one's again.
+        wait_for_jobs(process, into, 5)
+        printed, error = process.communicate(timeout=TIME_LIMIT_S)
+    finally:
+        process.kill()
+    assert process.returncode == 0, error
+    assert printed.count("done") == 4, printed
+    names = ["6.nc", "7.nc", "8.nc", "9.nc"]
+    assert sorted(one.name for one in into.iterdir()) == names
+    for survey, name in zip(surveys, names):
+        assert main([*IMAGE.split(), survey, "-o", str(alone / name)]) == 0
+        assert load_survey(into / name).identical(load_survey(alone / name))
+
+
+def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(tmp_path, batch):
+    data, into = tmp_path / "data", tmp_path / "into"
+    data.mkdir()
+    write_noise(data / "whole.nc", 6)
+    (data / "torn.nc").write_bytes(b"not NetCDF")
+    arguments = [data / "torn.nc", data / "whole.nc", "--into", into]
+    arguments += ["--command", "candidates --permittivity 4 --depth 0 0.1 0.01", "--workers", 1]
+    status, (torn, whole) = batch(*arguments)
+    assert status == 1
+    assert (torn["state"], torn["result"]) == ("failed", None)
+    assert torn["error"]["fault_code"] == faults.FILE_DAMAGED.code
+    assert (whole["state"], whole["result"]) == ("done", str(into / "whole.csv"))
+    made = (into / "whole.csv").stat().st_mtime_ns
+    write_noise(data / "torn.nc", 7)
+    status, records = batch(*arguments)
+    assert status == 0
+    assert [one["state"] for one in records] == ["done", "exists"]
+    assert (into / "whole.csv").stat().st_mtime_ns == made
+    assert [one["state"] for one in batch(*arguments, "--overwrite")[1]] == ["done", "done"]
+    assert (into / "whole.csv").stat().st_mtime_ns > made
+
+
+def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(surveys, tmp_path, batch):
+    (tmp_path / "deadly.py").write_text(DEADLY)
+    command = f"process --steps-from {tmp_path}/deadly.py --step deadly"
+    arguments = [*surveys, "--into", tmp_path / "into", "--workers", 1, "--command", command]
+    status, records = batch(*arguments)
+    assert status == 1
+    assert [one["state"] for one in records] == ["done", "done", "done", "failed"]
+    assert records[-1]["error"]["fault_code"] == faults.WORKER_KILLED.code
+
+
+def test_surveys_below_a_folder_are_computed_by_a_scheduler_that_runs(tmp_path, batch, made_survey):
+    data = made_survey.parent
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        address = cluster.scheduler_address
+        arguments = [data, "--into", tmp_path / "into", "--scheduler", address]
+        status, (record,) = batch(*arguments, "--command", "export --format netcdf")
+    assert status == 0
+    assert record["result"] == str(tmp_path / "into" / f"{made_survey.name}.nc")
+    assert load_survey(record["result"]).sizes == load_survey(made_survey).sizes
+
+
+def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surveys, tmp_path):
+    into = tmp_path / "into"
+    process = begun([*surveys, "--into", into, "--workers", 2, "--command", IMAGE])
+    try:
+        wait_for_jobs(process, into, 1)
+        workers = workers_of(process)
+        os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C does
+        _, error = process.communicate(timeout=TIME_LIMIT_S)
+    finally:
+        process.kill()
+    assert process.returncode == 3
+    assert error == "gpr20 batch: interrupted; no partial output is left\n"
+    assert not list(into.glob(".gpr20-*"))
+    assert not psutil.wait_procs(workers, timeout=TIME_LIMIT_S)[1]
+
+
+def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, monkeypatch):
+    monkeypatch.setattr("gpr20_analysis.commands.batch_work.TIME_LIMIT_S", 0.5)
+    arguments = ["batch", *surveys, "--into", str(tmp_path), "--scheduler", "tcp://127.0.0.1:9"]
+    assert main(arguments) == 3
+    assert refusals == [faults.CLUSTER.code]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["a.nc", "--command", "image --figures f"],
+        ["a.nc", "--command", "image -o i.nc"],
+        ["a.nc", "--command", "verify"],
+        ["a.nc", "--command", ""],
+        ["a.nc", "--workers", "0"],
+        ["one/a.nc", "two/a.nc"],
+    ],
+)
+def test_what_cannot_be_done_for_many_surveys_is_refused(tmp_path, refusals, arguments):
+    assert main(["batch", *arguments, "--into", str(tmp_path / "into")]) == 3
+    assert refusals == [faults.OPTION.code]
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,94 @@
+"""The child process that calls the analysis; only it loads the libraries that this needs."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import traceback
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Optional, Tuple
+
+import gpr20_analysis
+from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.focused_image import FocusedImage
+
+STEP = "background:method=surface"
+
+
+class Analysis:
+    """What the node can ask for; keeps the traces of the survey that it has imaged last."""
+
+    def __init__(self) -> None:
+        self._survey: Optional[Any] = None
+
+    def focus(self, folder: Path, permittivity: Optional[float]) -> FocusedImage:
+        """Return the focused image of a survey, running or past."""
+        if self._survey is None or self._survey.folder != folder:
+            self._survey = gpr20_analysis.GrowingSurvey(folder)
+        image: FocusedImage = gpr20_analysis.focus(self._survey.load(), permittivity)
+        return image
+
+    def find_candidates(
+        self, folder: Path, permittivity: Optional[float], language: str
+    ) -> Tuple[CandidateList, str]:
+        """Return the candidates of a survey, and remarks on it in a language."""
+        survey = self._load(folder)
+        remarks = gpr20_analysis.survey_remarks(survey, language)
+        return _candidates(survey, permittivity), "\n".join(remarks)
+
+    def write_candidates(
+        self, folder: Path, output: Path, permittivity: Optional[float], _language: str
+    ) -> None:
+        """Write the candidates of a survey."""
+        gpr20_analysis.write_candidates(_candidates(self._load(folder), permittivity), output)
+
+    def write_report(
+        self, folder: Path, output: Path, permittivity: Optional[float], language: str
+    ) -> None:
+        """Write the report on a survey."""
+        survey = self._load(folder)
+        options = _options(permittivity)
+        gpr20_analysis.write_report(survey, folder, output, options, language=language)
+
+    def _load(self, folder: Path) -> Any:
+        self._survey = None  # its memory is needed now
+        return gpr20_analysis.load_survey(folder)
+
+
+def _options(permittivity: Optional[float]) -> Any:
+    return gpr20_analysis.ImageOptions(permittivity=permittivity, leave_out_missing=True)
+
+
+def _candidates(survey: Any, permittivity: Optional[float]) -> CandidateList:
+    cleaned = gpr20_analysis.process_survey(survey, STEP)
+    image = gpr20_analysis.image_survey(cleaned, _options(permittivity))
+    found: CandidateList = gpr20_analysis.find_candidates(image)
+    return found
+
+
+def serve(connection: Connection, analysis: Any) -> None:
+    """Answer requests, each with the result and the reason why there is none, until the end."""
+    while True:
+        try:
+            name, arguments = connection.recv()
+        except EOFError:
+            return
+        try:
+            answer = (getattr(analysis, name)(*arguments), None)
+        except Exception as error:  # the node tells any of them, and the process stays
+            traceback.print_exc()
+            answer = (None, gpr20_analysis.message_of(error, f"imaging: {name}"))
+        connection.send(answer)
+
+
+def main() -> None:
+    """Answer the requests of the connection whose file is the argument."""
+    # What ends the process cleans up like Ctrl-C.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with Connection(int(sys.argv[1])) as connection:
+        serve(connection, Analysis())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,51 @@
+"""The worker gives what the analysis gives, and its reasons, from its own process."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fault_kit import raises_fault
+
+import gpr20_analysis
+from gpr20_analysis import faults
+from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_imaging.low.analysis_process import AnalysisProcess
+from gpr20_imaging.low.cancellation import Cancellation
+
+pytestmark = pytest.mark.takes(20)
+PERMITTIVITY = 5.0
+
+
+@pytest.fixture
+def process():
+    made = AnalysisProcess()
+    yield made
+    made.close()
+
+
+def test_candidates_and_files_are_those_of_the_analysis(process, tmp_path):
+    survey = sample_survey()
+    found, remarks = process.find_candidates(survey, PERMITTIVITY, "en", Cancellation())
+    cleaned = gpr20_analysis.process_survey(
+        gpr20_analysis.load_survey(survey), "background:method=surface"
+    )
+    image = gpr20_analysis.image_survey(
+        cleaned, gpr20_analysis.ImageOptions(permittivity=PERMITTIVITY)
+    )
+    assert found == gpr20_analysis.find_candidates(image)
+    assert remarks == ""
+    table, report = tmp_path / "list.csv", tmp_path / "report.html"
+    process.write("candidates", survey, table, PERMITTIVITY, "es", Cancellation())
+    process.write("report", survey, report, PERMITTIVITY, "es", Cancellation())
+    assert found.candidates[0].id in table.read_text()
+    assert '<html lang="es">' in report.read_text()
+
+
+def test_a_reason_comes_with_its_fault(process, tmp_path):
+    with raises_fault(faults.NO_INPUT, tmp_path / "nowhere"):
+        process.find_candidates(tmp_path / "nowhere", None, "en", Cancellation())
+    with raises_fault(faults.NO_TRACES):
+        folder = tmp_path / "20260921T141320_0f8fad5b"
+        (folder / "traces").mkdir(parents=True)
+        (folder / "survey.json").write_text("{}")
+        process.focus(folder, np.float64(4.0), Cancellation())
