@@ -27,7 +27,7 @@ The group stores A-scans in single precision; that rounding alone is not repeate
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, List, Tuple
+from typing import List, Tuple
 
 import numpy as np
 import scipy.fft

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fault_kit import raises_fault
-from ground_kit import IMAGING_SCENE, point, scene, survey_of
+from ground_kit import point, scene, survey_of
 from noise_kit import (
     DEPTH_M,
     errors_in_uncertainties,
@@ -15,13 +15,12 @@ from noise_kit import (
 )
 from noise_kit import survey as survey_of_noise
 
-from gpr20_analysis import cluster, faults
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import remove_background
-from gpr20_foreign_formats import kirchhoff
 from gpr20_foreign_formats.kirchhoff import KIRCHHOFF, KIRCHHOFF_2D
 
 METHODS = [KIRCHHOFF, KIRCHHOFF_2D]
@@ -54,25 +53,6 @@ def test_the_positions_of_the_survey_are_kept(method):
 def test_uneven_ground_is_refused():
     with raises_fault(faults.METHOD, "needs --method back-projection"):
         ImageOptions(KIRCHHOFF, 4.0, ground=Ground.UNEVEN)
-
-
-@pytest.mark.parametrize("parts", [2, 64])
-@pytest.mark.parametrize("method", METHODS)
-def test_an_image_in_parts_is_the_same_to_the_last_digit(monkeypatch, method, parts):
-    cleaned = remove_background(survey_of(IMAGING_SCENE)).isel(polarization=[0])
-    options = ImageOptions(method, 4.0, tuple(np.arange(0.03, 0.12, 0.01)))
-    expected = image_survey(cleaned, options)
-    calls = []
-    distribute = cluster.distribute
-
-    def counting(function, shared, things):
-        calls.append(len(things))
-        return distribute(function, shared, things)
-
-    monkeypatch.setattr(cluster, "parts", lambda: parts)
-    monkeypatch.setattr(kirchhoff.cluster, "distribute", counting)
-    np.testing.assert_array_equal(image_survey(cleaned, options).image, expected.image)
-    assert min(calls) > 1
 
 
 @pytest.mark.parametrize("method", METHODS)

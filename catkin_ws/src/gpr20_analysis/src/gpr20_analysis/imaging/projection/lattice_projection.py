@@ -6,8 +6,8 @@ from typing import Any, Optional, Tuple
 
 import numpy as np
 
-from gpr20_analysis.imaging.lattice import combs_of, even_step_m, paths_of
-from gpr20_analysis.imaging.projection_scene import Scene
+from gpr20_analysis.imaging.projection.lattice import combs_of, even_step_m, paths_of
+from gpr20_analysis.imaging.projection.projection_scene import Scene
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.threads import on_threads
 
@@ -38,7 +38,9 @@ def lattice_image(scene: Scene, progress: Progress) -> Optional[np.ndarray]:
     shape = (len(scene.focus.depth_m), len(scene.y_m), len(scene.x_m))
     delays = np.moveaxis(scene.delays, 2, 0)
     image = np.empty(shape, dtype=np.complex64)
-    from gpr20_analysis.imaging.lattice_kernel import project_depth  # compiled: slow to import
+    from gpr20_analysis.imaging.projection.lattice_kernel import (
+        project_depth,  # compiled: slow to import
+    )
 
     def project(row: int) -> None:
         # Distance by height, so that what is needed for one path is adjacent.

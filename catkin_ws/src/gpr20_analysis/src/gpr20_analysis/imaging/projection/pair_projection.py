@@ -6,7 +6,7 @@ from typing import Any, Tuple
 
 import numpy as np
 
-from gpr20_analysis.imaging.projection_scene import Scene
+from gpr20_analysis.imaging.projection.projection_scene import Scene
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.threads import on_threads
@@ -39,7 +39,9 @@ def pair_image(scene: Scene, progress: Progress) -> np.ndarray:
         for row, y_m in enumerate(scene.y_m)
         for one in columns
     ]
-    from gpr20_analysis.imaging.pair_kernel import project_columns  # compiled: slow to import
+    from gpr20_analysis.imaging.projection.pair_kernel import (
+        project_columns,  # compiled: slow to import
+    )
 
     def project(part: Tuple[Any, ...]) -> np.ndarray:
         return project_columns(*shared, *part)
