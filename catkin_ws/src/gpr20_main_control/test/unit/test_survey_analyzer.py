@@ -98,7 +98,6 @@ def test_a_survey_never_goes_on_with_other_frequencies(bench):
     ("changes", "value"),
     [
         ({"start_frequency_hz": 1.0e9, "stop_frequency_hz": 2.0e9}, 2000.0),
-        ({"analyzer": AnalyzerSettings(100.0, 1, "HIGH")}, 100.0),
         ({"analyzer": AnalyzerSettings(1000.0, 1, "LOW")}, "LOW"),
     ],
 )
@@ -119,19 +118,6 @@ def test_a_sweep_with_other_settings_than_the_surveys_is_never_stored(bench, cha
     bench.analyzer.on_sweep = lambda: None
     bench.analyzer.other_settings = None
     bench.resume_to_the_end()
-
-
-def test_a_calibration_that_is_lost_during_the_survey_pauses_it(bench):
-    def lose_it():
-        if bench.analyzer.sweeps == 3:
-            bench.analyzer.calibration_refusal = NOT_CALIBRATED
-
-    bench.analyzer.on_sweep = lose_it
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert NOT_CALIBRATED in str(status.message)
-    bench.wait_for_visited(3)
-    assert len(bench.storage.samples) == 3
 
 
 def with_own_settings(bench):
@@ -224,12 +210,10 @@ def test_the_analyzer_is_released_when_the_survey_has_ended_and_not_while_it_is_
     assert bench.analyzer.releases == 1
 
 
-@pytest.mark.parametrize("end", ["stop", "fail", "refuse"])
+@pytest.mark.parametrize("end", ["stop", "refuse"])
 def test_the_analyzer_is_released_however_the_survey_ends(bench, end):
     if end == "refuse":
         bench.analyzer.calibration_refusal = NOT_CALIBRATED
-    elif end == "fail":
-        bench.storage.lose = 1
     else:
         bench.analyzer.on_sweep = lambda: bench.analyzer.sweeps == 3 and bench.control.stop()
     bench.start()

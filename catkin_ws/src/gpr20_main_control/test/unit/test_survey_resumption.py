@@ -75,7 +75,7 @@ def stored_trace(index):
     )
 
 
-@pytest.mark.parametrize("stored", [[], [0], [0, 1, 2, 3, 4], [0, 2, 5, 23], list(range(23))])
+@pytest.mark.parametrize("stored", [[], [0, 2, 5, 23]])
 def test_a_survey_that_was_cut_off_goes_on_with_exactly_what_is_missing(bench, stored):
     cut_off_survey(bench, stored)
     bench.x.homed = bench.y.homed = bench.z.homed = True
