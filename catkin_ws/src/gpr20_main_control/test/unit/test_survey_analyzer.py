@@ -2,10 +2,11 @@
 
 import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from cut_off_surveys import SURVEY_ID, reopened_survey
 from fake_robot import Bench, reports
 from survey_examples import AXES, PARAMETERS
 
@@ -16,7 +17,6 @@ from gpr20_main_control.mid.survey_plan import plan_survey
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
@@ -165,17 +165,8 @@ def test_what_was_left_to_the_analyzer_stays_the_same_to_the_end_of_the_survey(b
 
 def test_a_survey_from_its_folder_requests_the_settings_that_it_began_with(bench):
     recorded = {"if_bandwidth_hz": 500.0, "averages": 4, "output_power": "LOW"}
-    metadata = {
-        "simulated": True,
-        "parameters": asdict(PARAMETERS),
-        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
-        "instrument": {"sweep": recorded},
-    }
-    survey_id = "5ec1a5d2-0000-4000-8000-000000000000"
-    bench.storage.reopened = ReopenedSurvey(
-        survey_id, "/data/survey", json.dumps(metadata), "", (0, 1), None
-    )
-    bench.control.resume(survey_id)
+    bench.storage.reopened = reopened_survey(instrument={"sweep": recorded})
+    bench.control.resume(SURVEY_ID)
     bench.wait_for(State.FINISHED)
     assert [one.analyzer for one in bench.analyzer.requested] == [AnalyzerSettings(500.0, 4, "LOW")]
 
