@@ -194,3 +194,37 @@ def test_a_survey_of_the_version_before_the_fault_codes_is_resumed(kit, folder, 
     values = json.loads(path.read_text())
     assert (values["outcome"], values["fault_code"], values["reason_message"]) == (None, "", None)
     finish(kit, folder, reopened)
+
+
+def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(kit, folder, monkeypatch):
+    calls = []
+    real_fsync = os.fsync
+    path = sorted((folder / "traces").iterdir())[1]
+    content = path.read_bytes()
+    path.unlink()
+    (folder / "survey.bag").write_bytes(b"no bag at all" * 1000)
+
+    def fail_at(number):
+        def fsync(descriptor):
+            calls.append(descriptor)
+            if len(calls) == number:
+                raise OSError(28, "No space left on device")
+            real_fsync(descriptor)
+
+        return fsync
+
+    failures = 0
+    for number in range(1, 200):
+        calls.clear()
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", fail_at(number))
+            try:
+                reopened = kit.processing.reopen_survey(SURVEY)
+                break
+            except StorageFailedError as error:
+                assert error.message.fault_code == "disk.full"
+                failures += 1
+    assert failures > 10
+    assert path.read_bytes() == content
+    assert reopened.stored_indices == (0, 1, 2, 3)
+    finish(kit, folder, reopened)
