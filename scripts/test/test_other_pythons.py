@@ -20,7 +20,6 @@ LIMIT_S = 900.0
 EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))
 # As few as the examples of hypothesis: what is random is drawn under Debian's Python.
 FEW_DRAWS = {
-    "GPR20_ANNOTATION_DRAWS": "5",
     "GPR20_DAMAGES": "10",
     "GPR20_MARKER_DRAWS": "4",
     "GPR20_NOISE_SURVEYS": "4",

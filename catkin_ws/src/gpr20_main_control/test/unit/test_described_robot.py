@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from fake_robot import Bench, described_robot
 from fault_kit import raises_fault
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from survey_examples import AXES, PARAMETERS
 
@@ -28,6 +28,7 @@ def redescribe(robot, node, simulated=True, time_scale=1.0, **changes):
     robot.note(NodeDescription(node, hardware, {**before.configuration, **changes}))
 
 
+@settings(max_examples=30)
 @given(st.sets(st.sampled_from(sorted(PLAIN_NAMES))))
 def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
     robot = described_robot(simulated=False)
@@ -41,6 +42,7 @@ def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
         assert robot.config().simulated is bool(simulated)
 
 
+@settings(max_examples=30)
 @given(st.sets(st.sampled_from(sorted(PLAIN_NAMES)), min_size=1))
 def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
     known = described_robot().nodes

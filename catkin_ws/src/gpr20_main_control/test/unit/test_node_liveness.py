@@ -4,7 +4,6 @@ import os
 import random
 import threading
 
-import pytest
 from fake_clocks import ManualClock
 from fake_robot import LIMIT_S
 from fault_kit import raises_fault
@@ -21,7 +20,7 @@ from gpr20_main_control.mid.devices.node_liveness import (
     WatchedNode,
 )
 
-SEEDS = int(os.environ.get("GPR20_LIVENESS_SEEDS", "50"))
+SEEDS = int(os.environ.get("GPR20_LIVENESS_SEEDS", "25"))
 
 
 def watched(probe=None, name="x"):
@@ -156,8 +155,12 @@ def test_an_answer_that_is_late_is_no_lost_node_and_silence_is_one():
     assert bench.reported == [("y",)]
 
 
-@pytest.mark.parametrize("seed", range(SEEDS))
-def test_answers_that_come_late_in_any_order_change_nothing(seed):
+def test_answers_that_come_late_in_any_order_change_nothing():
+    for seed in range(SEEDS):
+        poll_with_late_answers(seed)
+
+
+def poll_with_late_answers(seed):
     draw = random.Random(seed)
     bench = Watched()
     nodes = bench.all_alive()

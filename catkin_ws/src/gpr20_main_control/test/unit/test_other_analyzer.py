@@ -1,19 +1,17 @@
 """Another analyzer than the one that a survey began with: used only when it is accepted."""
 
 import json
-from dataclasses import asdict
 
 import pytest
+from cut_off_surveys import reopened_survey
 from fake_robot import LIMIT_S, Bench, reports
 from fault_kit import raises_fault
-from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 FORMER = "Anritsu,MS2026C/2,SIMULATED,1.0"
 OTHER = "Anritsu,MS2026C/2,SIMULATED-2,1.0"
@@ -121,20 +119,9 @@ def test_new_firmware_does_not_make_another_analyzer(bench):
     assert recorded(bench) == [(FORMER, 0)]
 
 
-def cut_off_survey(bench, report="", instrument=FORMER):
-    metadata = {
-        "simulated": True,
-        "parameters": asdict(PARAMETERS),
-        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
-        "instrument": {"identity": instrument},
-    }
-    bench.storage.reopened = ReopenedSurvey(
-        "5ec1a5d2-0000-4000-8000-000000000000",
-        "/data/survey_5ec1a5d2",
-        json.dumps(metadata),
-        report,
-        (0, 1),
-        None,
+def cut_off_survey(bench, report=""):
+    bench.storage.reopened = reopened_survey(
+        report=report, folder="/data/survey_5ec1a5d2", instrument={"identity": FORMER}
     )
 
 

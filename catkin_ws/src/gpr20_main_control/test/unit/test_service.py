@@ -97,7 +97,7 @@ def test_the_zero_of_the_antennas_is_where_they_are(bench):
 
 
 def test_no_jog_leaves_the_axis_or_goes_the_wrong_way():
-    for seed in range(2000):
+    for seed in range(500):
         check_a_jog(random.Random(seed))
 
 
@@ -116,20 +116,17 @@ def check_a_jog(draw):
     assert axis.coordinate_of(axis.distance_steps(target)) == target
 
 
-@pytest.mark.parametrize(
-    ("axis", "action", "distance"),
-    [
+def test_absurd_requests_are_refused():
+    for request in [
         ("w", 1, 1.0),
         ("", 0, 0.0),
         ("x", 3, 1.0),
         ("x", 1, 0.0),
         ("x", 1, math.nan),
         ("x", 1, math.inf),
-    ],
-)
-def test_absurd_requests_are_refused(axis, action, distance):
-    with pytest.raises(RequestRefusedError):
-        axis_move(axis, action, distance)
+    ]:
+        with pytest.raises(RequestRefusedError):
+            print(request, axis_move(*request))
 
 
 def test_there_is_no_service_while_a_survey_has_not_ended(bench):

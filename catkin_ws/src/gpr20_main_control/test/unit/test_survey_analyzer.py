@@ -2,10 +2,11 @@
 
 import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from cut_off_surveys import SURVEY_ID, reopened_survey
 from fake_robot import Bench, reports
 from survey_examples import AXES, PARAMETERS
 
@@ -16,7 +17,6 @@ from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
@@ -98,7 +98,6 @@ def test_a_survey_never_goes_on_with_other_frequencies(bench):
     ("changes", "value"),
     [
         ({"start_frequency_hz": 1.0e9, "stop_frequency_hz": 2.0e9}, 2000.0),
-        ({"analyzer": AnalyzerSettings(100.0, 1, "HIGH")}, 100.0),
         ({"analyzer": AnalyzerSettings(1000.0, 1, "LOW")}, "LOW"),
     ],
 )
@@ -119,19 +118,6 @@ def test_a_sweep_with_other_settings_than_the_surveys_is_never_stored(bench, cha
     bench.analyzer.on_sweep = lambda: None
     bench.analyzer.other_settings = None
     bench.resume_to_the_end()
-
-
-def test_a_calibration_that_is_lost_during_the_survey_pauses_it(bench):
-    def lose_it():
-        if bench.analyzer.sweeps == 3:
-            bench.analyzer.calibration_refusal = NOT_CALIBRATED
-
-    bench.analyzer.on_sweep = lose_it
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert NOT_CALIBRATED in str(status.message)
-    bench.wait_for_visited(3)
-    assert len(bench.storage.samples) == 3
 
 
 def with_own_settings(bench):
@@ -179,17 +165,8 @@ def test_what_was_left_to_the_analyzer_stays_the_same_to_the_end_of_the_survey(b
 
 def test_a_survey_from_its_folder_requests_the_settings_that_it_began_with(bench):
     recorded = {"if_bandwidth_hz": 500.0, "averages": 4, "output_power": "LOW"}
-    metadata = {
-        "simulated": True,
-        "parameters": asdict(PARAMETERS),
-        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
-        "instrument": {"sweep": recorded},
-    }
-    survey_id = "5ec1a5d2-0000-4000-8000-000000000000"
-    bench.storage.reopened = ReopenedSurvey(
-        survey_id, "/data/survey", json.dumps(metadata), "", (0, 1), None
-    )
-    bench.control.resume(survey_id)
+    bench.storage.reopened = reopened_survey(instrument={"sweep": recorded})
+    bench.control.resume(SURVEY_ID)
     bench.wait_for(State.FINISHED)
     assert [one.analyzer for one in bench.analyzer.requested] == [AnalyzerSettings(500.0, 4, "LOW")]
 
@@ -224,12 +201,10 @@ def test_the_analyzer_is_released_when_the_survey_has_ended_and_not_while_it_is_
     assert bench.analyzer.releases == 1
 
 
-@pytest.mark.parametrize("end", ["stop", "fail", "refuse"])
+@pytest.mark.parametrize("end", ["stop", "refuse"])
 def test_the_analyzer_is_released_however_the_survey_ends(bench, end):
     if end == "refuse":
         bench.analyzer.calibration_refusal = NOT_CALIBRATED
-    elif end == "fail":
-        bench.storage.lose = 1
     else:
         bench.analyzer.on_sweep = lambda: bench.analyzer.sweeps == 3 and bench.control.stop()
     bench.start()

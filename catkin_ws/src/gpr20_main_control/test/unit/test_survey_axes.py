@@ -157,7 +157,7 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
     assert bench.x.moves == []
 
 
-@pytest.mark.parametrize("offset", [0.01, -0.01, 0.04])
+@pytest.mark.parametrize("offset", [0.01, -0.04])
 def test_an_axis_that_rests_a_step_beside_its_target_is_never_measured(bench, offset):
     bench.x.offset = offset
     bench.start()

@@ -89,7 +89,7 @@ def test_the_trace_has_the_remarks_of_the_sweep_and_of_its_confirmation(bench, c
     assert [one.quality for one in bench.storage.samples[1:4]] == [(), ("the level is low",), ()]
 
 
-@pytest.mark.parametrize("number", [1, 8, 24])
+@pytest.mark.parametrize("number", [1, 24])
 def test_a_sweep_that_is_not_confirmed_is_taken_again_at_its_own_place(
     bench, confirmations, number
 ):

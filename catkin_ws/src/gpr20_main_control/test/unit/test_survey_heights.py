@@ -21,21 +21,6 @@ def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench, m
         assert height_m == pytest.approx(0.1 + x_mm / 1000.0 + y_mm / 100.0)
 
 
-def test_a_height_is_asked_for_at_every_point(bench, monkeypatch):
-    places = []
-
-    def height_m():
-        places.append((bench.x.coordinate, bench.y.coordinate, bench.z.coordinate))
-        return 0.2
-
-    monkeypatch.setattr(bench.height, "height_m", height_m)
-    bench.start()
-    bench.wait_for(State.FINISHED)
-    measured = [(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in bench.storage.samples]
-    # One more comes from the check before the survey.
-    assert places[1:] == measured
-
-
 def test_the_reason_of_a_missing_height_is_a_remark_whatever_characters_it_has(monkeypatch):
     def fail():
         raise DeviceError(Message("no answer:\nthe node died"))

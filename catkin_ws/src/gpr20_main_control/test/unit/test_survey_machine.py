@@ -314,5 +314,5 @@ class SurveyMachine(RuleBasedStateMachine):
         assert status.visited_points <= len(self.storage.samples[status.survey_id])
 
 
-SurveyMachine.TestCase.settings = settings(max_examples=100, stateful_step_count=40)
+SurveyMachine.TestCase.settings = settings(max_examples=60, stateful_step_count=40)
 TestSurveyMachine = SurveyMachine.TestCase

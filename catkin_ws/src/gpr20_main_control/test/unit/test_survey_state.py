@@ -1,5 +1,7 @@
 """The table of states."""
 
+import itertools
+
 import pytest
 
 from gpr20_common.message import Message
@@ -13,34 +15,23 @@ from gpr20_survey.plan.survey_state import (
 )
 
 
-def test_every_state_has_a_row_in_the_table():
-    assert set(TRANSITIONS) == set(SurveyState)
-
-
-@pytest.mark.parametrize("before", SurveyState)
-@pytest.mark.parametrize("after", SurveyState)
-def test_a_transition_that_is_not_in_the_table_is_refused(before, after):
-    if after in TRANSITIONS[before]:
-        check_transition(before, after)
-    else:
-        with pytest.raises(TransitionError, match=f"{before.name} .*{after.name}"):
+def test_a_transition_that_is_not_in_the_table_is_refused():
+    for before, after in itertools.product(SurveyState, repeat=2):
+        if after in TRANSITIONS[before]:
             check_transition(before, after)
+        else:
+            with pytest.raises(TransitionError, match=f"{before.name} .*{after.name}"):
+                print(before, after, check_transition(before, after))
 
 
-@pytest.mark.parametrize("state", sorted(RUNNING))
-def test_every_running_survey_can_fail(state):
-    assert SurveyState.FAILED in TRANSITIONS[state]
-
-
-@pytest.mark.parametrize("state", sorted(RUNNING - {SurveyState.STOPPING}))
-def test_every_running_survey_can_be_stopped(state):
-    assert SurveyState.STOPPING in TRANSITIONS[state]
-
-
-@pytest.mark.parametrize("state", sorted({*SurveyState} - RUNNING - {SurveyState.IDLE}))
-def test_after_every_end_new_parameters_and_a_new_start_are_possible(state):
-    assert SurveyState.CHECKING in TRANSITIONS[state]
-    assert SurveyState.CONFIGURED in TRANSITIONS[state]
+def test_a_running_survey_can_fail_and_be_stopped_and_after_every_end_another_can_begin():
+    for state in SurveyState:
+        if state in RUNNING:
+            assert SurveyState.FAILED in TRANSITIONS[state], state
+        if state in RUNNING - {SurveyState.STOPPING}:
+            assert SurveyState.STOPPING in TRANSITIONS[state], state
+        if state not in RUNNING and state is not SurveyState.IDLE:
+            assert {SurveyState.CHECKING, SurveyState.CONFIGURED} <= set(TRANSITIONS[state]), state
 
 
 def test_an_illegal_transition_changes_nothing_and_tells_nobody():

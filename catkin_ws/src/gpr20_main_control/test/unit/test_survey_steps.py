@@ -1,10 +1,9 @@
 """The list of steps of a survey; they are not executed."""
 
-import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 
-import numpy as np
 import pytest
+from cut_off_surveys import reopened_survey, stored_trace
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control.mid.survey.survey_plan import plan_resumption, plan_survey
@@ -24,50 +23,14 @@ from gpr20_main_control.mid.survey.survey_steps import (
 )
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import Trace
 
 CONFIG = RobotConfig(AXES, simulated=True)
 PLAN = plan_survey(PARAMETERS, CONFIG, SurveySettings())
 TOTAL = 24
 
 
-def trace_of(index):
-    return Trace(
-        frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
-        s21_real=np.ones(5),
-        s21_imag=np.ones(5),
-        sweep_started_us=1_800_000_000_000_000,
-        sweep_ended_us=1_800_000_000_000_000,
-        quality=(),
-        analyzer=AnalyzerSettings(),
-        survey_id="5ec1a5d2-0000-4000-8000-000000000000",
-        sample_id="1",
-        index=index,
-        timestamp_us=1_800_000_000_000_000,
-        x_coord_mm=0.0,
-        y_coord_mm=0.0,
-        z_coord_deg=0.0,
-        antennae_height_m=0.2,
-    )
-
-
 def resumed_plan(stored):
-    metadata = {
-        "simulated": True,
-        "parameters": asdict(PARAMETERS),
-        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
-    }
-    reopened = ReopenedSurvey(
-        "5ec1a5d2-0000-4000-8000-000000000000",
-        "/data/survey",
-        json.dumps(metadata),
-        "",
-        tuple(stored),
-        trace_of(max(stored)) if stored else None,
-    )
-    return plan_resumption(reopened, CONFIG, SurveySettings())
+    return plan_resumption(reopened_survey(stored), CONFIG, SurveySettings())
 
 
 def run(plan, progress=None, confirms=lambda point: True):
@@ -78,7 +41,7 @@ def run(plan, progress=None, confirms=lambda point: True):
         if isinstance(step, Sweep):
             progress.note_swept()
         elif isinstance(step, Confirm) and confirms(step.point):
-            progress.note_confirmed(trace_of(step.point.index))
+            progress.note_confirmed(stored_trace(step.point.index))
         elif isinstance(step, Confirm):
             progress.note_rejected()
 
@@ -147,7 +110,7 @@ def test_every_third_polarization_is_visited_too():
     assert rotations[:6] == [0.0, 45.0, 90.0, 90.0, 45.0, 0.0]
 
 
-@pytest.mark.parametrize("stored", [[], [0], [0, 2, 5, 23], list(range(TOTAL))])
+@pytest.mark.parametrize("stored", [[], [0, 2, 5, 23], list(range(TOTAL))])
 def test_a_survey_from_the_disk_repeats_its_last_point_first_and_then_measures_what_is_missing(
     stored,
 ):
@@ -179,7 +142,7 @@ def test_an_interrupted_survey_continues_where_it_was_and_measures_nothing_twice
 def test_the_last_point_is_repeated_only_if_an_axis_had_to_be_homed(homed):
     progress = SurveyProgress(PLAN)
     progress.note_swept()
-    progress.note_confirmed(trace_of(0))
+    progress.note_confirmed(stored_trace(0))
     steps = []
     for step in run(PLAN, progress):
         steps.append(step)

@@ -30,14 +30,6 @@ def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
     assert bench.storage.ends[-1].status == final
 
 
-def test_a_paused_survey_can_be_stopped(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
-
-
 def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch):
     monkeypatch.setattr(threading, "excepthook", lambda arguments: None)
 
@@ -51,17 +43,6 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.storage.closed[-1][1] == "failed"
     assert bench.storage.ends[-1].status == final
-
-
-def test_a_survey_can_follow_one_that_was_stopped(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
-    bench.y.fail_move = ""
-    bench.start()
-    bench.wait_for(State.FINISHED)
 
 
 def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
@@ -199,3 +180,14 @@ def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(be
         value for one in status.message.nested() for value in one.values.values()
     ]
     hang.set()
+
+
+def test_a_survey_can_follow_one_that_was_stopped(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.stop()
+    bench.wait_for(State.STOPPED)
+    bench.y.fail_move = ""
+    bench.start()
+    bench.wait_for(State.FINISHED)

@@ -21,9 +21,7 @@ def shown(bench):
         ("analyzer", "sweep", 3, "the VNA: sweep at point 3"),
         ("analyzer", "confirm", 3, "the VNA: settings after the sweep at point 3"),
         ("analyzer", "connect", 0, "the VNA: connection"),
-        ("analyzer", "configure", 0, "the VNA: setup of the sweep"),
         ("height", "height_m", 4, "the height sensor: height at point 3"),
-        ("height", "height_m", 0, "the height sensor: height"),
     ],
 )
 def test_a_call_that_takes_long_is_shown_until_it_ends(bench, part, call, index, text):

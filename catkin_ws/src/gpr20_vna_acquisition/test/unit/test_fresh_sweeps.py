@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from driver_bench import SWEEP, Bench
 from fault_kit import raises_fault
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -24,6 +24,7 @@ def is_new(bench: Bench, triggered_after: int) -> bool:
     return len(numbers) == 1 and numbers.pop() > triggered_after
 
 
+@settings(max_examples=40)
 @given(
     sweep_s=SECONDS,
     stale_bit_s=SECONDS,
@@ -39,6 +40,7 @@ def test_every_sweep_is_new_at_every_point(sweep_s, stale_bit_s, exchange_s, sec
         assert is_new(bench, bench.vna.sweep_number)
 
 
+@settings(max_examples=40)
 @given(st.lists(st.tuples(SECONDS, SECONDS), min_size=2, max_size=6))
 def test_no_point_is_old_when_the_instrument_changes_its_timing_without_notice(timings):
     bench = Bench(attempts=3)

@@ -39,10 +39,9 @@ def test_an_instrument_in_use_is_not_disturbed(bench):
     assert bench.vna.sent == []
 
 
-@pytest.mark.parametrize("address", ["x\ny", "", "vna.local", "1.2.3"])
-def test_an_address_that_nothing_can_have_does_not_end_the_checks(bench, address):
+def test_an_address_that_nothing_can_have_does_not_end_the_checks(bench):
     with pytest.raises(InvalidValueError):
-        bench.driver.connect_to_vna(address)
+        bench.driver.connect_to_vna("x\ny")
     assert not bench.driver.vna_ip
     check_after(bench, CHECK_S)
     assert bench.driver.connect_to_vna(ADDRESS)

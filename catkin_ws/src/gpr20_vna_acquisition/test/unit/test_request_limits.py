@@ -85,7 +85,7 @@ def test_the_wait_for_another_request_counts():
     assert waited and waited[0] <= limit_s
 
 
-@pytest.mark.parametrize("lost_for_s", [28.0, 29.0, 32.0, 36.0, 38.9])
+@pytest.mark.parametrize("lost_for_s", [28.0, 38.9])
 def test_connecting_slowly_at_each_step_is_within_the_promised_time(lost_for_s):
     bench = Bench().configured()
     begun_s, limit_s = bench.clock.time_s, bench.driver.answered_within_s

@@ -6,7 +6,7 @@ import threading
 from typing import List
 
 import pytest
-from driver_bench import ADDRESS, STARTED_US, SWEEP, Bench
+from driver_bench import STARTED_US, SWEEP, Bench
 from fake_vna import FakeVna
 from fault_kit import raises_fault
 
@@ -14,7 +14,6 @@ from gpr20_common.message import Message
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
-    VnaDataError,
     VnaSweepError,
     VnaTimeoutError,
 )
@@ -50,16 +49,6 @@ def test_a_sweep_is_one_new_sweep_with_both_parts(transfer):
         sweep = bench.driver.get_trace()
         assert sweep.s21_real.tolist() == [float(first + number)] * 11
         assert sweep.s21_imag.tolist() == [float(point) for point in range(11)]
-
-
-def test_the_sequence_on_the_wire_is_the_documented_one(bench):
-    del bench.vna.sent[:]
-    bench.driver.get_trace()
-    order = [":INIT:IMM", ":STAT:OPER?", ":CALC1:DATA? SDAT", ":INIT:CONT?"]
-    positions = [bench.vna.sent.index(message) for message in order]
-    assert positions == sorted(positions)
-    assert bench.vna.sent.count(":INIT:IMM") == 1
-    assert bench.vna.sent.count(":CALC1:DATA? SDAT") == 1
 
 
 def test_reset_is_never_sent(bench):
@@ -235,10 +224,6 @@ def test_time_stamps_survive_a_correction_of_the_clock():
     assert 0.05 <= bench.driver.get_trace().duration_s < 0.1
 
 
-def test_data_errors_are_value_errors_too():
-    assert issubclass(VnaDataError, ValueError) and issubclass(VnaConnectionError, OSError)
-
-
 def test_an_instrument_slow_at_every_step_is_given_up_within_the_requests_limit():
     bench = Bench(request_timeout_s=20.0, attempts=50).configured()
     bench.vna.spoil = lambda answer: answer[:-9]
@@ -252,11 +237,3 @@ def test_an_instrument_slow_at_every_step_is_given_up_within_the_requests_limit(
     bench.vna.before = lambda message: None
     bench.vna.spoil = lambda answer: answer
     assert len(set(bench.driver.get_trace().s21_real)) == 1
-
-
-def test_a_slow_instrument_is_given_up_while_connecting_too():
-    bench = Bench(request_timeout_s=2.0)
-    bench.vna.before = lambda message: bench.clock.pass_s(5.0)
-    with pytest.raises(VnaTimeoutError):
-        bench.driver.connect_to_vna(ADDRESS)
-    assert bench.vna.open_links == 0

@@ -21,8 +21,12 @@ def packed(packer, procedure, authentication, pack, parameters):
     return packer.get_buf()
 
 
-@pytest.mark.parametrize("seed", range(DRAWS))
-def test_a_call_has_the_bytes_of_the_library(seed):
+def test_a_call_has_the_bytes_of_the_library():
+    for seed in range(DRAWS):
+        check_calls(seed)
+
+
+def check_calls(seed):
     chance = random.Random(seed)
     link, flags = chance.randint(-(2**31), 2**31 - 1), chance.randint(0, 255)
     limits = [chance.randint(0, 2**32 - 1) for _ in range(3)]
@@ -47,11 +51,11 @@ def test_a_reply_of_a_success_is_unpacked_as_by_the_library():
         assert unpacker.get_position() == vxi11_packing.SUCCESS_HEAD_BYTES
 
 
-@pytest.mark.parametrize("size", range(vxi11_packing.SUCCESS_HEAD_BYTES))
-def test_a_reply_that_is_cut_off_is_refused_as_by_the_library(size):
-    reply = (struct.pack(">I", 7) + SUCCESS)[:size]
-    with pytest.raises(EOFError):
-        Unpacker(reply).unpack_replyheader()
+def test_a_reply_that_is_cut_off_is_refused_as_by_the_library():
+    reply = struct.pack(">I", 7) + SUCCESS
+    for size in range(vxi11_packing.SUCCESS_HEAD_BYTES):
+        with pytest.raises(EOFError):
+            print(size, Unpacker(reply[:size]).unpack_replyheader())
 
 
 def test_a_reply_of_a_failure_is_refused_as_by_the_library():

@@ -43,22 +43,13 @@ def server():
     one.close()
 
 
-def test_asks_and_answers(server):
-    link = connect(HOST, QUICK, server.port)
-    assert link.ask_raw("*IDN?") == b"<*IDN?>"
-    assert link.ask_raw("*IDN?") == b"<*IDN?>"
-    link.close()
-
-
 def test_binary_answers_come_byte_for_byte(server):
     payload = bytes(range(256)) + b"\r\n\n"
     server.answer = lambda question: read_reply(payload)
-    assert connect(HOST, QUICK, server.port).ask_raw("DATA?") == payload
-
-
-def test_text_with_bytes_beyond_ascii_is_read(server):
-    server.answer = lambda question: read_reply(b'"5 \xb5s"\n')
-    assert connect(HOST, QUICK, server.port).ask_raw("X?") == b'"5 \xb5s"\n'
+    link = connect(HOST, QUICK, server.port)
+    for _time in range(2):
+        assert link.ask_raw("DATA?") == payload
+    assert GETPORT not in server.calls
 
 
 def test_an_answer_in_many_pieces_is_put_together(server):
@@ -70,11 +61,6 @@ def test_an_answer_in_many_pieces_is_put_together(server):
 def test_the_portmapper_is_asked_without_an_explicit_port(server):
     link = connect(HOST, QUICK, portmapper_port=server.port)
     assert server.calls[0] == GETPORT and link.ask_raw("X?") == b"<X?>"
-
-
-def test_an_explicit_port_needs_no_portmapper(server):
-    connect(HOST, QUICK, server.port)
-    assert GETPORT not in server.calls
 
 
 def test_a_portmapper_without_the_instrument_is_a_clear_error(server):
@@ -260,7 +246,7 @@ def test_a_failed_link_leaves_no_open_socket(server):
     assert client.fileno() == -1
 
 
-@settings(max_examples=60, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, suppress_health_check=list(HealthCheck))
 @given(
     st.sampled_from([GETPORT, CREATE_LINK, WRITE, READ]),
     st.one_of(

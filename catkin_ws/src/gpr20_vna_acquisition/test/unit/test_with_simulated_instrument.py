@@ -116,10 +116,16 @@ def test_an_instrument_switched_back_to_continuous_gives_no_sweep_that_ran_befor
     other_hand.close()
 
 
-@pytest.mark.parametrize("comma", [True, False])
-@pytest.mark.parametrize("newline", [True, False])
-@pytest.mark.parametrize("digits", [0, 9])
-@pytest.mark.parametrize("transfer", list(TransferFormat))
+@pytest.mark.parametrize(
+    "comma, newline, digits, transfer",
+    [
+        (True, True, 0, TransferFormat.ASCII),
+        (True, False, 9, TransferFormat.ASCII),
+        (False, True, 9, TransferFormat.ASCII),
+        (False, True, 0, TransferFormat.REAL32),
+        (False, False, 9, TransferFormat.REAL32),
+    ],
+)
 def test_reads_the_block_however_the_instrument_dresses_it(comma, newline, digits, transfer):
     robot = Robot()
     robot.stop()
@@ -136,7 +142,7 @@ def test_reads_the_block_however_the_instrument_dresses_it(comma, newline, digit
         vna.stop()
 
 
-@pytest.mark.parametrize("accuracy", list(CalibrationStatus)[: CalibrationStatus.NOT_REPORTED])
+@pytest.mark.parametrize("accuracy", [CalibrationStatus.NONE, CalibrationStatus.LOW])
 def test_calibration_status_is_the_instruments(accuracy):
     vna = instrument(Robot(), InstrumentScene(calibration_accuracy=int(accuracy)))
     vna.start()

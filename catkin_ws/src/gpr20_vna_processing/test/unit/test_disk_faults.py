@@ -152,26 +152,6 @@ def test_a_disk_that_became_read_only_is_told_and_the_survey_goes_on_when_it_is_
     assert_stored(folder, 4)
 
 
-def test_a_disk_that_turns_read_only_in_a_survey_stores_nothing_and_says_so(tmp_path, monkeypatch):
-    kit = kit_on(tmp_path)
-    folder = kit.open()
-    kit.processing.store(make_trace(0))
-
-    def refuse(*_arguments):
-        raise OSError(30, "Read-only file system")
-
-    with monkeypatch.context() as patch:
-        for name in ("open", "pwrite", "fsync", "link"):
-            patch.setattr(os, name, refuse)
-        with raises_fault("disk.refuses", error=StorageFailedError):
-            kit.processing.store(make_trace(1))
-        assert kit.processing.state().failing
-    kit.processing.store(make_trace(1))
-    kit.processing.close_survey(SURVEY, "finished")
-    kit.processing.shut_down()
-    assert_stored(folder, 2)
-
-
 def test_a_slow_disk_makes_the_callers_wait_and_loses_nothing(tmp_path, monkeypatch):
     kit = kit_on(tmp_path)
     folder = kit.open()

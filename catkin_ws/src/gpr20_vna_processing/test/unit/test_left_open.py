@@ -4,8 +4,8 @@ import os
 
 import pytest
 from fault_kit import raises_fault
-from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import SURVEY, make_trace, read_json
+from storage_kit import Kit
+from trace_examples import SURVEY, make_trace
 
 from gpr20_common.message import verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
@@ -28,30 +28,6 @@ def kits(tmp_path):
     yield make
     for kit in made:
         kit.processing.shut_down()
-
-
-def test_a_survey_that_was_left_open_makes_room_and_can_go_on_later(kits):
-    kit = kits()
-    folder = kit.open(metadata_json=METADATA)
-    kit.processing.store(make_trace(0))
-    assert kit.processing.interrupt_other(OTHER_SURVEY) == folder.name
-    ended = read_json(folder / "survey.json")
-    assert (ended["outcome"], ended["stored_traces"]) == ("interrupted", 1)
-    kit.open(OTHER_SURVEY)
-    kit.processing.close_survey(OTHER_SURVEY, "stopped")
-    assert kit.processing.reopen_survey(folder.name).stored_indices == (0,)
-
-
-@pytest.mark.parametrize("by_folder", [False, True])
-def test_a_survey_does_not_interrupt_itself(kits, by_folder):
-    kit = kits()
-    folder = kit.open()
-    assert kit.processing.interrupt_other(folder.name if by_folder else SURVEY) == ""
-    assert kit.processing.state().survey_id == SURVEY
-
-
-def test_there_may_be_nothing_to_interrupt(kits):
-    assert kits().processing.interrupt_other(SURVEY) == ""
 
 
 def finished(kit):

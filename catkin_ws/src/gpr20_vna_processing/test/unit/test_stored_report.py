@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
 from fault_kit import raises_fault
 from reopening_kit import (
     data,
@@ -32,22 +31,19 @@ def test_a_report_is_kept_and_survives_everything(kit, folder):
 REFUSED = "storage.request_refused"
 
 
-@pytest.mark.parametrize(
-    ("survey_id", "text", "expected"),
-    [
-        (SURVEY, "[]", (REFUSED, "report_json", "list")),
-        (SURVEY, "{", (REFUSED, "report_json")),
-        (SURVEY, '{"a": NaN}', (REFUSED, "NaN")),
-        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', (REFUSED, 8388608)),
-        (OTHER_SURVEY, "{}", ("survey.other_open", SURVEY)),
-        ("..", "{}", (REFUSED, "..")),
-    ],
-)
-def test_a_wrong_report_is_refused_and_the_former_kept(kit, folder, survey_id, text, expected):
+def test_a_wrong_report_is_refused_and_the_former_kept(kit, folder):
     kit.processing.reopen_survey(SURVEY)
     kit.processing.report(SURVEY, '{"verdict": "old"}')
-    with raises_fault(*expected, error=SurveyRefusedError):
-        kit.processing.report(survey_id, text)
+    for survey_id, text, *expected in [
+        (SURVEY, "[]", REFUSED, "report_json", "list"),
+        (SURVEY, "{", REFUSED, "report_json"),
+        (SURVEY, '{"a": NaN}', REFUSED, "NaN"),
+        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', REFUSED, 8388608),
+        (OTHER_SURVEY, "{}", "survey.other_open", SURVEY),
+        ("..", "{}", REFUSED, ".."),
+    ]:
+        with raises_fault(*expected, error=SurveyRefusedError):
+            print(kit.processing.report(survey_id, text))
     assert read_json(folder / "survey.json")["report"] == {"verdict": "old"}
 
 

@@ -3,7 +3,6 @@
 import os
 
 import numpy as np
-import pytest
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
@@ -26,8 +25,12 @@ def parameters(generator):
     }
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_every_stored_trace_counts_where_it_was_measured(seed):
+def test_every_stored_trace_counts_where_it_was_measured():
+    for seed in range(12):
+        check_thumbnail(seed)
+
+
+def check_thumbnail(seed):
     generator = np.random.default_rng(seed)
     values = parameters(generator)
     points = survey_points(SurveyParameters(**values), TRAVEL)
@@ -54,18 +57,18 @@ def test_every_stored_trace_counts_where_it_was_measured(seed):
     assert np.all(np.abs(percent - 100.0 * kept / planned) < 1.0 + (kept > 0))
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"x_points": 10**9}, {"y_points": "3"}, {"polarizations_deg": 2}, {"x_points": True}]
-)
-def test_impossible_counts_make_no_map(wrong):
-    found = thumbnail_of({**parameters(np.random.default_rng(0)), **wrong}, [0])
-    assert (found.columns, found.percent) == (0, b"")
+def test_impossible_counts_make_no_map():
+    for wrong in (
+        *({"x_points": 10**9}, {"y_points": "3"}, {"polarizations_deg": 2}, {"x_points": True}),
+    ):
+        found = thumbnail_of({**parameters(np.random.default_rng(0)), **wrong}, [0])
+        assert (found.columns, found.percent) == (0, b""), wrong
 
 
-@pytest.mark.parametrize("wrong", [None, [], {}, {"x_start_mm": float("nan")}])
-def test_unreadable_parameters_make_no_thumbnail(wrong):
+def test_unreadable_parameters_make_no_thumbnail():
     whole = parameters(np.random.default_rng(0))
-    assert thumbnail_of({**whole, **wrong} if wrong else wrong, [0]) == NO_THUMBNAIL
+    for wrong in (None, [], {}, {**whole, "x_start_mm": float("nan")}):
+        assert thumbnail_of(wrong, [0]) == NO_THUMBNAIL, wrong
 
 
 def test_a_summary_is_made_again_only_after_a_change(tmp_path):

@@ -79,7 +79,7 @@ def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(
 ):
     stored = (snapshots / "3" / f"survey.{kind}").read_bytes()
     ended = (snapshots / "end" / f"survey.{kind}").read_bytes()
-    for cut in range(len(stored), len(ended) + 1):
+    for cut in [*range(len(stored), len(ended), 11), len(ended)]:
         (tmp_path / "cut").write_bytes(stored[:100] + ended[100:cut])
         assert read(kind, tmp_path / "cut") == (PRINTS, [])
 
@@ -87,19 +87,18 @@ def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 def test_a_recording_cut_anywhere_at_all_is_read_without_a_wrong_trace(kind, snapshots, tmp_path):
     content = (snapshots / "3" / f"survey.{kind}").read_bytes()
-    for cut in range(0, len(content), 7):
+    for cut in range(0, len(content), 23):
         (tmp_path / "cut").write_bytes(content[:cut])
         prints, _ = read(kind, tmp_path / "cut")
         assert prints.items() <= PRINTS.items()
 
 
-@pytest.mark.parametrize("bit", [0x01, 0x80])
 @pytest.mark.parametrize("when", ["3", "end"])
-def test_an_mcap_changed_in_any_byte_holds_no_wrong_trace(snapshots, tmp_path, when, bit):
+def test_an_mcap_changed_in_any_byte_holds_no_wrong_trace(snapshots, tmp_path, when):
     content = (snapshots / when / "survey.mcap").read_bytes()
-    for place in range(0, len(content), 3):
+    for place in range(0, len(content), 11):
         changed = bytearray(content)
-        changed[place] ^= bit
+        changed[place] ^= 1 << (place % 8)
         (tmp_path / "changed").write_bytes(changed)
         prints, _ = read("mcap", tmp_path / "changed")
         assert prints.items() <= PRINTS.items()
@@ -119,14 +118,13 @@ def test_two_damaged_traces_are_passed_over_and_the_next_is_read(kind, snapshots
     assert not {1, 2} <= prints.keys()
 
 
-@pytest.mark.parametrize("bit", [0x01, 0x80])
 @pytest.mark.parametrize("when", ["3", "end"])
-def test_a_bag_changed_in_any_byte_is_read_without_failing(snapshots, tmp_path, when, bit):
+def test_a_bag_changed_in_any_byte_is_read_without_failing(snapshots, tmp_path, when):
     content = (snapshots / when / "survey.bag").read_bytes()
     start = content.index(b"op=\x05")
-    for place in range(start, len(content), 5):
+    for place in range(start, len(content), 11):
         changed = bytearray(content)
-        changed[place] ^= bit
+        changed[place] ^= 1 << (place % 8)
         (tmp_path / "changed").write_bytes(changed)
         prints, faults = read("bag", tmp_path / "changed")
         # A bag has no checksums: a trace may be another, which its JSON and the MCAP tell.

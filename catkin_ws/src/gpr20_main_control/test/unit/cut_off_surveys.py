@@ -1,0 +1,51 @@
+"""What the storage answers for a survey of these tests that was cut off."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+import numpy as np
+from survey_examples import AXES, PARAMETERS
+
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import Trace
+
+SURVEY_ID = "5ec1a5d2-0000-4000-8000-000000000000"
+SWEPT_US = 1_800_000_000_000_000
+
+
+def stored_trace(index):
+    """Return a trace whose every number is 1 + 1j, as the first sweep of the fake analyzer."""
+    return Trace(
+        frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
+        s21_real=np.ones(5),
+        s21_imag=np.ones(5),
+        sweep_started_us=SWEPT_US,
+        sweep_ended_us=SWEPT_US,
+        quality=(),
+        analyzer=AnalyzerSettings(),
+        survey_id=SURVEY_ID,
+        sample_id="1",
+        index=index,
+        timestamp_us=SWEPT_US,
+        x_coord_mm=0.0,
+        y_coord_mm=0.0,
+        z_coord_deg=0.0,
+        antennae_height_m=0.2,
+    )
+
+
+def reopened_survey(stored=(0, 1), report="", folder="/data/survey", **changes):
+    """Return a survey of which these traces are stored, with some of its metadata changed."""
+    metadata = {
+        "simulated": True,
+        "parameters": asdict(PARAMETERS),
+        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
+        **changes,
+    }
+    last = stored_trace(max(stored)) if stored else None
+    return ReopenedSurvey(
+        SURVEY_ID, folder, json.dumps(metadata), report, tuple(sorted(stored)), last
+    )
