@@ -21,7 +21,7 @@ source "$GPR20_ROOT/scripts/steps/setup_steps.sh"
 source "$GPR20_ROOT/scripts/steps/setup_debian.sh"
 
 PYTHON="${GPR20_SYSTEM_PYTHON:-/usr/bin/python3}"
-# What they take on the disk [MB], rounded up: docs/bare_debian.md.
+# What they take on the disk [MB], rounded up: docs/evidence/bare_debian.md.
 PACKAGES_MB=1600
 PYTHON_MB=1000
 

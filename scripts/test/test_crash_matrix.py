@@ -1,4 +1,4 @@
-"""The short form of the crash matrix; docs/reliability.md has the figures of the long one."""
+"""The short form of the crash matrix; docs/evidence/reliability.md has figures of the long one."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from fault_table import fault_table
 from messages_page import page as messages_page
 from pictures.architecture import pictures
 from pictures.graph import nodes_of
-from site_markdown import heading_anchor, indent_lists
+from site_markdown import changelog_markdown, heading_anchor, indent_lists
 from wings_kit import NEEDS_ALL
 
 # The pages name and link every package.
@@ -120,6 +120,11 @@ def test_a_dead_link_fails_the_build(tmp_path, link):
 )
 def test_lists_are_those_of_github(github, mkdocs):
     assert indent_lists(github) == mkdocs
+
+
+def test_the_changelog_of_ros_is_a_page_with_a_heading_for_each_version():
+    ros = "^^^^\nAll\n^^^^\n\n0.1.0 (2026-11-22)\n------------------\n\n**New**\n\n- ``a``\n"
+    assert changelog_markdown(ros) == "# All\n\n## 0.1.0 (2026-11-22)\n\n**New**\n\n- `a`\n"
 
 
 def test_the_pictures_of_the_architecture_are_up_to_date():

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-CHANGE = "change it by `.venv/bin/uvx bump-my-version bump minor` and nowhere by hand"
+CHANGE = "change it by scripts/release.sh and nowhere by hand"
 (VERSION,) = re.findall(
     r'^current_version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE
 )
@@ -32,3 +32,11 @@ def test_every_package_has_a_version():
     packages = [file for file in WRITTEN if file.endswith("package.xml")]
     assert len(packages) > 10
     assert all(WRITTEN[file] for file in packages)
+
+
+def test_the_changelog_that_release_tools_of_ros_read_has_the_version():
+    changelog = pytest.importorskip("catkin_pkg.changelog")
+    released = changelog.get_changelog_from_path(str(ROOT / "catkin_ws/src/gpr20"))
+    version, _date, entries = next(iter(released.foreach_version(reverse=True)))
+    assert version == VERSION, "the heading is that of the last release: `VERSION (DATE)`"
+    assert entries

@@ -9,12 +9,14 @@ from typing import Dict
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = "docs/"
 INTERFACES = "catkin_ws/src/gpr20_msgs/README.md"
-PROJECT_FILES = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
+CHANGELOG = "catkin_ws/src/gpr20/CHANGELOG.rst"
+PROJECT_FILES = ("CONTRIBUTING.md", "SECURITY.md")
 
 
 def outside_pages() -> Dict[str, str]:
     """Return the pages that are not in docs/: path in the repository, and on the site."""
     pages = {name: f"project/{name.lower()}" for name in PROJECT_FILES}
+    pages[CHANGELOG] = "project/changelog.md"
     for readme in sorted((ROOT / "catkin_ws/src").glob("gpr20_*/README.md")):
         pages[readme.relative_to(ROOT).as_posix()] = f"packages/{readme.parent.name}.md"
     return pages

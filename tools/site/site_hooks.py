@@ -13,8 +13,22 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from ros_interfaces import interfaces_markdown
-from site_files import DOCS, INTERFACES, ROOT, outside_pages, repository_path, site_path
-from site_markdown import heading_anchor, indent_lists, relative_link, rewrite_links
+from site_files import (
+    CHANGELOG,
+    DOCS,
+    INTERFACES,
+    ROOT,
+    outside_pages,
+    repository_path,
+    site_path,
+)
+from site_markdown import (
+    changelog_markdown,
+    heading_anchor,
+    indent_lists,
+    relative_link,
+    rewrite_links,
+)
 
 # By the first word of their Mermaid text, which needs a network.
 DIAGRAMS = {
@@ -79,6 +93,8 @@ def _without_mermaid(markdown: str) -> str:
 
 def _outside_page(source: str) -> str:
     text = (ROOT / source).read_text(encoding="utf-8")
+    if source == CHANGELOG:
+        return changelog_markdown(text)
     if source == INTERFACES:
         text += "\n" + interfaces_markdown((ROOT / source).parent)
     return text

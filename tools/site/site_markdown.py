@@ -20,6 +20,18 @@ def heading_anchor(text: str, separator: str = "-") -> str:
     return re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", separator)
 
 
+def changelog_markdown(text: str) -> str:
+    """Return a changelog as Markdown.
+
+    Args:
+        text: reStructuredText as REP 132 of ROS wants it: a title, a section for each version, and
+            lists, with code in double backquotes and words in bold.
+    """
+    text = re.sub(r"^\^+\n(.+)\n\^+$", r"# \1", text, flags=re.MULTILINE)
+    text = re.sub(r"^(.+)\n-{4,}$", r"## \1", text, flags=re.MULTILINE)
+    return text.replace("``", "`")
+
+
 def fenced(text: str) -> Iterator[Tuple[str, bool]]:
     """Yield each line of a text, and whether it is part of a code block."""
     inside = False

@@ -86,8 +86,8 @@ OFFICIAL_KEYS = OFFICIAL_ROS_KEYS | {
     "xvfb",
 }
 # Read by catkin, pip or a person in the sources.
-BUILD_FILES = {"CMakeLists.txt", "README.md", "hatch_build.py", "package.xml", "pyproject.toml"}
-BUILD_FILES |= {"setup.py"}
+BUILD_FILES = {"CHANGELOG.rst", "CMakeLists.txt", "README.md", "hatch_build.py", "package.xml"}
+BUILD_FILES |= {"pyproject.toml", "setup.py"}
 BUILD_FOLDERS = {"action", "env-hooks", "msg", "nodes", "src", "srv", "test"}
 
 

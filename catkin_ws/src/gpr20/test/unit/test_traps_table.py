@@ -9,7 +9,7 @@ from case_kit import each_case
 from wings_kit import NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[5]
-LIST = (ROOT / "docs" / "traps.md").read_text(encoding="utf-8")
+LIST = (ROOT / "docs/evidence/traps.md").read_text(encoding="utf-8")
 FAULTS = {f"{number}" for number in range(1, 45)} | {"6b", "6c", "6d", "15b", "15c", "25b"}
 
 

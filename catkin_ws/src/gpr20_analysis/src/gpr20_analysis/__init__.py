@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 from typing import Any, Dict, List, Tuple
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
     "candidates.files": ("write_candidates",),

@@ -1,3 +1,3 @@
 """What every GPR-20 package needs and none should write twice."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -1,3 +1,3 @@
 """`gpr20 view`: a model without Qt, and `views/`, which alone import Qt."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
