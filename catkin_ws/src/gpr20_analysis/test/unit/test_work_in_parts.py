@@ -47,15 +47,15 @@ def cleaned():
     return survey.assign(height=survey.height + tilt_m)
 
 
-@pytest.mark.parametrize("parts", [2, 5, 64])
 @pytest.mark.parametrize("method", Method)
-def test_an_image_in_parts_is_the_same_to_the_last_digit(cleaned, cut, method, parts):
+def test_an_image_in_parts_is_the_same_to_the_last_digit(cleaned, cut, method):
     options = replace(OPTIONS, method=method, ground=Ground.LEVEL)
     expected = image_survey(cleaned, options)
     assert np.abs(expected.image.values).max() > 0.0
-    calls = cut(parts)
-    np.testing.assert_array_equal(image_survey(cleaned, options).image, expected.image)
-    assert min(calls) > 1
+    for parts in (2, 64):
+        calls = cut(parts)
+        np.testing.assert_array_equal(image_survey(cleaned, options).image, expected.image)
+        assert min(calls) > 1
 
 
 @pytest.mark.parametrize("separation_m", [0.0, 0.1])
