@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
-
 import numpy as np
 import pytest
-import xarray as xr
 from fault_kit import raises_fault
 from survey_kit import POINTS, make_survey, planned_trace
 
@@ -101,30 +98,12 @@ def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path):
             assert load_survey(path).identical(survey), path
 
 
-def test_netcdf_is_read_by_plain_xarray(folder, tmp_path):
-    survey = load_survey(folder)
-    write_dataset(survey, tmp_path / "survey.nc")
-    with xr.open_dataset(tmp_path / "survey.nc", engine="h5netcdf") as plain:
-        np.testing.assert_array_equal(plain.s21_real.values, survey.s21.values.real)
-        np.testing.assert_array_equal(plain.s21_imag.values, survey.s21.values.imag)
-
-
 def test_what_is_no_survey_is_refused_by_name(tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.txt").write_text("no survey")
     for name in ("nothing", "empty", "text.txt"):
         with raises_fault(faults.NO_INPUT, name):
             load_survey(tmp_path / name)
-
-
-def test_the_order_of_the_files_does_not_matter(tmp_path):
-    folder = make_survey(tmp_path, ALL, "finished")
-    expected = load_survey(folder)
-    shuffled = tmp_path / "shuffled"
-    shuffled.mkdir()
-    for path in sorted((folder / "traces").iterdir(), reverse=True):
-        shutil.copy(path, shuffled)
-    assert load_survey(shuffled).equals(expected)
 
 
 def test_the_list_of_missing_samples_follows_the_flags(folder):

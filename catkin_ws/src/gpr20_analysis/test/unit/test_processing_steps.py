@@ -136,16 +136,6 @@ def test_time_zero_puts_the_surface_at_delay_zero():
     assert float(set_time_zero(one).advance[0, 0, 0]) == pytest.approx(2.0 * 0.173 / speed_of_light)
 
 
-def test_time_zero_changes_no_image_and_is_not_done_twice():
-    cleaned = remove_background(survey(TARGET, rotations_deg=(0.0,)))
-    moved = set_time_zero(cleaned)
-    options = ImageOptions(permittivity=4.0)
-    images = [image_survey(one, options).image.values for one in (cleaned, moved)]
-    np.testing.assert_allclose(images[0], images[1], atol=1e-5 * np.abs(images[0]).max())
-    with raises_fault(faults.STEPS):
-        set_time_zero(moved)
-
-
 def test_band_selection_keeps_both_ends_and_refuses_an_empty_band():
     band = select_band(survey(TARGET), 1.14e9, 1.248e9)
     np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
