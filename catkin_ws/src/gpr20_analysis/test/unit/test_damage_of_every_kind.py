@@ -97,7 +97,8 @@ def test_missing_samples_are_told_by_every_command_and_for_every_kind(cut_short,
         assert_told("process", tmp_path / kind)
     shutil.copytree(str(cut_short / "traces"), str(tmp_path / "traces"))
     trace_file(tmp_path, 3).unlink()  # nothing says that two more would have come
-    assert_told("process", tmp_path / "traces")
+    for command in ("info", "process", "export"):
+        assert_told(command, tmp_path / "traces")
 
 
 @pytest.mark.parametrize("kind", ["survey.bag", "survey.mcap", "s.nc", "s.zarr"])

@@ -115,7 +115,7 @@ def test_a_damaged_file_is_refused_by_name_and_marked_once_accepted(folder, whol
     assert survey.attrs["faults"] and len(survey.attrs["missing"]) == spoilt.sum()
 
 
-def test_files_alone_with_one_trace_twice_are_refused(folder):
+def test_one_trace_twice_is_refused_in_files_alone_and_in_their_survey(folder):
     copy = json.loads(trace_file(folder, VICTIM).read_text())
     copy["s21_real"][0] += 1e-9
     # Another place, so that the name differs.
@@ -124,8 +124,9 @@ def test_files_alone_with_one_trace_twice_are_refused(folder):
     turned = f"{copy['z_coord_deg']:+07.2f}"
     path = folder / "traces" / f"{name.rsplit('_Z', 1)[0]}_Z{turned}.json"
     path.write_text(json.dumps(copy) + "\n")
-    with raises_fault(faults.SURVEY_DAMAGED):
-        load_survey(folder / "traces")
+    for part in (folder / "traces", folder):
+        with raises_fault(faults.SURVEY_DAMAGED):
+            load_survey(part)
 
 
 def test_two_samples_of_one_place_are_refused(folder):
@@ -149,26 +150,27 @@ def test_half_of_the_traces_with_other_frequencies_are_refused_whatever_is_accep
         load_survey(folder, accept_damaged=True)
 
 
-def test_a_truncated_or_changed_mcap_never_gives_samples_that_were_not_stored(whole, tmp_path):
-    # test_truncated_bags.py and test_verify.py cut and change bags.
+def test_a_truncated_or_changed_recording_never_gives_samples_that_were_not_stored(whole, tmp_path):
     good = load_survey(whole)
-    path = tmp_path / "survey.mcap"
-    content = (whole / "survey.mcap").read_bytes()
+    bag, mcap = ((whole / name).read_bytes() for name in ("survey.bag", "survey.mcap"))
 
     def changed(place):
-        other = bytearray(content)
-        other[int(len(content) * place)] ^= 0x55
-        return bytes(other)
+        content = bytearray(mcap)
+        content[int(len(content) * place)] ^= 0x55
+        return bytes(content)
 
-    cut_off = [content[: int(len(content) * share)] for share in (0.3, 0.6, 0.9)]
-    for harmed in (*cut_off, *map(changed, np.linspace(0.2, 0.8, 7))):
-        path.write_bytes(harmed)
+    shares = (0.3, 0.6, 0.9)
+    cases = [("survey.bag", bag[: int(len(bag) * share)], True) for share in shares]
+    cases += [("survey.mcap", mcap[: int(len(mcap) * share)], True) for share in shares]
+    cases += [("survey.mcap", changed(place), False) for place in np.linspace(0.2, 0.8, 7)]
+    for name, content, cut_off in cases:
+        (tmp_path / name).write_bytes(content)
         try:
-            survey = load_survey(path, accept_damaged=True)
+            survey = load_survey(tmp_path / name, accept_damaged=True)
         except AnalysisError:
             continue
         present = survey["index"].values >= 0
-        assert harmed not in cut_off or present.sum() + len(survey.attrs["missing"]) == ALL
+        assert not cut_off or present.sum() + len(survey.attrs["missing"]) == ALL
         np.testing.assert_array_equal(survey.s21.values[present], good.s21.values[present])
 
 

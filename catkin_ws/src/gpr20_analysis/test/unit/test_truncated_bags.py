@@ -16,7 +16,7 @@ from gpr20_survey.recording import bag_format
 from gpr20_survey.recording.bag_reader import StoredBag
 
 ALL = len(POINTS)
-DRAWS = int(os.environ.get("GPR20_DAMAGES", "20"))
+DRAWS = int(os.environ.get("GPR20_DAMAGES", "40"))
 
 
 @pytest.fixture(scope="module")

@@ -122,7 +122,7 @@ def test_damage_is_found_without_the_manifest_too(copy):
 def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(copy, name):
     content = (copy / name).read_bytes()
     chance = random.Random(name)
-    for _ in range(25):
+    for _ in range(60):
         changed = bytearray(content)
         place = chance.randrange(len(content))
         for offset in range(chance.choice([1, 4, 64])):
