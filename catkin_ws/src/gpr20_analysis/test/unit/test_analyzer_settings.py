@@ -23,10 +23,10 @@ def folder(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("settings"), 18, "finished")
 
 
-@pytest.mark.parametrize("source", ["", "survey.bag", "survey.mcap"])
-def test_the_settings_are_attributes_of_the_dataset(folder, source):
-    attributes = load_survey(folder / source).attrs
-    assert {name: attributes[name] for name in EXPECTED} == EXPECTED
+def test_the_settings_are_attributes_of_the_dataset(folder):
+    for source in ("", "survey.bag", "survey.mcap"):
+        attributes = load_survey(folder / source).attrs
+        assert {name: attributes[name] for name in EXPECTED} == EXPECTED, source
 
 
 def test_info_shows_them(folder, capsys):
@@ -39,23 +39,21 @@ def test_info_shows_them(folder, capsys):
     )
 
 
-@pytest.mark.parametrize(
-    ("analyzers", "shown"),
-    [
+def test_the_summary_names_each_analyzer_of_the_survey(folder):
+    survey = load_survey(folder)
+    for analyzers, shown in (
         ([{"identity": "A", "from_index": 0}, {"identity": "B", "from_index": 7}], ["B"]),
         ([{"identity": "A", "from_index": 0}], []),
         ([None, 3], []),
         ("x", []),
         (None, []),
-    ],
-)
-def test_the_summary_names_each_analyzer_of_the_survey(folder, analyzers, shown):
-    survey = load_survey(folder)
-    described = {"instrument": {"identity": "A"}, "report": {"analyzers": analyzers}}
-    survey.attrs["survey_json"] = json.dumps(described)
-    rows = {str(title): str(text) for title, text in summary_of(survey)}
-    assert rows["VNA"] == "A"
-    assert [text for title, text in rows.items() if title == "VNA from trace 7"] == shown
+    ):
+        described = {"instrument": {"identity": "A"}, "report": {"analyzers": analyzers}}
+        survey.attrs["survey_json"] = json.dumps(described)
+        rows = {str(title): str(text) for title, text in summary_of(survey)}
+        assert rows["VNA"] == "A", analyzers
+        later = [text for title, text in rows.items() if title == "VNA from trace 7"]
+        assert later == shown, analyzers
 
 
 def test_exports_hold_them(folder, tmp_path):

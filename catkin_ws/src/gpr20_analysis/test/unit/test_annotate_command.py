@@ -78,23 +78,23 @@ def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg
     assert repr(stored(folder).position) == repr(Wgs84Position(latitude_deg, longitude_deg))
 
 
-@pytest.mark.parametrize(
-    ("options", "reason"),
-    [
-        (["--position", "91,0"], "91 deg"),
-        (["--position", "4.6"], "it must be latitude and longitude in degrees"),
-        (["--position", "4.6,nan"], "longitude is 'nan'; it must be a decimal number"),
-        (["--position", "٤,5"], "it must be a decimal number"),
-        (["--operator", "a" * 201], "operator has 201 characters; at most 200"),
-        (["--site", "a\x07"], r"site holds U+0007 at character 2"),
-        ([*POSITION, "--no-position"], "not allowed with"),
-    ],
+WRONG_VALUES = (
+    (["--position", "91,0"], "91 deg"),
+    (["--position", "4.6"], "it must be latitude and longitude in degrees"),
+    (["--position", "4.6,nan"], "longitude is 'nan'; it must be a decimal number"),
+    (["--position", "٤,5"], "it must be a decimal number"),
+    (["--operator", "a" * 201], "operator has 201 characters; at most 200"),
+    (["--site", "a\x07"], r"site holds U+0007 at character 2"),
+    ([*POSITION, "--no-position"], "not allowed with"),
 )
-def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys, options, reason):
+
+
+def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys):
     before = (folder / "survey.json").read_bytes()
-    assert annotate(folder, *options) == 3
-    assert reason in capsys.readouterr().err
-    assert (folder / "survey.json").read_bytes() == before
+    for options, reason in WRONG_VALUES:
+        assert annotate(folder, *options) == 3, options
+        assert reason in capsys.readouterr().err
+        assert (folder / "survey.json").read_bytes() == before, options
 
 
 def test_a_survey_that_has_not_ended_is_refused(tmp_path, refusals):
@@ -112,10 +112,10 @@ def test_a_damaged_survey_json_is_refused(folder, capsys):
     assert gpr20_verify([str(folder)]) == 2
 
 
-@pytest.mark.parametrize("name", ["nowhere", ""])
-def test_what_is_no_survey_is_refused(tmp_path, capsys, name):
-    assert annotate(tmp_path / name, *OPTIONS) == 3
-    assert capsys.readouterr().err.startswith("gpr20 annotate: ")
+def test_what_is_no_survey_is_refused(tmp_path, capsys):
+    for name in ("nowhere", ""):
+        assert annotate(tmp_path / name, *OPTIONS) == 3
+        assert capsys.readouterr().err.startswith("gpr20 annotate: ")
 
 
 def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):

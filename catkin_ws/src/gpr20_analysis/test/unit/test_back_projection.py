@@ -28,7 +28,6 @@ from gpr20_survey.radar.refraction import one_way_delay_s
 
 SWEEP = FrequencyGrid(600e6, 54e6, 101)
 DEPTH_M = np.array([0.0, 0.03, 0.08, 0.15])
-SEEDS = range(4)
 
 
 def traces_of_noise(seed):
@@ -82,17 +81,13 @@ def correlation(one, other):
     return abs(np.vdot(one, other)) / np.sqrt(np.vdot(one, one).real * np.vdot(other, other).real)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", range(4))
 def test_the_image_is_the_sum_of_all_traces_at_their_exact_delays(seed):
     traces, focus = traces_of_noise(seed), focus_of(seed)
     image = back_projection_image(traces, focus)
     assert correlation(image, plain_sum(traces, focus, traces.x_m, traces.y_m)) > 0.998
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_equal_distances_together_are_the_same_as_pair_by_pair(seed):
-    traces, focus = traces_of_noise(seed), focus_of(seed)
-    # The same positions, finer ones, and some that begin beside the traces.
+    # Equal distances together are the same as pair by pair:
+    # at the same positions, at finer ones, and at some that begin beside the traces.
     for finer, begin in ((1, 0.0), (2, 0.0), (3, -0.37)):
         x_m, y_m = (
             place_m[0] + (begin + np.arange(finer * len(place_m)) / finer) * step_m

@@ -12,6 +12,8 @@ import numpy as np
 import pyogrio
 import pytest
 from fault_kit import raises_fault
+from hypothesis import given
+from hypothesis import strategies as st
 from test_candidates import image_of
 
 from gpr20_analysis import faults
@@ -104,12 +106,13 @@ def test_without_a_place_gpkg_is_in_metres_and_geojson_is_refused(tmp_path):
     assert not (tmp_path / "list.geojson").exists()
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_places_on_the_earth_are_as_far_and_in_the_direction_they_should_be(seed):
-    random = np.random.default_rng(seed)
-    latitude, longitude = random.uniform(-80.0, 80.0), random.uniform(-180.0, 180.0)
-    heading = random.uniform(0.0, 360.0)
-    x_m, y_m = random.uniform(-5.0, 5.0, 2)
+@given(
+    st.floats(-80.0, 80.0), st.floats(-180.0, 180.0), st.floats(0.0, 360.0), st.floats(-5.0, 5.0),
+    st.floats(-5.0, 5.0),
+)  # fmt: skip
+def test_places_on_the_earth_are_as_far_and_in_the_direction_they_should_be(
+    latitude, longitude, heading, x_m, y_m
+):
     there = AreaPosition(latitude, longitude, heading).on_earth(x_m, y_m)
     offset = cartesian(*there) - cartesian(longitude, latitude)
     lam, phi = np.radians([longitude, latitude])

@@ -54,36 +54,33 @@ def image_of(peaks, seed=0, rotations=(0.0, 90.0), clutter=0.0, **attributes):
     )
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_peaks_of_both_polarizations_are_one_candidate_where_they_are(seed):
-    random = np.random.default_rng(seed)
-    place = [float(one) for one in random.uniform(0.08, 0.2, 3)]
-    shifted = [one + 0.004 for one in place]
-    levels = random.uniform(15.0, 30.0, 2)
-    image = image_of([(0, *place, levels[0]), (1, *shifted, levels[1])], seed)
-    (one,) = find_candidates(image).candidates
-    assert one.id == "C01" and one.flags == () and set(one.rotations_deg) == {0.0, 90.0}
-    found = np.array([one.x_m, one.y_m, one.depth_m])
-    assert np.abs(found - place).max() < 0.008
-    assert one.above_noise_db == pytest.approx(20.0 * np.log10(levels.max()), abs=2.5)
-    assert one.polarization_ratio_db == pytest.approx(
-        20.0 * np.log10(levels[0] / levels[1]), abs=2.5
-    )
-    assert one.confidence > 1.0 - 1e-6
+def test_peaks_of_both_polarizations_are_one_candidate_where_they_are():
+    for seed in range(10):
+        random = np.random.default_rng(seed)
+        place = [float(one) for one in random.uniform(0.08, 0.2, 3)]
+        shifted = [one + 0.004 for one in place]
+        levels = random.uniform(15.0, 30.0, 2)
+        image = image_of([(0, *place, levels[0]), (1, *shifted, levels[1])], seed)
+        (one,) = find_candidates(image).candidates
+        assert one.id == "C01" and one.flags == () and set(one.rotations_deg) == {0.0, 90.0}
+        found = np.array([one.x_m, one.y_m, one.depth_m])
+        assert np.abs(found - place).max() < 0.008
+        assert one.above_noise_db == pytest.approx(20.0 * np.log10(levels.max()), abs=2.5)
+        assert one.polarization_ratio_db == pytest.approx(
+            20.0 * np.log10(levels[0] / levels[1]), abs=2.5
+        )
+        assert one.confidence > 1.0 - 1e-6
 
 
-@pytest.mark.parametrize(
-    ("peak", "flags"),
-    [
-        ((0, 0.15, 0.15, 0.15, 20.0), {Flag.ONE_POLARIZATION}),
-        ((0, 0.01, 0.15, 0.15, 20.0), {Flag.ONE_POLARIZATION, Flag.EDGE}),
-        ((0, 0.15, 0.15, 0.30, 20.0), {Flag.ONE_POLARIZATION, Flag.EDGE}),
-        ((0, 0.15, 0.15, 0.02, 20.0), {Flag.ONE_POLARIZATION, Flag.SURFACE_RESIDUE}),
-    ],
-)
-def test_what_to_know_about_a_candidate_is_flagged(peak, flags):
-    (one,) = find_candidates(image_of([peak])).candidates
-    assert set(one.flags) == flags
+def test_what_to_know_about_a_candidate_is_flagged():
+    for place_m, flags in (
+        ((0.15, 0.15, 0.15), set()),
+        ((0.01, 0.15, 0.15), {Flag.EDGE}),
+        ((0.15, 0.15, 0.30), {Flag.EDGE}),
+        ((0.15, 0.15, 0.02), {Flag.SURFACE_RESIDUE}),
+    ):
+        (one,) = find_candidates(image_of([(0, *place_m, 20.0)])).candidates
+        assert set(one.flags) == {Flag.ONE_POLARIZATION, *flags}, place_m
 
 
 def test_a_faint_candidate_beside_a_bright_one_is_kept_but_comes_last():
@@ -163,21 +160,17 @@ def test_lines_say_that_it_is_no_clearance_in_each_language():
     assert str(NO_CLEARANCE) in empty and "No candidate was found." in empty
 
 
-@pytest.mark.parametrize(
-    ("probability", "text"),
-    [(1.0, "100 %"), (0.5, "50 %"), (0.097, "10 %"), (0.003, "0.3 %"), (1e-9, "< 0.0001 %")],
-)
-def test_a_probability_is_readable(probability, text):
+def test_a_probability_is_readable():
     (one,) = find_candidates(image_of([(0, 0.15, 0.15, 0.15, 20.0)])).candidates
-    assert replace(one, false_alarm_probability=probability).false_alarm_text == text
+    shown = {1.0: "100 %", 0.5: "50 %", 0.097: "10 %", 0.003: "0.3 %", 1e-9: "< 0.0001 %"}
+    for probability, text in shown.items():
+        assert replace(one, false_alarm_probability=probability).false_alarm_text == text
 
 
-@pytest.mark.parametrize(
-    "options", [{"false_alarm_rate": float("nan")}, {"false_alarm_rate": 0.9}, {"most": 0}]
-)
-def test_wrong_options_are_refused(options):
-    with pytest.raises(WrongDatasetError):
-        CandidateOptions(**options)
+def test_wrong_options_are_refused():
+    for wrong in ({"false_alarm_rate": float("nan")}, {"false_alarm_rate": 0.9}, {"most": 0}):
+        with pytest.raises(WrongDatasetError):
+            CandidateOptions(**wrong)
 
 
 def test_the_levels_of_the_image_are_computed_once_however_many_peaks_it_has(monkeypatch):

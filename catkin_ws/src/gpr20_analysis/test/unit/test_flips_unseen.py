@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import random
-import shutil
+from contextlib import contextmanager
 
 import pytest
 from survey_kit import POINTS, SURVEY, make_survey, planned_trace
@@ -39,61 +39,62 @@ def surveys(tmp_path_factory):
     }
 
 
-def flip(rng, folder):
-    """Flip one bit of one file, of every file with the same probability; say where."""
+@contextmanager
+def flipped(surveys, endings, number):
+    """Flip one bit of one file, of every file with the same probability, until the end."""
+    rng = random.Random(f"{SEED} {number}")
+    ending = rng.choice(list(endings))
+    folder = surveys[ending]
     kinds = [*(one for one in folder.iterdir() if one.is_file()), folder / "traces"]
     path = rng.choice(sorted(kinds))
     if path.is_dir():
         path = rng.choice(sorted(path.iterdir()))
-    content = bytearray(path.read_bytes())
+    whole = path.read_bytes()
+    content = bytearray(whole)
     place = rng.randrange(len(content))
     content[place] ^= 1 << rng.randrange(8)
     path.write_bytes(content)
-    return f"{path.name} byte {place}"
+    try:
+        yield ending, folder, f"{ending}, {path.name} byte {place}, GPR20_DAMAGE_SEED={SEED}"
+    finally:
+        path.write_bytes(whole)
 
 
-def damaged_copy(surveys, endings, number, tmp_path):
-    print(f"repeat with GPR20_DAMAGE_SEED={SEED}")
-    rng = random.Random(f"{SEED} {number}")
-    ending = rng.choice(list(endings))
-    folder = tmp_path / surveys[ending].name
-    shutil.copytree(str(surveys[ending]), str(folder))
-    return ending, folder, flip(rng, folder)
+def test_no_bit_of_a_sealed_survey_is_flipped_unseen(surveys):
+    for number in range(FLIPS):
+        with flipped(surveys, SEALED, number) as (_ending, folder, where):
+            found = verify_survey(folder)
+            assert found.status == DAMAGED, where
+            assert "intact" not in str(found.verdict), where
 
 
-@pytest.mark.parametrize("number", range(FLIPS))
-def test_no_bit_of_a_sealed_survey_is_flipped_unseen(surveys, tmp_path, number):
-    ending, folder, place = damaged_copy(surveys, SEALED, number, tmp_path)
-    found = verify_survey(folder)
-    assert found.status == DAMAGED, (ending, place)
-    assert "intact" not in str(found.verdict)
+def test_an_unsealed_survey_is_never_called_intact(surveys):
+    for number in range(FLIPS):
+        with flipped(surveys, UNSEALED, number) as (ending, folder, where):
+            found = verify_survey(folder)
+            unseen = not found.faults or (
+                ending == "not sealed"
+                and all("manifest.json is missing" in str(one) for one in found.faults)
+            )
+            assert found.status != COMPLETE, where
+            assert "intact" not in str(found.verdict), where
+            if found.status == INCOMPLETE:
+                assert "without a manifest, changes to" in str(found.verdict), where
+            if unseen:
+                assert_traces_are_those_stored(folder, where)
 
 
-@pytest.mark.parametrize("number", range(FLIPS))
-def test_an_unsealed_survey_is_never_called_intact(surveys, tmp_path, number):
-    ending, folder, place = damaged_copy(surveys, UNSEALED, number, tmp_path)
-    found = verify_survey(folder)
-    unseen = not found.faults or (
-        ending == "not sealed"
-        and all("manifest.json is missing" in str(one) for one in found.faults)
-    )
-    print(f"{'UNSEEN' if unseen else 'seen'}: {ending}, {place}")
-    assert found.status != COMPLETE
-    assert "intact" not in str(found.verdict)
-    if found.status == INCOMPLETE:
-        assert "without a manifest, changes to" in str(found.verdict)
-    if unseen:
-        # Then every trace is the one that was stored, in each of its forms.
-        for path in (folder / "traces").iterdir():
-            try:
-                trace = trace_files.read_trace(path, SURVEY)
-            except TraceRefusedError:
-                pytest.fail(f"{path.name} is damaged and passes")
-            assert trace.fingerprint() == planned_trace(trace.index).fingerprint()
+def assert_traces_are_those_stored(folder, where):
+    for path in (folder / "traces").iterdir():
+        try:
+            trace = trace_files.read_trace(path, SURVEY)
+        except TraceRefusedError:
+            pytest.fail(f"{where}: {path.name} is damaged and passes")
+        assert trace.fingerprint() == planned_trace(trace.index).fingerprint(), where
 
 
-@pytest.mark.parametrize("ending", [*SEALED, *UNSEALED])
-def test_a_survey_that_was_not_changed_has_no_faults_but_a_missing_manifest(surveys, ending):
-    faults = [str(one) for one in verify_survey(surveys[ending]).faults]
-    assert all("manifest.json is missing" in one for one in faults)
-    assert len(faults) == (ending == "not sealed")
+def test_a_survey_that_was_not_changed_has_no_faults_but_a_missing_manifest(surveys):
+    for ending, folder in surveys.items():
+        faults = [str(one) for one in verify_survey(folder).faults]
+        assert all("manifest.json is missing" in one for one in faults)
+        assert len(faults) == (ending == "not sealed")

@@ -55,22 +55,22 @@ def test_the_target_is_the_brightest_place(survey):
     assert found.found.simulated
 
 
-@pytest.mark.parametrize("rows", [slice(7, None), slice(0, 9), slice(8, 9)])
-def test_lines_that_were_not_measured_stay_empty(survey, rows):
-    found = focus(without(survey, rows), 5.0)
-    empty = np.isnan(found.levels_db)
-    assert empty[:, rows].all() and not np.delete(empty, np.arange(16)[rows], axis=1).any()
+def test_lines_that_were_not_measured_stay_empty(survey):
+    for rows in (slice(7, None), slice(0, 9), slice(8, 9)):
+        empty = np.isnan(focus(without(survey, rows), 5.0).levels_db)
+        assert empty[:, rows].all(), rows
+        assert not np.delete(empty, np.arange(16)[rows], axis=1).any(), rows
 
 
-@pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("measured", [16, 9, 5])
-def test_noise_alone_has_the_level_of_noise_also_half_way(survey, seed, measured):
-    found = focus(without(noise_of(survey, seed), slice(measured, None)), 5.0)
-    levels_db = found.levels_db[np.isfinite(found.levels_db)]
-    # It is the brighter of two polarizations; the target of this scene is 70 dB above noise.
-    assert abs(np.median(levels_db) - 0.5) < 2.0
-    assert levels_db.max() < 13.0
-    assert not [one for one in found.found.candidates if not one.is_doubtful]
+def test_noise_alone_has_the_level_of_noise_also_half_way(survey, measured):
+    for seed in range(4):
+        found = focus(without(noise_of(survey, seed), slice(measured, None)), 5.0)
+        levels_db = found.levels_db[np.isfinite(found.levels_db)]
+        # It is the brighter of two polarizations; the target of this scene is 70 dB above noise.
+        assert abs(np.median(levels_db) - 0.5) < 2.0
+        assert levels_db.max() < 13.0
+        assert not [one for one in found.found.candidates if not one.is_doubtful]
 
 
 def test_too_few_lines_are_refused(survey):

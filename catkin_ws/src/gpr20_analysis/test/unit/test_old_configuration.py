@@ -30,8 +30,8 @@ def test_each_node_gets_empty_texts_for_what_is_new(nodes):
     assert completed_configuration(former) == today
 
 
-@pytest.mark.parametrize("size", range(len(BEGIN + NODE)))
-def test_a_message_that_is_cut_off_is_refused(size):
+def test_a_message_that_is_cut_off_anywhere_is_refused():
     former = BEGIN + struct.pack("<I", 1) + NODE
-    with pytest.raises(ValueError, match="cut off"):
-        completed_configuration(former[:size])
+    for size in range(len(BEGIN + NODE)):
+        with pytest.raises(ValueError, match="cut off"):
+            completed_configuration(former[:size])

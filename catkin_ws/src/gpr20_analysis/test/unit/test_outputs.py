@@ -65,7 +65,9 @@ def occupy(output):
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsys, refusals):
+def test_what_exists_is_replaced_only_when_asked_for_and_never_in_a_survey(
+    call, folder, capsys, refusals
+):
     arguments, output = call
     precious = occupy(output)
     assert main(arguments) == 3
@@ -75,16 +77,12 @@ def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(call, capsy
     assert main([*arguments, "--overwrite"]) == 0
     assert output.exists()
     assert not precious.exists() or precious.read_bytes() != b"precious"
-
-
-def test_nothing_is_written_into_the_folder_of_a_survey(call, folder, refusals):
-    arguments, output = call
     before = sorted(folder.rglob("*"))
     name = output.name.replace("_090", "")
     inside = [str(folder / name) if one == name else one for one in arguments]
     assert inside != arguments
     assert main([*inside, "--overwrite"]) == 3
-    assert refusals[-1:] == [faults.OUTPUT.code]
+    assert refusals == 2 * [faults.OUTPUT.code]
     assert sorted(folder.rglob("*")) == before
 
 

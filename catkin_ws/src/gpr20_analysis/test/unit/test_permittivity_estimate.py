@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from itertools import product
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.sentences import sentences_of
 
 # A larger draw: GPR20_SCENES=100.
-SCENES = int(os.environ.get("GPR20_SCENES", "4"))
+SCENES = int(os.environ.get("GPR20_SCENES", "2"))
 ALLOWED = 0.05
 PLACE_M = np.arange(0.0, 0.4501, 0.015)
 FREQUENCY_HZ = np.linspace(600e6, 6e9, 101)
@@ -55,22 +56,23 @@ def estimate(survey, separation_m=0.0) -> PermittivityEstimate:
     return estimate_permittivity(traces, focus)
 
 
-@pytest.mark.parametrize("separation_m", [0.0, 0.15])
-@pytest.mark.parametrize("radius_m", [0.0, 0.02, 0.06])
-def test_delays_of_a_sphere_are_those_of_fermats_principle(separation_m, radius_m):
+def test_delays_of_a_sphere_are_those_of_fermats_principle():
     x_m, y_m = np.meshgrid(np.linspace(-0.4, 0.4, 7), np.linspace(-0.3, 0.3, 5))
-    height_m, offset_m = np.full(x_m.shape, 0.15), (0.3 * separation_m, 0.4 * separation_m)
-    antennas_m = [
-        np.stack([x_m + side * offset_m[0], y_m + side * offset_m[1], height_m], -1)
-        for side in (1.0, -1.0)
-    ]
-    expected_m = reflection_m(antennas_m, Buried(Body.SPHERE, 0.03, -0.02, 0.08, radius_m), 5.0)
-    stops = Stops(x_m, y_m, height_m, offset_m)
-    found = wavefront(stops, (0.03, -0.02), 0.08 * np.sqrt(5.0), 5.0, radius_m)
-    np.testing.assert_allclose(found.delay_s * speed_of_light, expected_m, atol=5e-4)
+    height_m = np.full(x_m.shape, 0.15)
+    for separation_m, radius_m in product((0.0, 0.15), (0.0, 0.02, 0.06)):
+        offset_m = (0.3 * separation_m, 0.4 * separation_m)
+        antennas_m = [
+            np.stack([x_m + side * offset_m[0], y_m + side * offset_m[1], height_m], -1)
+            for side in (1.0, -1.0)
+        ]
+        sphere = Buried(Body.SPHERE, 0.03, -0.02, 0.08, radius_m)
+        expected_m = reflection_m(antennas_m, sphere, 5.0)
+        stops = Stops(x_m, y_m, height_m, offset_m)
+        found = wavefront(stops, (0.03, -0.02), 0.08 * np.sqrt(5.0), 5.0, radius_m)
+        np.testing.assert_allclose(found.delay_s * speed_of_light, expected_m, atol=5e-4)
 
 
-@pytest.mark.parametrize("radius_m", [0.02, 0.03, 0.04])
+@pytest.mark.parametrize("radius_m", [0.02, 0.04])
 def test_the_size_of_a_sphere_does_not_lower_the_permittivity(radius_m):
     found = estimate(survey_over([Buried(Body.SPHERE, 0.22, 0.23, 0.12, radius_m)], 4.0))
     assert found.lowest < 4.0 < found.highest
@@ -84,7 +86,7 @@ def test_antennas_apart_do_not_change_the_permittivity():
     assert found.lowest < 4.0 < found.highest
 
 
-@pytest.mark.parametrize("permittivity", [3.0, 5.0, 9.0, 12.0])
+@pytest.mark.parametrize("permittivity", [3.0, 12.0])
 def test_small_deep_bodies_tell_the_permittivity(permittivity):
     bodies = [Buried(Body.POINT, 0.15, 0.17, 0.16), Buried(Body.POINT, 0.31, 0.28, 0.13)]
     found = estimate(survey_over(bodies, permittivity))
@@ -101,12 +103,11 @@ def test_one_line_is_enough_and_says_what_it_assumes():
     assert "single line" in " ".join(str(one) for one in sentences_of(image, "notes"))
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_uneven_spacing_is_no_obstacle(seed):
-    random = np.random.default_rng(seed)
+def test_uneven_spacing_is_no_obstacle():
+    random = np.random.default_rng(0)
     x_m, y_m = (np.sort(random.uniform(0.0, 0.45, 28)) for _ in range(2))
     bodies = [Buried(Body.POINT, 0.2, 0.25, 0.17), Buried(Body.SPHERE, 0.3, 0.15, 0.12, 0.02)]
-    found = estimate(survey_over(bodies, 7.0, setup(x_m, y_m), seed=seed))
+    found = estimate(survey_over(bodies, 7.0, setup(x_m, y_m)))
     assert found.lowest < 7.0 < found.highest
 
 
@@ -125,10 +126,10 @@ def test_random_scenes_are_within_the_range_or_refused():
 
 
 @pytest.mark.parametrize("kind", Clutter.ALL)
-@pytest.mark.parametrize("seed", range(SCENES))
-def test_noise_is_refused_with_advice(kind, seed):
-    with raises_fault(faults.NO_PERMITTIVITY):
-        estimate(random_noise(500 + seed, kind))
+def test_noise_is_refused_with_advice(kind):
+    for seed in range(SCENES):
+        with raises_fault(faults.NO_PERMITTIVITY):
+            estimate(random_noise(500 + seed, kind))
 
 
 def test_a_long_body_is_not_taken_for_a_compact_one():

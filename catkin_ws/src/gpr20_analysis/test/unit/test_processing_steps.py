@@ -44,13 +44,13 @@ def power(data):
     return float(np.mean(np.abs(data.s21.values) ** 2))
 
 
-@pytest.mark.parametrize("method", list(Background))
-def test_background_removal_takes_coupling_and_surface_and_keeps_the_target(method):
+def test_background_removal_takes_coupling_and_surface_and_keeps_the_target():
     with_all, alone = survey(TARGET), survey(TARGET, **NONE_DB)
-    cleaned = remove_background(with_all, method, width=13)
     assert power(with_all) > 20.0 * power(alone)
-    # What is left is the target, less what of it is the same everywhere.
-    assert 0.2 * power(alone) < power(cleaned) < 1.2 * power(alone)
+    for method in Background:
+        cleaned = remove_background(with_all, method, width=13)
+        # What is left is the target, less what of it is the same everywhere.
+        assert 0.2 * power(alone) < power(cleaned) < 1.2 * power(alone), method
 
 
 def test_svd_of_higher_rank_takes_more():
@@ -58,19 +58,17 @@ def test_svd_of_higher_rank_takes_more():
     assert left[0] > left[1] > left[2]
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
+def test_background_parameters_that_do_not_suit_are_refused():
+    measured = survey(TARGET)
+    for wrong in (
         {"method": Background.SVD, "rank": 0},
         {"method": Background.SVD, "rank": 101},
         {"method": Background.MOVING, "width": 4},
         {"method": Background.MOVING, "width": 1},
         {"method": Background.MOVING, "width": 99},
-    ],
-)
-def test_background_parameters_that_do_not_suit_are_refused(wrong):
-    with pytest.raises(WrongDatasetError):
-        remove_background(survey(TARGET), **wrong)
+    ):
+        with pytest.raises(WrongDatasetError):
+            remove_background(measured, **wrong)
 
 
 def test_coupling_subtraction_leaves_surface_and_target():
@@ -138,16 +136,6 @@ def test_time_zero_puts_the_surface_at_delay_zero():
     assert float(set_time_zero(one).advance[0, 0, 0]) == pytest.approx(2.0 * 0.173 / speed_of_light)
 
 
-def test_time_zero_changes_no_image_and_is_not_done_twice():
-    cleaned = remove_background(survey(TARGET, rotations_deg=(0.0,)))
-    moved = set_time_zero(cleaned)
-    options = ImageOptions(permittivity=4.0)
-    images = [image_survey(one, options).image.values for one in (cleaned, moved)]
-    np.testing.assert_allclose(images[0], images[1], atol=1e-5 * np.abs(images[0]).max())
-    with raises_fault(faults.STEPS):
-        set_time_zero(moved)
-
-
 def test_band_selection_keeps_both_ends_and_refuses_an_empty_band():
     band = select_band(survey(TARGET), 1.14e9, 1.248e9)
     np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
@@ -155,13 +143,13 @@ def test_band_selection_keeps_both_ends_and_refuses_an_empty_band():
         select_band(survey(TARGET), 7e9, 8e9)
 
 
-@pytest.mark.parametrize("window", list(Window))
-def test_windows_are_symmetric_positive_and_nowhere_zero(window):
-    weights = window.weights(101)
-    assert np.all(weights > 0.0) and weights.max() == pytest.approx(1.0, abs=0.01)
-    np.testing.assert_allclose(weights, weights[::-1])
-    weighted = apply_window(survey(TARGET), window)
-    assert power(weighted) <= power(survey(TARGET)) * 1.0001
+def test_windows_are_symmetric_positive_and_nowhere_zero():
+    measured = survey(TARGET)
+    for window in Window:
+        weights = window.weights(101)
+        assert np.all(weights > 0.0) and weights.max() == pytest.approx(1.0, abs=0.01)
+        np.testing.assert_allclose(weights, weights[::-1])
+        assert power(apply_window(measured, window)) <= power(measured) * 1.0001
 
 
 def test_difference_shows_what_one_polarization_sees_alone():
@@ -187,17 +175,18 @@ def test_a_rotation_that_was_not_measured_is_refused():
         select_polarization(survey(TARGET), 45.0)
 
 
-@pytest.mark.parametrize("method", list(Gain))
-def test_gain_raises_late_samples_and_says_so(method):
-    in_time = to_time(survey(TARGET))
-    raised = apply_gain(in_time, method, db_per_ns=2.0)
+def test_gain_raises_late_samples_and_says_so():
+    measured = survey(TARGET)
+    in_time = to_time(measured)
     late = {"delay": slice(10e-9, 15e-9)}
     early = {"delay": slice(0.5e-9, 3e-9)}
 
     def ratio(data):
         return float(abs(data.a_scan.sel(late)).mean() / abs(data.a_scan.sel(early)).mean())
 
-    assert ratio(raised) > ratio(in_time)
-    assert method.value in raised.attrs["display_only"]
+    for method in Gain:
+        raised = apply_gain(in_time, method, db_per_ns=2.0)
+        assert ratio(raised) > ratio(in_time), method
+        assert method.value in raised.attrs["display_only"]
     with raises_fault(faults.STEPS):
-        apply_gain(survey(TARGET))
+        apply_gain(measured)

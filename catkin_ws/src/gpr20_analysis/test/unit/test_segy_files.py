@@ -26,18 +26,21 @@ def scaled(value, scalar):
     return value * scalar if scalar > 0 else value / -scalar
 
 
-@pytest.fixture(params=SEEDS)
-def written(request, tmp_path):
-    """Return a survey and the SEG-Y files of its polarizations."""
-    survey = random_survey(request.param)
-    survey.timestamp.values[:] = MOMENT
-    paths = list(export_survey(survey, tmp_path / "s.sgy", "segy"))
-    return survey, paths
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Return random surveys, each with the SEG-Y files of its polarizations."""
+    made = []
+    for seed in SEEDS:
+        survey = random_survey(seed)
+        survey.timestamp.values[:] = MOMENT
+        path = tmp_path_factory.mktemp("segy") / "s.sgy"
+        made.append((survey, list(export_survey(survey, path, "segy"))))
+    return made
 
 
 def test_obspy_reads_counts_units_places_and_heights(written):
-    survey, paths = written
-    for turn, path in enumerate(paths):
+    files = [(one, *file) for one, paths in written for file in enumerate(paths)]
+    for survey, turn, path in files:
         file = _read_segy(str(path))
         binary = file.binary_file_header
         present = usable(survey).values[turn]
@@ -76,8 +79,7 @@ def test_obspy_reads_counts_units_places_and_heights(written):
 
 
 def test_segyio_and_obspy_read_the_same_numbers(written):
-    _survey, paths = written
-    for path in paths:
+    for path in (path for _, paths in written for path in paths):
         with segyio.open(str(path), strict=True) as file:
             own = file.trace.raw[:]
             assert list(file.samples) == pytest.approx(0.05 * np.arange(own.shape[1]))
@@ -87,8 +89,7 @@ def test_segyio_and_obspy_read_the_same_numbers(written):
 
 
 def test_the_textual_header_says_what_the_numbers_mean(written):
-    survey, paths = written
-    for path in paths:
+    for survey, path in ((one, path) for one, paths in written for path in paths):
         text = path.read_bytes()[:3200].decode("cp500")
         lines = [text[start : start + 80] for start in range(0, 3200, 80)]
         assert all(line.startswith(f"C{number:2d} ") for number, line in enumerate(lines, 1))
@@ -99,16 +100,16 @@ def test_the_textual_header_says_what_the_numbers_mean(written):
 
 
 def test_the_bytes_are_where_revision_1_has_them(written):
-    _survey, paths = written
-    content = paths[0].read_bytes()
-    (interval, _, samples, _, code) = struct.unpack_from(">5h", content, 3216)
-    assert (interval, code) == (50, 5)
-    assert struct.unpack_from(">hhh", content, 3500) == (0x0100, 1, 0)
-    length = 240 + 4 * samples
-    assert (len(content) - 3600) % length == 0
-    for start in range(3600, len(content), length):
-        assert struct.unpack_from(">hh", content, start + 114) == (samples, 50)
-        assert struct.unpack_from(">h", content, start + 88) == (1,)
+    for _survey, paths in written:
+        content = paths[0].read_bytes()
+        (interval, _, samples, _, code) = struct.unpack_from(">5h", content, 3216)
+        assert (interval, code) == (50, 5)
+        assert struct.unpack_from(">hhh", content, 3500) == (0x0100, 1, 0)
+        length = 240 + 4 * samples
+        assert (len(content) - 3600) % length == 0
+        for start in range(3600, len(content), length):
+            assert struct.unpack_from(">hh", content, start + 114) == (samples, 50)
+            assert struct.unpack_from(">h", content, start + 88) == (1,)
 
 
 def test_a_scans_over_time_are_written_unchanged(tmp_path):

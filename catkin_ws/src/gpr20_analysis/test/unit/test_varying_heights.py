@@ -54,7 +54,7 @@ def peaks_and_clutter_db(image):
 
 @pytest.mark.parametrize(
     ("method", "seed"),
-    [*((Method.PHASE_SHIFT, seed) for seed in SEEDS), (Method.BACK_PROJECTION, 0)],
+    [(Method.PHASE_SHIFT, 0), (Method.PHASE_SHIFT, 1), (Method.BACK_PROJECTION, 0)],
 )
 def test_heights_that_vary_by_40_mm_give_no_false_echoes(method, seed):
     options = ImageOptions(method, 4.0, ground=Ground.LEVEL)
@@ -69,21 +69,19 @@ def test_heights_that_vary_by_40_mm_give_no_false_echoes(method, seed):
     assert peaks_and_clutter_db(by_mean)[1] > varied[0]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_noise_of_the_height_sensor_changes_little(seed):
+def test_noise_of_the_height_sensor_changes_little():
     options = ImageOptions(Method.PHASE_SHIFT, 4.0)
-    survey = lifted(seed, 0.0, noise_m=0.002)
+    survey = lifted(0, 0.0, noise_m=0.002)
     cleaned = remove_background(survey)
     np.testing.assert_array_equal(cleaned.s21, remove_background(survey, Background.MEAN).s21)
     peak, shallow, deep = peaks_and_clutter_db(image_survey(cleaned, options))
-    without = image_survey(remove_background(lifted(seed, 0.0, noise_m=0.0)), options)
+    without = image_survey(remove_background(lifted(0, 0.0, noise_m=0.0)), options)
     assert peak > peaks_and_clutter_db(without)[0] - 1.0
     assert max(shallow, deep) < peak - 15.0
 
 
-@pytest.mark.parametrize("amplitude_m", [0.012, 0.02])
-def test_uneven_ground_is_refused_in_favour_of_back_projection(amplitude_m):
-    surface = Surface(wave_amplitude_m=amplitude_m, wave_length_m=0.4)
+def test_uneven_ground_is_refused_in_favour_of_back_projection():
+    surface = Surface(wave_amplitude_m=0.012, wave_length_m=0.4)
     uneven = replace(scene(TARGETS, noise_db=-90.0), surface=surface)
     survey = remove_background(survey_of(uneven, FEW_MM, FEW_MM, rotations_deg=(0.0,)))
     with raises_fault(faults.METHOD):
@@ -159,14 +157,15 @@ def test_a_polarization_whose_surface_does_not_follow_the_heights_loses_the_mean
     assert float(abs(cleaned.s21[1]).max()) < 1e-9 < float(abs(by_mean.s21[1]).max())
 
 
-@pytest.mark.parametrize("rows", [1, 4])
-def test_a_lazy_survey_loses_the_same_background(rows):
+def test_a_lazy_survey_loses_the_same_background():
     survey = empty_ground(2)
     survey.s21.values[0, 3, 2] = np.nan
-    chunked = survey.assign(s21=survey.s21.chunk({"polarization": 1, "y": rows}))
-    cleaned = remove_background(chunked)
-    assert cleaned.s21.chunks is not None
-    np.testing.assert_allclose(cleaned.s21, remove_background(survey).s21, atol=1e-12)
+    expected = remove_background(survey)
+    for rows in (1, 4):
+        chunked = survey.assign(s21=survey.s21.chunk({"polarization": 1, "y": rows}))
+        cleaned = remove_background(chunked)
+        assert cleaned.s21.chunks is not None
+        np.testing.assert_allclose(cleaned.s21, expected.s21, atol=1e-12)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

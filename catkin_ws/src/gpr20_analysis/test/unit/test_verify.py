@@ -94,21 +94,6 @@ def test_a_survey_that_was_interrupted_is_intact_but_not_complete(tmp_path, caps
     assert "and the survey was interrupted" in printed
 
 
-def test_no_byte_of_any_file_can_be_changed_unseen(copy):
-    chance = random.Random(20)
-    for path in sorted(one for one in copy.rglob("*") if one.is_file()):
-        content = path.read_bytes()
-        for _ in range(6):
-            changed = bytearray(content)
-            changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
-            path.write_bytes(changed)
-            found = verify_survey(copy)
-            assert found.status == 2, path
-            assert "complete" not in str(found.verdict)
-        path.write_bytes(content)
-    assert verify_survey(copy).status == 0
-
-
 def test_damage_is_found_without_the_manifest_too(copy):
     """A manifest that was made again hides nothing that contradicts itself."""
     (copy / "manifest.json").unlink()
@@ -137,7 +122,7 @@ def test_damage_is_found_without_the_manifest_too(copy):
 def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(copy, name):
     content = (copy / name).read_bytes()
     chance = random.Random(name)
-    for _ in range(40):
+    for _ in range(60):
         changed = bytearray(content)
         place = chance.randrange(len(content))
         for offset in range(chance.choice([1, 4, 64])):
@@ -148,12 +133,14 @@ def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(
         assert any(name in fault for fault in texts(found.faults))
 
 
-@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "manifest.json", "survey.json"])
-def test_a_file_that_is_gone_is_named(copy, name):
-    (copy / name).unlink()
-    found = verify_survey(copy)
-    assert found.status == 2
-    assert any(name in fault for fault in texts(found.faults))
+def test_a_file_that_is_gone_is_named(copy):
+    for name in ("survey.bag", "survey.mcap", "manifest.json", "survey.json"):
+        content = (copy / name).read_bytes()
+        (copy / name).unlink()
+        found = verify_survey(copy)
+        assert found.status == 2, name
+        assert any(name in fault for fault in texts(found.faults)), name
+        (copy / name).write_bytes(content)
 
 
 def test_a_trace_that_is_gone_is_missed_everywhere(copy):
@@ -218,63 +205,66 @@ RECORDED = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
         (RECORDED, RECORDED),
     ],
 )
-@pytest.mark.parametrize(
-    ("other", "words"),
-    [
-        (AnalyzerSettings(500.0, 1, "LOW"), "IF bandwidth 500 Hz, averages 1, output power LOW"),
-        (AnalyzerSettings(), "IF bandwidth unknown, averages unknown, output power unknown"),
-    ],
-)
-def test_a_trace_with_other_settings_of_the_vna_is_named(tmp_path, recorded, wanted, other, words):
+def test_a_trace_with_other_settings_of_the_vna_is_named(tmp_path, recorded, wanted):
     more = {
         "instrument": {"identity": "MS2026C", "sweep": {"points": 5, **recorded}},
         "parameters": {**PARAMETERS, **wanted},
     }
-    folder = make_survey(tmp_path, 18, "stopped", misplaced={5: {"analyzer": other}}, more=more)
-    (fault,) = texts(verify_survey(folder).faults)
-    assert fault.startswith(f"trace 5 was measured with other settings of the VNA: {words} instead")
-
-
-@pytest.mark.parametrize(
-    "instrument",
-    [
-        {},
-        None,
-        {"sweep": None},
-        {"sweep": {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""}},
-        {"sweep": {"if_bandwidth_hz": "x", "averages": 4.5, "output_power": None}},
-    ],
-)
-def test_settings_of_the_vna_that_are_not_recorded_are_not_compared(tmp_path, instrument):
     other = {5: {"analyzer": AnalyzerSettings(500.0, 1, "LOW")}, 6: {"analyzer": NO_SETTINGS}}
-    folder = make_survey(tmp_path, 18, "finished", misplaced=other, more={"instrument": instrument})
-    assert texts(verify_survey(folder).faults) == []
+    folder = make_survey(tmp_path, 18, "stopped", misplaced=other, more=more)
+    told = "was measured with other settings of the VNA:"
+    low, unknown = texts(verify_survey(folder).faults)
+    assert low.startswith(
+        f"trace 5 {told} IF bandwidth 500 Hz, averages 1, output power LOW instead"
+    )
+    assert unknown.startswith(
+        f"trace 6 {told} IF bandwidth unknown, averages unknown, output power unknown instead"
+    )
 
 
-@pytest.mark.parametrize(
-    ("changes", "reason"),
-    [
-        ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
-        ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
-        ({"outcome": "finished"}, "the outcome finished, but"),
-        ({"report": {"complete": True}}, "the report in survey.json is complete, but"),
-        ({"report": {"coverage": "mmmrrrmmm" * 2}}, "the report in survey.json is complete, but"),
-        ({"axes": {}}, "the plan is unknown"),
-        ({"parameters": {**PARAMETERS, "x_points": 10**9}}, "number of traces"),
-        ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
-    ],
+def test_settings_of_the_vna_that_are_not_recorded_are_not_compared(tmp_path):
+    other = {5: {"analyzer": AnalyzerSettings(500.0, 1, "LOW")}, 6: {"analyzer": NO_SETTINGS}}
+    for number, instrument in enumerate(
+        (
+            {},
+            None,
+            {"sweep": None},
+            {"sweep": {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""}},
+            {"sweep": {"if_bandwidth_hz": "x", "averages": 4.5, "output_power": None}},
+        )
+    ):
+        place, more = tmp_path / str(number), {"instrument": instrument}
+        folder = make_survey(place, 18, "finished", misplaced=other, more=more)
+        assert texts(verify_survey(folder).faults) == [], instrument
+
+
+CONTRADICTIONS = (
+    ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
+    ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
+    ({"outcome": "finished"}, "the outcome finished, but"),
+    ({"report": {"complete": True}}, "the report in survey.json is complete, but"),
+    ({"report": {"coverage": "mmmrrrmmm" * 2}}, "the report in survey.json is complete, but"),
+    ({"axes": {}}, "the plan is unknown"),
+    ({"parameters": {**PARAMETERS, "x_points": 10**9}}, "number of traces"),
+    ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
 )
-def test_words_that_contradict_the_files_are_faults(stopped, tmp_path, changes, reason):
+
+
+def test_words_that_contradict_the_files_are_faults(stopped, tmp_path):
     folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
-    change_json(folder / "survey.json", **changes)
-    found = verify_survey(folder)
-    assert found.status == 2
-    assert any(reason in fault for fault in texts(found.faults))
+    described = (folder / "survey.json").read_bytes()
+    for changes, reason in CONTRADICTIONS:
+        (folder / "survey.json").write_bytes(described)
+        change_json(folder / "survey.json", **changes)
+        found = verify_survey(folder)
+        assert found.status == 2, changes
+        assert any(reason in fault for fault in texts(found.faults)), changes
 
 
-@pytest.mark.parametrize(
-    "report",
-    [
+def test_a_report_that_does_not_claim_more_than_the_files_is_true(stopped, tmp_path):
+    folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
+    before = texts(verify_survey(folder, use_manifest=False).faults)
+    for report in (
         {"complete": False, "coverage": "m" * 18},
         {"coverage": "m" * 7 + "-" * 11},
         {"coverage": "m" * 17 + "f"},
@@ -282,14 +272,10 @@ def test_words_that_contradict_the_files_are_faults(stopped, tmp_path, changes, 
         {"verdict": "INCOMPLETE: 7 of 18"},
         None,
         "complete",
-    ],
-)
-def test_a_report_that_does_not_claim_more_than_the_files_is_true(stopped, tmp_path, report):
-    folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
-    before = verify_survey(folder, use_manifest=False)
-    change_json(folder / "survey.json", report=report)
-    found = verify_survey(folder, use_manifest=False)
-    assert texts(found.faults) == texts(before.faults)
+    ):
+        change_json(folder / "survey.json", report=report)
+        found = verify_survey(folder, use_manifest=False)
+        assert texts(found.faults) == before, report
 
 
 def test_programs_get_the_result_as_json_with_codes(finished, stopped, copy, capsys):

@@ -20,44 +20,44 @@ def node(name, simulated):
     return {"name": name, "simulated": simulated, "hardware": "pins"}
 
 
-@pytest.mark.parametrize(
-    ("more", "faults"),
-    [
-        ({"simulated": True, "instrument": SIMULATED}, []),
-        ({"simulated": False, "instrument": REAL}, []),
-        ({"simulated": False, "instrument": {}}, []),
-        ({"simulated": False, "instrument": REAL, "nodes": [node("/x", False)]}, []),
-        (
-            {"simulated": False, "instrument": SIMULATED},
-            ["survey.json says simulated: false, but the analyzer's identity is "
-             "Anritsu,MS2026C/2,SIMULATED,1.0"],
-        ),
-        (
-            {"simulated": True, "instrument": REAL},
-            ["survey.json says simulated: true, but the analyzer's identity is "
-             "Anritsu,MS2026C/2,7654321,1.23"],
-        ),
-        (
-            {"simulated": False, "nodes": [node("/x", False), node("/vna", True)]},
-            ["survey.json says simulated: false, but for node /vna it says true"],
-        ),
-        (
-            {"simulated": True, "nodes": [node("/x", False)]},
-            ["survey.json says simulated: true, but for node /x it says false"],
-        ),
-        (
-            {"simulated": True, "nodes": [{"name": "/x"}]},
-            ["survey.json says simulated: true, but for node /x it says None"],
-        ),
-        (
-            {"simulated": True, "nodes": 7},
-            ["survey.json says simulated: true, but for node 7 it says None"],
-        ),
-    ],
+MEASURED_BY = (
+    ({"simulated": True, "instrument": SIMULATED}, []),
+    ({"simulated": False, "instrument": REAL}, []),
+    ({"simulated": False, "instrument": {}}, []),
+    ({"simulated": False, "instrument": REAL, "nodes": [node("/x", False)]}, []),
+    (
+        {"simulated": False, "instrument": SIMULATED},
+        ["survey.json says simulated: false, but the analyzer's identity is "
+         "Anritsu,MS2026C/2,SIMULATED,1.0"],
+    ),
+    (
+        {"simulated": True, "instrument": REAL},
+        ["survey.json says simulated: true, but the analyzer's identity is "
+         "Anritsu,MS2026C/2,7654321,1.23"],
+    ),
+    (
+        {"simulated": False, "nodes": [node("/x", False), node("/vna", True)]},
+        ["survey.json says simulated: false, but for node /vna it says true"],
+    ),
+    (
+        {"simulated": True, "nodes": [node("/x", False)]},
+        ["survey.json says simulated: true, but for node /x it says false"],
+    ),
+    (
+        {"simulated": True, "nodes": [{"name": "/x"}]},
+        ["survey.json says simulated: true, but for node /x it says None"],
+    ),
+    (
+        {"simulated": True, "nodes": 7},
+        ["survey.json says simulated: true, but for node 7 it says None"],
+    ),
 )  # fmt: skip
-def test_simulated_agrees_with_what_measured_the_survey(tmp_path, more, faults):
-    folder = make_survey(tmp_path, 4, "stopped", more=more)
-    assert [str(one) for one in verify_survey(folder).faults] == faults
+
+
+def test_simulated_agrees_with_what_measured_the_survey(tmp_path):
+    for number, (more, faults) in enumerate(MEASURED_BY):
+        folder = make_survey(tmp_path / str(number), 4, "stopped", more=more)
+        assert [str(one) for one in verify_survey(folder).faults] == faults, more
 
 
 def notes(folder):
