@@ -1,7 +1,7 @@
 """Write maintainer, licence and addresses from CITATION.cff to every package.
 
-`.venv/bin/python tools/pages/metadata.py`. The keys of CITATION.cff are `contact`, `license`, and, once
-the project has them, `repository-code` and `url` (its website).
+Usage: .venv/bin/python tools/pages/metadata.py. The keys of CITATION.cff are `contact`, `license`,
+and, once the project has them, `repository-code` and `url` (its website).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 import yaml
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def read_citation(root: Path) -> Dict[str, Any]:

@@ -34,7 +34,6 @@ from gpr20_survey.results.candidates import CandidateList
 from gpr20_viewer.live_image import ImageRequest, LiveImage, PermittivitySource
 from gpr20_viewer.positions import Line, Place, line_of
 
-BACKGROUND = "background:method=surface"
 ASSUMED_PERMITTIVITY = 4.0
 MOST_DEPTHS = 200
 
@@ -67,7 +66,7 @@ class ViewSession:
         survey: xr.Dataset,
         options: ImageOptions,
         find_candidates: Optional[FindCandidates] = None,
-        background: str = BACKGROUND,
+        background: str = DEFAULT_STEPS[0],
     ) -> None:
         spectra = require(survey, S21, S21_DIMS)
         _require_room(spectra, options)

@@ -14,12 +14,11 @@ from gpr20_analysis.dataset import DEPTH, IMAGE, MM_PER_M, POLARIZATION, SAMPLE_
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import law_of
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS, law_of
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.message import Message
 from gpr20_survey.results.focused_image import FocusedImage
 
-BACKGROUND = "background:method=surface"
 # With fewer lines neither the background nor the noise can be measured.
 FEWEST_LINES = 3
 
@@ -42,7 +41,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     # Lines without any trace would count as lines without noise.
     part = survey.isel({Y: rows, X: columns})
     options = ImageOptions(permittivity=permittivity, leave_out_missing=True)
-    image = image_survey(process_survey(part, BACKGROUND), options)
+    image = image_survey(process_survey(part, *DEFAULT_STEPS), options)
     levels_db = np.full((image.sizes[DEPTH], *present.shape[1:]), np.nan, np.float32)
     levels_db[:, rows, columns] = levels_above_noise_db(image)
     levels_db[:, ~np.any(present, axis=0)] = np.nan

@@ -9,9 +9,9 @@ from typing import Optional, Sequence
 import xarray as xr
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.candidates.focused import BACKGROUND
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import Step, step_from_text
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.report.page import page
@@ -51,7 +51,7 @@ def write_report(
     check_report_path(output)
     known = language_from_code(language)
     catalogue = read_catalogue(known)
-    chosen = list(steps) or [step_from_text(BACKGROUND)]
+    chosen = list(steps) or [step_from_text(one) for one in DEFAULT_STEPS]
     made = report_of(survey, path, chosen, options or ImageOptions(), known, catalogue, progress)
     with atomic_output(output) as place:
         if output.suffix == PDF:
