@@ -24,7 +24,7 @@ from gpr20_analysis.errors import AnalysisError, WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
-from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method
 from gpr20_analysis.imaging.phase_shift import grid_step_m
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
 from gpr20_analysis.processing.chain import process_survey, recipe_of

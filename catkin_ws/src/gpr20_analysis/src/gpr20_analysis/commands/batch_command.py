@@ -104,7 +104,7 @@ def _jobs(chosen: argparse.Namespace) -> List[Job]:
     command, call = _call(chosen)
     ending = chosen.ending
     if ending is None:
-        ending = EXPORTS[call.format].ending if command == "export" else ENDINGS[command]
+        ending = EXPORTS.find(call.format).ending if command == "export" else ENDINGS[command]
     jobs: Dict[Path, Job] = {}
     for given in chosen.survey:
         for survey, name in _surveys(given, chosen.into.absolute()):
