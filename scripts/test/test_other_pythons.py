@@ -33,12 +33,13 @@ FEW_DRAWS = {
 # the rest computes or draws, and Debian's Python runs it.
 CHOSEN = {
     "gpr20_analysis": [
-        *("test_aux_values", "test_candidate_files", "test_files_are_recognized"),
-        *("test_gpr20_command", "test_languages", "test_load_survey", "test_markers"),
+        *("test_aux_values", "test_candidate_files", "test_gpr20_command"),
+        *("test_languages", "test_load_survey", "test_markers"),
         *("test_netcdf_conventions", "test_outputs", "test_own_commands", "test_own_steps"),
         *("test_processing_chain", "test_public_interface", "test_sample_survey"),
         *("test_segy_files", "test_truncated_bags", "test_zarr_codecs"),
     ],
+    "gpr20_foreign_formats": ["test_files_are_recognized", "test_gprmax_import"],
     "gpr20_main_control": ["test_survey_run", "test_survey_stop", "test_workers"],
     "gpr20_user_interface": [
         *("test_display_probe", "test_main_window", "test_own_language", "test_settings_file"),
@@ -101,7 +102,7 @@ def with_code(packages: Sequence[str]) -> List[str]:
     return [one for one in packages if (ROOT / "catkin_ws/src" / one / "src").is_dir()]
 
 
-def tests_of(package: str) -> List[str]:
+def chosen_files(package: str) -> List[str]:
     """Return the test files of a package that run under the other Pythons."""
     folder = ROOT / "catkin_ws/src" / package / "test/unit"
     if package not in CHOSEN:
@@ -122,7 +123,7 @@ def test_the_unit_tests_pass_under(python, request, record_property):
     options.append("--hypothesis-profile=few_examples")
     if getattr(request.node, "execution_count", 1) > 1:
         options.append("--last-failed")
-    tests = [test for package in python.packages for test in tests_of(package)]
+    tests = [test for package in python.packages for test in chosen_files(package)]
     ended = run_limited(
         [str(python.program), "-m", "pytest", *options, *tests],
         without_ros(environment),
