@@ -223,7 +223,7 @@ def test_no_two_modules_of_the_tests_have_the_same_name():
         ROOT / "scripts/test",
         *(ROOT / "tools" / one for one in ("checks", "kits", "pages")),
     ]
-    names = Counter(path.name for folder in folders for path in folder.glob("*.py"))
+    names = Counter(path.name for folder in folders for path in folder.rglob("*.py"))
     assert {name for name, number in names.items() if number > 1} - {"conftest.py"} == set()
 
 

@@ -19,7 +19,7 @@ from gpr20_msgs.msg import CandidateList
 from gpr20_survey.no_clearance import NO_CLEARANCE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
-from test_image_noise import survey
+from noise_kit import survey
 
 TIME_LIMIT_S = 60.0
 TARGET = (0.11, 0.12, 0.08)

@@ -136,7 +136,7 @@ def cartesian(longitude_deg, latitude_deg):
 
 
 def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, capsys):
-    from test_image_noise import survey
+    from noise_kit import survey
 
     data = survey(np.random.default_rng(1), 1.0, [(0.11, 0.12, 0.08)])
     source, listed = tmp_path / "survey.nc", tmp_path / "list.csv"

@@ -25,7 +25,7 @@ from gpr20_analysis.processing.step_functions import StepLibrary
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
 
-PAGE = Path(__file__).parents[5] / "docs/extend/processing_step.md"
+PAGE = Path(__file__).parents[6] / "docs/extend/processing_step.md"
 NOTCH = "notch:center_hz=1.8e9"
 ENTRY = "[gpr20_analysis.steps]\nnotch = my_steps:notch\n"
 

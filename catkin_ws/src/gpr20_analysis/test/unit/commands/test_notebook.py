@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[5]
+ROOT = Path(__file__).resolve().parents[6]
 NOTEBOOK = ROOT / "docs" / "from_survey_to_image.ipynb"
 NUMBER = re.compile(r"[-+]?\d+\.?\d*")
 TARGETS_MM = [(173.3, 181.7, 113.0), (318.9, 207.4, 71.0)]

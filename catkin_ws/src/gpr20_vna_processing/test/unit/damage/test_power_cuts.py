@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).resolve().parent
+HERE = Path(__file__).resolve().parents[1]
 CUTS = int(os.environ.get("GPR20_POWER_CUTS", "20"))
 SEED = os.environ.get("GPR20_POWER_CUT_SEED") or str(random.SystemRandom().randrange(10**9))
 CONTROL_CUTS = 3

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import gpr20_analysis
 
-ROOT = Path(__file__).resolve().parents[5]
+ROOT = Path(__file__).resolve().parents[6]
 DOCUMENT = ROOT / "docs" / "analysis.md"
 HEAVY = ("numpy", "xarray", "dask", "scipy", "matplotlib", "h5py", "rosbags", "rospy")
 

@@ -26,7 +26,7 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 # Of each former version of the message of a trace: a survey that was finished, and one whose
 # storage was killed behind its fourth trace.
-OLD = Path(__file__).resolve().parent / "old_surveys"
+OLD = Path(__file__).resolve().parents[1] / "old_surveys"
 VERSIONS = {
     "without_settings": (trace_message.WITHOUT_SETTINGS_MD5SUM, AnalyzerSettings()),
     "without_header": (trace_message.WITHOUT_HEADER_MD5SUM, AnalyzerSettings(1000.0, 4, "HIGH")),

@@ -21,7 +21,7 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
 
 PAGES = {
-    name: Path(__file__).parents[5] / f"docs/extend/{page}.md"
+    name: Path(__file__).parents[6] / f"docs/extend/{page}.md"
     for name, page in (("my_formats", "format"), ("my_methods", "imaging_method"))
 }
 POINTS = (EXPORTS, IMPORTS, IMAGE_FORMATS, METHODS)

@@ -19,7 +19,7 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 NO_SETTINGS = AnalyzerSettings()
 
 FOLDER_MODULES = ("rospy", "rosbag", "genpy", "roslib", "rospkg")
-SCRIPT = Path(__file__).resolve().parents[5] / "scripts" / "verify.sh"
+SCRIPT = Path(__file__).resolve().parents[6] / "scripts" / "verify.sh"
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from gpr20_survey.recording.recordings import open_recordings  # noqa: E402
 
 pytestmark = pytest.mark.real_time
 
-HERE = Path(__file__).resolve().parent
+HERE = Path(__file__).resolve().parents[1]
 REINDEX = "import rosbag; rosbag.rosbagmain(['rosbag', 'reindex', '--quiet', {!r}])"
 
 

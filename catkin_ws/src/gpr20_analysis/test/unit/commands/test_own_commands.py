@@ -12,7 +12,7 @@ from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
 
-PAGE = Path(__file__).parents[5] / "docs/extend/command.md"
+PAGE = Path(__file__).parents[6] / "docs/extend/command.md"
 CODE = {**code_blocks(PAGE, "python"), **code_blocks(PAGE, "toml")}
 ENTRY = "[gpr20.commands]\ncorners = my_commands:CORNERS\n"
 SUMMARY = "print 100 % of the corners"
