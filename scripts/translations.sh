@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The catalogues of every sentence that people read, kept with GNU gettext.
-#   scripts/translations.sh                     update each: new templates have an empty msgstr; run
-#                                               it again after writing them, for docs/messages.md
+#   scripts/translations.sh                     update each: new templates have an empty msgstr and
+#                                               are listed with FILE:LINE; run it again after
+#                                               writing them, for docs/messages.md
 #   scripts/translations.sh --check             fail on a template without Spanish, on an entry that
 #                                               has no template or other {values} than it, or if
 #                                               docs/messages.md is not up to date
@@ -62,6 +63,17 @@ check() {
     fi
 }
 
+# Where an msgstr is to be written, as FILE:LINE and its template.
+lines_to_write() {
+    local catalogue="$1"
+    "$GPR20_VENV/bin/python" - "$catalogue" <<'END'
+import sys
+import polib
+for entry in polib.pofile(sys.argv[1]).untranslated_entries():
+    print(f"write the msgstr of {sys.argv[1]}:{entry.linenum}: {entry.msgid}", file=sys.stderr)
+END
+}
+
 update() {
     local catalogue="$1"
     msgmerge --quiet --no-fuzzy-matching --add-location=file --sort-by-file --width=98 \
@@ -70,6 +82,8 @@ update() {
     msgattrib --no-obsolete --width=98 "$scratch/merged.po" |
         sed '/^"\(POT-Creation-Date\|Report-Msgid-Bugs-To\):/d' >"$catalogue"
     msgfmt --statistics --output-file=/dev/null "$catalogue"
+    # Only the complete catalogue must have every msgstr: say where one is missing.
+    [ "$catalogue" != "$complete" ] || lines_to_write "$catalogue"
 }
 
 begin() {

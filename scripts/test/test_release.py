@@ -9,8 +9,6 @@ import sys
 import pytest
 from user_shell import ROOT
 
-pytestmark = pytest.mark.takes(30)
-
 CHANGELOG = "catkin_ws/src/gpr20/CHANGELOG.rst"
 PERSON = {
     f"GIT_{role}_{name}": f"releaser{ending}"

@@ -12,7 +12,6 @@ from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.cancellation import Cancellation
 
-pytestmark = pytest.mark.takes(20)
 PERMITTIVITY = 5.0
 
 

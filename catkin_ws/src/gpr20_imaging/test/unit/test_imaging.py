@@ -85,6 +85,7 @@ def test_a_child_that_was_killed_between_requests_is_replaced(imaging, survey):
 
 
 def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeypatch):
+    imaging.focus("a", survey.name, 4.0)  # The child has started: that takes long under load.
     analysis.mode = "hang"
     monkeypatch.setattr(analysis_process, "FOCUS_LIMIT_S", 3.0)
     with raises_fault(faults.TOO_MUCH, 3):

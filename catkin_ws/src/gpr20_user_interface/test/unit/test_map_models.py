@@ -52,10 +52,10 @@ def test_coverage_comes_through_as_it_was(states):
     for index, state in enumerate(states):
         if state is SampleState.FAILED:
             coverage.note_failed(index, verbatim("the VNA: no answer"))
-        elif state is SampleState.MEASURED:
+        elif state is not SampleState.NOT_VISITED:
             coverage.note_stored(index)
-        elif state is SampleState.REMEASURED:
-            coverage.note_remeasured(index)
+            if state is SampleState.REMEASURED:
+                coverage.note_remeasured(index)
     runs = runs_of(coverage)
     assert runs.trace_states().tolist() == states
     assert runs.failures == coverage.reasons

@@ -62,6 +62,15 @@ def test_the_tabs_are_all_seen(spoken):
         assert area.right() < bar.width(), text
 
 
+def size_text(size):
+    return f"{size.width()}x{size.height()}"
+
+
+def tab_sizes(window):
+    tabs = [(window.tabs.tabText(at), window.tabs.widget(at)) for at in range(window.tabs.count())]
+    return ", ".join(f"{text} {size_text(tab.minimumSizeHint())}" for text, tab in tabs)
+
+
 def test_nothing_of_a_tab_is_cut_off(spoken):
     for code in SurveyState:
         tabs = [TabName.CONTROL, TabName.STATUS]
@@ -76,7 +85,8 @@ def test_nothing_of_a_tab_is_cut_off(spoken):
             assert_touchable(spoken, spoken.top_bar)
     if spoken.look.scale == 1.0:
         hint = spoken.minimumSizeHint()
-        assert hint.width() <= spoken.width() and hint.height() <= spoken.height()
+        fits = hint.width() <= spoken.width() and hint.height() <= spoken.height()
+        assert fits, f"the window needs {size_text(hint)}; its tabs need: {tab_sizes(spoken)}"
 
 
 def test_nothing_of_the_pages_of_status_is_cut_off(spoken):

@@ -21,7 +21,7 @@ from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
-pytestmark = [pytest.mark.real_time, pytest.mark.takes(60)]
+pytestmark = pytest.mark.real_time
 
 TIME_LIMIT_S = 120.0
 GPR20 = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"

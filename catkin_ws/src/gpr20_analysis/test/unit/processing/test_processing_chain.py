@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +25,7 @@ from gpr20_analysis.processing.chain import (
 )
 from gpr20_analysis.processing.step_functions import FUNCTIONS
 
+PAGE = Path(__file__).parents[6] / "docs/imaging.md"
 PLACES_MM = np.linspace(200.0, 280.0, 5)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
 
@@ -104,3 +107,8 @@ def test_a_file_that_is_no_yaml_is_refused(tmp_path):
 
 def test_every_step_documents_itself():
     assert all(function.__doc__ for function in FUNCTIONS.values())
+
+
+def test_the_page_on_imaging_lists_every_step():
+    table = PAGE.read_text("utf-8").split("## Steps\n")[1].split("\n## ")[0]
+    assert set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE)) == set(FUNCTIONS)

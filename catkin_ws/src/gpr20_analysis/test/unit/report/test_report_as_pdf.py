@@ -14,7 +14,6 @@ from gpr20_analysis.report.pdf import write_pdf
 from gpr20_analysis.report.records import Report, Section
 from gpr20_common.catalogue import Catalogue
 
-pytestmark = pytest.mark.takes(20)
 LETTERS = "abcdefghilmnoprstuvzáéñ±°ε²µ≤0123456789./$_^{}%&<>WM"
 
 

@@ -39,6 +39,7 @@ def pause_with(bench, identity, sweeps=5):
     bench.analyzer.on_sweep = fail
     survey_id = bench.start()
     bench.wait_for(State.PAUSED)
+    bench.wait_for_visited(sweeps)
     return survey_id
 
 

@@ -161,6 +161,14 @@ def test_every_change_of_the_coverage_is_announced_once():
     ]
 
 
+def test_a_sample_that_is_measured_again_before_it_is_stored_is_not_counted_as_stored():
+    coverage = Coverage(1)
+    coverage.note_remeasured(0)
+    assert coverage.states == [SampleState.NOT_VISITED]
+    coverage.note_stored(0)
+    assert coverage.states == [SampleState.REMEASURED]
+
+
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
     with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):

@@ -128,6 +128,7 @@ def test_a_point_that_is_never_confirmed_pauses_the_survey(bench, confirmations)
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert reports(status.message, faults.SWEEP_UNCONFIRMED, 3, CHANGED)
+    bench.wait_for_visited(3)
     assert numbers(bench) == [1, 2, 3]
     bench.resume_to_the_end()
     assert numbers(bench) == [1, 2, 3, *range(7, 28)]
@@ -138,6 +139,7 @@ def test_a_refusal_that_cannot_be_repeated_pauses_the_survey_at_once(bench, conf
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert CHANGED in str(status.message)
+    bench.wait_for_visited(3)
     assert numbers(bench) == [1, 2, 3] and bench.analyzer.sweeps == 4
     bench.resume_to_the_end()
 
@@ -146,6 +148,7 @@ def test_a_confirmation_without_an_answer_pauses_the_survey(bench, confirmations
     confirmations.refused[4] = DeviceError(Message("the VNA driver did not answer"))
     bench.start()
     assert "the VNA driver did not answer" in str(bench.wait_for(State.PAUSED).message)
+    bench.wait_for_visited(3)
     assert numbers(bench) == [1, 2, 3]
     bench.resume_to_the_end()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import re
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from gpr20_common.message import Message
 
@@ -87,6 +87,7 @@ class Coverage:
         # thousands.
         self._states = bytearray(planned)
         self._reasons: Dict[int, Message] = {}
+        self._measured_again: Set[int] = set()
         self.on_change: Callable[[Coverage], None] = lambda coverage: None
         for index in stored:
             self._states[index] = SampleState.MEASURED
@@ -113,14 +114,17 @@ class Coverage:
 
     def note_stored(self, index: int) -> None:
         """Note that a sample is stored durably."""
-        self._states[index] = SampleState.MEASURED
+        again = index in self._measured_again
+        self._states[index] = SampleState.REMEASURED if again else SampleState.MEASURED
         self._reasons.pop(index, None)
         self.on_change(self)
 
     def note_remeasured(self, index: int) -> None:
-        """Note that a stored sample was measured again, to compare."""
-        self._states[index] = SampleState.REMEASURED
-        self.on_change(self)
+        """Note that a sample was measured again, to compare; it may still wait for the disk."""
+        self._measured_again.add(index)
+        if self._states[index] == SampleState.MEASURED:
+            self._states[index] = SampleState.REMEASURED
+            self.on_change(self)
 
     def note_failed(self, index: int, reason: Message) -> None:
         """Note that a sample could not be measured, unless it is stored already."""
