@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fault_kit import raises_fault
+from pytest import approx
 
 import gpr20_analysis
 from gpr20_analysis import faults
@@ -31,7 +32,11 @@ def test_candidates_and_files_are_those_of_the_analysis(process, tmp_path):
     image = gpr20_analysis.image_survey(
         cleaned, gpr20_analysis.ImageOptions(permittivity=PERMITTIVITY)
     )
-    assert found == gpr20_analysis.find_candidates(image)
+    here = gpr20_analysis.find_candidates(image)
+    # Sums of several threads differ in their last bits.
+    assert [one.id for one in found.candidates] == [one.id for one in here.candidates]
+    for one, same in zip(found.candidates, here.candidates):
+        assert (one.x_m, one.y_m, one.depth_m) == approx((same.x_m, same.y_m, same.depth_m))
     assert remarks == ""
     table, report = tmp_path / "list.csv", tmp_path / "report.html"
     process.write("candidates", survey, table, PERMITTIVITY, "es", Cancellation())
