@@ -14,5 +14,6 @@ pytest_plugins = [
     "pytest_gpr20.workspace",
     "pytest_gpr20.rostest_items",
     "pytest_gpr20.abilities",
+    "pytest_gpr20.qt_application",
     "pytest_gpr20.real_time",
 ]

@@ -13,7 +13,7 @@ pytest.importorskip("rospy")
 import rospy
 from candidate_examples import POSITIONS, candidate, candidate_list, candidate_lists
 from hypothesis import HealthCheck, given, settings
-from PyQt5.QtWidgets import QApplication, QWidget
+from PyQt5.QtWidgets import QWidget
 from visualization_msgs.msg import Marker
 
 from gpr20_analysis.candidates.files import write_candidates
@@ -51,8 +51,7 @@ HERE = AreaPosition(4.6, -74.1, 30.0)
 
 
 @pytest.fixture(scope="module")
-def sheet():
-    application = QApplication.instance() or QApplication(["test", "-platform", "offscreen"])
+def sheet(application):
     window = QWidget()
     search = CandidateSearch(SimpleNamespace(), lambda: 0.0)
     yield CandidatesSheet(window, search, lambda: "en")

@@ -1,11 +1,9 @@
-import os
 import sys
 from pathlib import Path
 
 import pytest
 from fake_clock import FakeClock
 
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 # The example annotations of gpr20_survey's tests.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test" / "unit"))
 
@@ -13,13 +11,6 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test
 @pytest.fixture
 def clock() -> FakeClock:
     return FakeClock()
-
-
-@pytest.fixture(scope="session")
-def application():
-    from PyQt5.QtWidgets import QApplication
-
-    yield QApplication.instance() or QApplication([])
 
 
 @pytest.fixture

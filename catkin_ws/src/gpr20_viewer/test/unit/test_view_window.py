@@ -12,7 +12,6 @@ import pytest
 
 pytest.importorskip("PyQt5")
 pytest.importorskip("pyqtgraph")
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from ground_kit import point, scene, survey_of
 from PyQt5 import sip
@@ -45,11 +44,6 @@ TARGET = point(240.0, 240.0, 0.083)
 PLACE = Place(0.24, 0.24, 0.083)
 LIMIT_S = 60.0
 WORKER = "latest worker"
-
-
-@pytest.fixture(scope="session")
-def application():
-    yield QApplication.instance() or QApplication([])
 
 
 @pytest.fixture(scope="module")
