@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import List, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_doctor.low import config_files, network, pi_sensors
@@ -20,7 +21,6 @@ from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE
 ROOT = Path("/")
 DEFAULT_CONFIGURATION = "~/.gpr20/robot"
 DEFAULT_SPI = (0, 0)
-DEFAULT_DATA = "~/gpr20_data"
 REAL, SIMULATED, AUTOMATIC = "gpr20", "simulated", "auto"
 
 
@@ -135,8 +135,7 @@ class ThisMachine:
             return None
         folder = storage.configuration.get("data") if storage is not None else None
         folder = folder or config_files.configured(self._config, "storage.yaml", "data")
-        folder = folder or self.environment.get("GPR20_DATA") or DEFAULT_DATA
-        return Path(str(folder)).expanduser()
+        return data_folder(str(folder or ""), self.environment)
 
     def _vna(self, analyzer: Optional[NodeDescription]) -> Union[str, Unknown, None]:
         host = "" if analyzer is None else analyzer.software.host

@@ -6,6 +6,8 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from gpr20_common.low.data_folder import data_folder
+
 
 @dataclass(frozen=True)
 class ImagingParameters:
@@ -19,5 +21,4 @@ class ImagingParameters:
 
     def data_folder(self) -> Path:
         """Return where surveys are stored."""
-        data = self.data.strip() or os.environ.get("GPR20_DATA", "") or "~/gpr20_data"
-        return Path(data).expanduser().absolute()
+        return data_folder(self.data, os.environ)

@@ -10,6 +10,7 @@ from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
+from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
@@ -114,9 +115,7 @@ class ProcessingParameters:
 
     def data_folder(self) -> Path:
         """Return where surveys are stored."""
-        # The output of a command, which roslaunch accepts for a parameter, ends with a line feed.
-        data = self.data.strip() or os.environ.get("GPR20_DATA", "") or "~/gpr20_data"
-        return Path(data).expanduser().absolute()
+        return data_folder(self.data, os.environ)
 
     def limits(self) -> Limits:
         """Return the bounds of the storage."""
