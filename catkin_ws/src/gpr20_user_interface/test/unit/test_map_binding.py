@@ -8,6 +8,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Request
 from gpr20_user_interface.mid.imaging_events import ImageFocused
 from gpr20_user_interface.mid.map_coverage import CoverageRuns
+from gpr20_user_interface.mid.map_grid import Cell, Stop
 from gpr20_user_interface.mid.survey_additions import (
     AdditionsRead,
     MarkersStored,
@@ -67,6 +68,18 @@ def test_a_finer_survey_goes_to_control_and_starts_only_there(filled):
     assert filled.survey.finer == filled.additions.plan == sheet.plan
     filled.on_event(Answer(Request.START, True, verbatim("Survey started")))
     assert filled.survey.finer is filled.additions.plan is None
+
+
+def test_the_trace_of_a_stop_is_shown_and_that_of_its_other_polarization(filled):
+    sheet = filled.map_binding.trace
+    filled.map.trace_wanted.emit(Cell(Stop(0, 0), 0))
+    assert sheet.isVisible() and sheet.plot.has_numbers
+    assert "100" in sheet.title.text() and sheet.polarization.text() == "Antenna 0°"
+    click(sheet.polarization)
+    # Only the first polarization has a trace.
+    assert sheet.polarization.text() == "Antenna 90°" and not sheet.plot.has_numbers
+    click(sheet.polarization)
+    assert sheet.cell == Cell(Stop(0, 0), 0) and sheet.plot.has_numbers
 
 
 def test_a_plan_made_while_a_survey_runs_is_kept_and_found_again(filled):
