@@ -86,7 +86,9 @@ def test_nothing_of_a_tab_is_cut_off(spoken):
     if spoken.look.scale == 1.0:
         hint = spoken.minimumSizeHint()
         fits = hint.width() <= spoken.width() and hint.height() <= spoken.height()
-        assert fits, f"the window needs {size_text(hint)}; its tabs need: {tab_sizes(spoken)}"
+        sizes = f"{size_text(hint)} of {size_text(spoken.size())}"
+        remedy = "put what is new beside something, or behind a touch"
+        assert fits, f"the window needs {sizes}; {remedy}; its tabs need: {tab_sizes(spoken)}"
 
 
 def test_nothing_of_the_pages_of_status_is_cut_off(spoken):

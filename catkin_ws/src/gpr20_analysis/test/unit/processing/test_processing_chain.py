@@ -111,4 +111,6 @@ def test_every_step_documents_itself():
 
 def test_the_page_on_imaging_lists_every_step():
     table = PAGE.read_text("utf-8").split("## Steps\n")[1].split("\n## ")[0]
-    assert set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE)) == set(FUNCTIONS)
+    listed = set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
+    different = listed ^ set(FUNCTIONS)
+    assert not different, f"only in FUNCTIONS, or only in 'Steps' of {PAGE}: {different}"
