@@ -96,8 +96,8 @@ home_of() {
     if [ "$1" = root ]; then echo /root; else echo "/home/$1"; fi
 }
 
-# run_in_chroot WHO COMMAND LOG: with /proc and /dev/shm, which go with its last process, and
-# without /sys, a name of the machine, a locale and anything of the environment of this shell.
+# run_in_chroot WHO COMMAND LOG: with /proc, /sys and /dev/shm, which go with its last process, and
+# without a name of the machine, a locale and anything of the environment of this shell.
 run_in_chroot() {
     local root="$folder/$1" home
     home="$(home_of "$1")"
@@ -105,11 +105,15 @@ run_in_chroot() {
     timeout "$LIMIT_S" unshare --mount --pid --fork --kill-child --uts \
         bash -ec 'hostname bare-debian
             mount -t proc proc "$1/proc"
+            mount -t sysfs sysfs "$1/sys"
             mkdir -p "$1/dev/shm"
             mount -t tmpfs tmpfs "$1/dev/shm"
-            exec env --ignore-environment HOME="$3" USER="$2" PATH=/usr/bin:/bin:/usr/sbin:/sbin \
+            # Not exec: this shell is the init of the chroot, which collects orphans.
+            status=0
+            env --ignore-environment HOME="$3" USER="$2" PATH=/usr/bin:/bin:/usr/sbin:/sbin \
                 "${@:5}" chroot --userspec="$2:$2" --groups="$2" "$1" \
-                bash -c "cd ~/gpr20 && $4"' \
+                bash -c "cd ~/gpr20 && $4" || status=$?
+            exit "$status"' \
         bash "$root" "$1" "$home" "$2" "${network[@]}" </dev/null >"$3" 2>&1
 }
 
