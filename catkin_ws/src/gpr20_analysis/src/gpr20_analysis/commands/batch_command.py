@@ -7,7 +7,7 @@ import copy
 import json
 import shlex
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands import inputs
@@ -15,6 +15,7 @@ from gpr20_analysis.commands.batch_work import (
     Job,
     Outcome,
     connected,
+    earlier,
     outcomes,
     standard_workers,
     unfinished_folder,
@@ -28,7 +29,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_survey.errors import printable
-from gpr20_survey.folder.survey_folder import SURVEY_FILE
+from gpr20_survey.folder.survey_folder import SURVEY_FILE, TRACES_FOLDER
 
 FAILURE = 1
 ENDINGS = {
@@ -42,16 +43,20 @@ ENDINGS = {
 """The commands that make one result of one survey, and its usual ending."""
 OF_ONE_SURVEY = ("figures", "publish", "save_recipe")
 """Options whose effect would be the same place for every survey."""
-EXISTS, FAILED = "exists", "failed"
+FAILED = "failed"
 STATES = {
     "done": Message("done"),
     "not_complete": Message("done, survey not complete"),
     "damaged": Message("done, survey damaged"),
-    EXISTS: Message("exists already"),
+    "exists": Message("exists already"),
+    "exists_not_complete": Message("exists already, survey not complete"),
+    "exists_damaged": Message("exists already, survey damaged"),
     FAILED: Message("failed"),
 }
 """What becomes of a survey: its name for programs and for people."""
-OF_STATUS = {DONE: "done", NOT_COMPLETE: "not_complete", DAMAGED: "damaged"}
+MADE = {DONE: "done", NOT_COMPLETE: "not_complete", DAMAGED: "damaged"}
+FOUND = {DONE: "exists", NOT_COMPLETE: "exists_not_complete", DAMAGED: "exists_damaged"}
+RECORDINGS = ("*.mcap", "*.bag")
 PLACE = "/result"
 """Stands for the survey and the result where the command's options are read."""
 
@@ -60,8 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add = parser.add_argument
     add("survey", type=Path, nargs="+",
-        help="survey as for other commands, or a folder in which all survey folders are "
-        "found")  # fmt: skip
+        help="survey as for other commands, a folder in which all survey folders are found, or "
+        "one of recordings")  # fmt: skip
     add("--into", type=Path, required=True, metavar="FOLDER",
         help="folder of the results; each is named like its survey")  # fmt: skip
     add("--command", default="report", metavar="'COMMAND OPTIONS'",
@@ -76,7 +81,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
         "package, and surveys and results under the same paths")  # fmt: skip
     add("--overwrite", action="store_true",
-        help="make results again that exist; their surveys are skipped otherwise")  # fmt: skip
+        help="make results again that exist; otherwise those of the same command and the same "
+        "state of the survey are kept")  # fmt: skip
     add("--json", action="store_true", help="print the outcome as JSON, for programs")
 
 
@@ -85,19 +91,22 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.workers is not None and chosen.workers < 1:
         raise _refused(Message("--workers is {count}; use 1 or more", count=chosen.workers))
     jobs = _jobs(chosen)
-    left = [job for job in jobs if chosen.overwrite or not job.result.exists()]
     ended: Dict[Job, Outcome] = {}
+    if not chosen.overwrite:
+        before = {job: earlier(job) for job in jobs}
+        ended.update({job: outcome for job, outcome in before.items() if outcome is not None})
+    left = [job for job in jobs if job not in ended]
     if left:
         progress = inputs.progress_bar(catalogue.tr("surveys"))
         workers = connected(chosen.scheduler, chosen.workers or standard_workers(len(left)))
         with unfinished_folder(chosen.into.absolute()) as unfinished, workers as client:
             ended.update(progress(outcomes(client, left, unfinished), len(left)))
-    rows = [(job, ended.get(job)) for job in jobs]
+    rows = [(job, ended[job]) for job in jobs]
     if chosen.json:
         print(json.dumps({"surveys": [_record(*row) for row in rows]}, indent=2))
     else:
         _print(rows, catalogue)
-    return FAILURE if any(outcome and outcome.error for outcome in ended.values()) else DONE
+    return FAILURE if any(outcome.error for outcome in ended.values()) else DONE
 
 
 def _jobs(chosen: argparse.Namespace) -> List[Job]:
@@ -105,6 +114,13 @@ def _jobs(chosen: argparse.Namespace) -> List[Job]:
     ending = chosen.ending
     if ending is None:
         ending = EXPORTS.find(call.format).ending if command == "export" else ENDINGS[command]
+    elif not ending.startswith(".") or "/" in ending:
+        raise _refused(
+            Message(
+                "--ending is {ending}; it begins with a dot and names no folder, such as .pdf",
+                ending=repr(ending),
+            )
+        )
     jobs: Dict[Path, Job] = {}
     for given in chosen.survey:
         for survey, name in _surveys(given, chosen.into.absolute()):
@@ -121,7 +137,7 @@ def _jobs(chosen: argparse.Namespace) -> List[Job]:
                         result=result,
                     )
                 )
-            jobs[result] = Job(name, result, command, own)
+            jobs[result] = Job(name, result, command, own, _made_of(chosen.command, own.survey))
     return list(jobs.values())
 
 
@@ -132,9 +148,21 @@ def _surveys(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
     found = [one for one in below if into not in one.absolute().parents]
     for described in found:
         yield described.parent, str(described.parent.relative_to(given))
-    if not found:
+    # A folder of recordings; one with traces is a survey whose description is lost.
+    loose = [] if (given / TRACES_FOLDER).exists() else RECORDINGS
+    recordings = [one for kind in loose for one in sorted(given.glob(kind)) if not below]
+    for recording in recordings:
+        yield recording, recording.stem
+    if not found and not recordings:
         place = given.resolve()
         yield given, place.name if place.is_dir() else place.stem
+
+
+def _made_of(command: str, survey: Path) -> str:
+    """Return what a result is made of, in words that differ where it may differ."""
+    described = survey / SURVEY_FILE if survey.is_dir() else survey
+    changed_ns = described.stat().st_mtime_ns if described.exists() else None
+    return f"{' '.join(shlex.split(command))} of {survey}, changed {changed_ns}"
 
 
 def _call(chosen: argparse.Namespace) -> Tuple[str, argparse.Namespace]:
@@ -143,7 +171,16 @@ def _call(chosen: argparse.Namespace) -> Tuple[str, argparse.Namespace]:
     Raises:
         AnalysisError: The command cannot be run on many surveys.
     """
-    command, *options = shlex.split(chosen.command) or [""]
+    try:
+        command, *options = shlex.split(chosen.command) or [""]
+    except ValueError as error:
+        raise _refused(
+            Message(
+                "--command is {command}; close its quotation",
+                command=repr(chosen.command),
+                details=error,
+            )
+        ) from error
     if command not in ENDINGS:
         raise _refused(
             Message(
@@ -180,33 +217,36 @@ def _refused(message: Message) -> AnalysisError:
     return AnalysisError(message, fault=faults.OPTION)
 
 
-def _state(outcome: Optional[Outcome]) -> str:
-    if outcome is None:
-        return EXISTS
-    return FAILED if outcome.error else OF_STATUS[outcome.status]
+def _state(outcome: Outcome) -> str:
+    if outcome.error:
+        return FAILED
+    return (FOUND if outcome.seconds is None else MADE)[outcome.status]
 
 
-def _record(job: Job, outcome: Optional[Outcome]) -> Dict[str, Any]:
+def _record(job: Job, outcome: Outcome) -> Dict[str, Any]:
     record: Dict[str, Any] = {
         "survey": str(job.call.survey),
         "state": _state(outcome),
         "result": str(job.result) if job.result.exists() else None,
-        "seconds": None if outcome is None else round(outcome.seconds, 3),
+        "seconds": None if outcome.seconds is None else round(outcome.seconds, 3),
+        "remarks": list(outcome.remarks),
     }
-    if outcome and outcome.error:
+    if outcome.error:
         record["error"] = message_fields(outcome.error)
     return record
 
 
-def _print(rows: Sequence[Tuple[Job, Optional[Outcome]]], catalogue: Catalogue) -> None:
+def _print(rows: Sequence[Tuple[Job, Outcome]], catalogue: Catalogue) -> None:
     title, time, result = catalogue.tr("survey"), catalogue.tr("s"), catalogue.tr("result")
     width = max(len(title), *(len(job.name) for job, _ in rows))
     print(f"{title:{width}}  {time:>8}  {result}")
     for job, outcome in rows:
-        seconds = "" if outcome is None else f"{outcome.seconds:.1f}"
+        seconds = "" if outcome.seconds is None else f"{outcome.seconds:.1f}"
         state = catalogue.text(STATES[_state(outcome)])
         print(printable(f"{job.name:{width}}  {seconds:>8}  {state}"))
-        if outcome and outcome.error:
+        for remark in outcome.remarks:
+            print(printable(f"    {remark}"))
+        if outcome.error:
             for line in [outcome.error, *first_steps(outcome.error)]:
                 print(printable(f"    {shown(line, catalogue)}"))
 

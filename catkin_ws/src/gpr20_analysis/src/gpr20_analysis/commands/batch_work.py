@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import copy
 import io
+import json
 import logging
 import shutil
 import tempfile
@@ -45,21 +46,61 @@ class Job:
         result: Where the result is put.
         command: Name of the command.
         call: Arguments of the command, but for the output.
+        made_of: The command with its options, the survey, and when that changed last: a result of
+            the same needs not be made again.
     """
 
     name: str
     result: Path
     command: str
     call: argparse.Namespace
+    made_of: str
+
+    @property
+    def note(self) -> Path:
+        """The file beside the result that says what it was made of and what became of it."""
+        return self.result.with_name(f".{self.result.name}.made")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a survey: the command's exit status, and why there is no result."""
+    """What became of a survey.
+
+    Attributes:
+        status: The command's exit status.
+        seconds: How long it took; None: the result was there.
+        remarks: What the command said about the survey, such as what has no data.
+        error: Why there is no result.
+    """
 
     status: int
-    seconds: float
+    seconds: Optional[float]
+    remarks: Tuple[str, ...] = ()
     error: Optional[Message] = None
+
+
+def earlier(job: Job) -> Optional[Outcome]:
+    """Return the outcome of an earlier run, None if there is no result yet.
+
+    A result that is not of this command, these options and this state of the survey is an error.
+    """
+    if not job.result.exists():
+        return None
+    try:
+        noted = json.loads(job.note.read_text(encoding="utf-8"))
+        if noted["made_of"] == job.made_of:
+            return Outcome(int(noted["status"]), None, tuple(map(str, noted["remarks"])))
+    except (OSError, ValueError, TypeError, KeyError):
+        pass  # as if it said something else
+    return Outcome(
+        REFUSED,
+        None,
+        error=Message(
+            "{result} is there, but not known to be of this command and this state of the survey; "
+            "give --overwrite or another --into",
+            result=job.result,
+        ).with_fault(faults.OPTION),
+    )
 
 
 def standard_workers(jobs: int) -> int:
@@ -83,7 +124,7 @@ def connected(address: Optional[str], workers: int) -> Iterator[Client]:
             threads_per_worker=1,
             memory_limit=0,
             preload=WITHOUT_CTRL_C,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # None takes port 8787, which may be in use
             silence_logs=logging.CRITICAL,
         ) as cluster, Client(cluster) as client:
             yield client
@@ -152,21 +193,24 @@ def compute(job: Job, unfinished: Path) -> Outcome:
     made = folder / job.result.name
     call = copy.copy(job.call)
     call.output = [made] if isinstance(call.output, list) else made
-    printed = io.StringIO()
+    said = io.StringIO()
     status, reason = REFUSED, None
     try:
         # One survey is computed by one worker.
-        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(
-            printed
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(
+            said
         ), dask.config.set(scheduler="threads"):
             status = load(job.command).run(call, read_catalogue(language_from_code(call.language)))
         job.result.parent.mkdir(parents=True, exist_ok=True)
+        note = {"made_of": job.made_of, "status": status, "remarks": said.getvalue().splitlines()}
+        (folder / job.note.name).write_text(json.dumps(note), encoding="utf-8")
         # The file that marks a job as done comes last.
         for one in sorted(folder.iterdir(), key=lambda path: path == made):
             put(one, job.result.with_name(one.name), folder / "replaced")
     except Exception as error:  # any of them is told, and concerns this survey only
         reason = message_of(error, f"gpr20 {job.command} {call.survey}")
-    return Outcome(status, time.monotonic() - started_s, reason)
+    remarks = () if reason else said.getvalue().splitlines()
+    return Outcome(status, time.monotonic() - started_s, tuple(remarks), reason)
 
 
 def _lost(error: BaseException, job: Job) -> Outcome:
@@ -176,4 +220,4 @@ def _lost(error: BaseException, job: Job) -> Outcome:
             "every worker that computed this survey was killed, probably for lack of memory",
             details=error,
         ).with_fault(faults.WORKER_KILLED)
-    return Outcome(REFUSED, 0.0, reason)
+    return Outcome(REFUSED, 0.0, error=reason)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -112,7 +113,7 @@ def test_the_survey_of_a_killed_worker_is_computed_by_another(surveys, tmp_path)
     assert process.returncode == 0, error
     assert printed.count("done") == 4, printed
     names = ["6.nc", "7.nc", "8.nc", "9.nc"]
-    assert sorted(one.name for one in into.iterdir()) == names
+    assert sorted(one.name for one in into.glob("[!.]*")) == names
     for survey, name in zip(surveys, names):
         assert main([*IMAGE.split(), survey, "-o", str(alone / name)]) == 0
         assert load_survey(into / name).identical(load_survey(alone / name))
@@ -138,6 +139,38 @@ def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(tmp_p
     assert (into / "whole.csv").stat().st_mtime_ns == made
     assert [one["state"] for one in batch(*arguments, "--overwrite")[1]] == ["done", "done"]
     assert (into / "whole.csv").stat().st_mtime_ns > made
+
+
+def test_a_result_of_another_command_or_an_earlier_state_is_not_taken_for_this_one(tmp_path, batch):
+    survey, into = tmp_path / "one.nc", tmp_path / "into"
+    write_noise(survey, 6)
+    arguments = [survey, "--into", into, "--workers", 1, "--command"]
+    assert batch(*arguments, IMAGE)[0] == 0
+    assert batch(*arguments, "process --step window")[1][0]["state"] == "failed"
+    status, (other,) = batch(*arguments, IMAGE.replace("4", "9", 1))
+    assert (status, other["error"]["fault_code"]) == (1, faults.OPTION.code)
+    assert [one["state"] for one in batch(*arguments, IMAGE)[1]] == ["exists"]
+    write_noise(survey, 7)
+    assert batch(*arguments, IMAGE)[0] == 1
+    assert batch(*arguments, IMAGE, "--overwrite")[0] == 0
+
+
+def test_what_a_survey_lacks_is_said_each_time(tmp_path, batch):
+    data = make_survey(tmp_path / "data", len(POINTS) - 1, "stopped").parent
+    arguments = [data, "--into", tmp_path / "into", "--workers", 1, "--command", "plot coverage"]
+    for state in ("not_complete", "exists_not_complete"):
+        status, (record,) = batch(*arguments)
+        assert (status, record["state"]) == (0, state)
+        assert any("NO DATA" in remark for remark in record["remarks"])
+
+
+def test_the_recordings_of_a_folder_are_surveys(tmp_path, batch, made_survey):
+    (tmp_path / "many").mkdir()
+    for name in ("a", "b"):
+        shutil.copy(str(made_survey / "survey.mcap"), str(tmp_path / "many" / f"{name}.mcap"))
+    arguments = [tmp_path / "many", "--into", tmp_path / "into", "--workers", 1]
+    status, records = batch(*arguments, "--command", "export --format netcdf")
+    assert (status, [one["state"] for one in records]) == (0, ["done", "done"])
 
 
 def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(surveys, tmp_path, batch):
@@ -195,6 +228,9 @@ def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, mo
         ["a.nc", "--command", ""],
         ["a.nc", "--workers", "0"],
         ["one/a.nc", "two/a.nc"],
+        ["a.nc", "--ending", "pdf"],
+        ["a.nc", "--ending", "/../../a.pdf"],
+        ["a.nc", "--command", "plot 'coverage"],
     ],
 )
 def test_what_cannot_be_done_for_many_surveys_is_refused(tmp_path, refusals, arguments):
