@@ -134,7 +134,16 @@ def _section(section: Section) -> List[Flowable]:
 
 def _text(text: str, style: ParagraphStyle) -> Paragraph:
     # What a survey says is never markup.
-    return Paragraph(escape(text).replace("\n", "<br/>"), style)
+    return Paragraph(escape(_letters(text, style.fontName)).replace("\n", "<br/>"), style)
+
+
+def _letters(text: str, font: str) -> str:
+    """Return a text with the codes of letters that a font lacks: a box would lose them."""
+    known = pdfmetrics.getFont(font).face.charToGlyph
+    return "".join(
+        one if ord(one) in known or one.isspace() else one.encode("unicode_escape").decode("ascii")
+        for one in text
+    )
 
 
 def _table(section: Section) -> LongTable:
@@ -163,7 +172,7 @@ def _column_widths(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> Lis
 
 
 def _width_pt(cell: str) -> float:
-    lines = cell.splitlines() or [""]
+    lines = _letters(cell, FONT).splitlines() or [""]
     return 1.0 + max(float(pdfmetrics.stringWidth(one, FONT, TEXT.fontSize)) for one in lines)
 
 

@@ -63,6 +63,13 @@ def test_each_page_of_a_table_has_its_titles_and_every_row_is_there_once(pages):
     assert [sum(text.count(name) for text in texts) for name, _ in rows] == 100 * [1]
 
 
+def test_letters_that_the_font_lacks_are_shown_by_their_codes(pages):
+    (page,) = pages(Report("日 á", [Section("t", lines=("地雷 ñ",), rows=[("雷", "x")])]))
+    text = text_of(page)
+    for shown in ("\\u65e5 á", "\\u5730\\u96f7 ñ", "\\u96f7 x"):
+        assert shown in text.replace("\n", " ")
+
+
 def test_a_heading_is_never_the_last_line_of_a_page(pages):
     sections = [Section(f"heading {n}", rows=[(f"{n}", "x")] * (n % 5 + 1)) for n in range(40)]
     for page in pages(Report("t", sections)):
