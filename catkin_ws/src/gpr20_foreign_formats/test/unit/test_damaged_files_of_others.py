@@ -1,4 +1,4 @@
-"""Files of other programs that are damaged are refused, and what is missing in them is told."""
+"""Files of other programs that are damaged are refused, and what they lack is reported."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def test_a_child_that_died_is_replaced(imaging, survey, analysis):
 def test_a_child_that_was_killed_between_requests_is_replaced(imaging, survey):
     first = imaging.focus("a", survey.name, 4.0).traces
     os.kill(first, signal.SIGKILL)
-    # Its end, not only that of its first thread; the node shall collect it.
+    # The end of all its threads; the node collects it.
     os.waitid(os.P_PID, first, os.WEXITED | os.WNOWAIT)
     assert imaging.focus("b", survey.name, 4.0).traces != first
 

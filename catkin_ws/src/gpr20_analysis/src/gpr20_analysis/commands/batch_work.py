@@ -207,7 +207,7 @@ def compute(job: Job, unfinished: Path) -> Outcome:
         # The file that marks a job as done comes last.
         for one in sorted(folder.iterdir(), key=lambda path: path == made):
             put(one, job.result.with_name(one.name), folder / "replaced")
-    except Exception as error:  # any of them is told, and concerns this survey only
+    except Exception as error:  # whatever it is, it is reported for this survey only
         reason = message_of(error, f"gpr20 {job.command} {call.survey}")
     remarks = () if reason else said.getvalue().splitlines()
     return Outcome(status, time.monotonic() - started_s, tuple(remarks), reason)

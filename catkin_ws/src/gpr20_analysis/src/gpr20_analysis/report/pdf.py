@@ -150,7 +150,7 @@ def _table(section: Section) -> LongTable:
     rows = [[_text(cell, TEXT) for cell in row] for row in section.rows]
     titles = [[_text(cell, COLUMN_TITLE) for cell in section.heading]] if section.heading else []
     widths_pt = [one + BETWEEN_COLUMNS_PT for one in _column_widths(section.heading, section.rows)]
-    # A row that is higher than a page, such as long notes, goes on on the next one.
+    # A row that is higher than a page, such as long notes, continues on the next one.
     return LongTable(
         [*titles, *rows], widths_pt, repeatRows=len(titles), splitInRow=1, hAlign="LEFT",
         style=ROWS,

@@ -212,13 +212,13 @@ def test_a_trace_with_other_settings_of_the_vna_is_named(tmp_path, recorded, wan
     }
     other = {5: {"analyzer": AnalyzerSettings(500.0, 1, "LOW")}, 6: {"analyzer": NO_SETTINGS}}
     folder = make_survey(tmp_path, 18, "stopped", misplaced=other, more=more)
-    told = "was measured with other settings of the VNA:"
+    differs = "was measured with other settings of the VNA:"
     low, unknown = texts(verify_survey(folder).faults)
     assert low.startswith(
-        f"trace 5 {told} IF bandwidth 500 Hz, averages 1, output power LOW instead"
+        f"trace 5 {differs} IF bandwidth 500 Hz, averages 1, output power LOW instead"
     )
     assert unknown.startswith(
-        f"trace 6 {told} IF bandwidth unknown, averages unknown, output power unknown instead"
+        f"trace 6 {differs} IF bandwidth unknown, averages unknown, output power unknown instead"
     )
 
 

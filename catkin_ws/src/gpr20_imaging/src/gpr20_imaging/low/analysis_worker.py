@@ -76,7 +76,7 @@ def serve(connection: Connection, analysis: Any) -> None:
             return
         try:
             answer = (getattr(analysis, name)(*arguments), None)
-        except Exception as error:  # the node tells any of them, and the process stays
+        except Exception as error:  # the node reports it, and the process stays
             traceback.print_exc()
             answer = (None, gpr20_analysis.message_of(error, f"imaging: {name}"))
         connection.send(answer)
