@@ -160,8 +160,9 @@ def _surveys(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
 
 def _made_of(command: str, survey: Path) -> str:
     """Return what a result is made of, in words that differ where it may differ."""
-    described = survey / SURVEY_FILE if survey.is_dir() else survey
-    changed_ns = described.stat().st_mtime_ns if described.exists() else None
+    # A running survey gets traces before its description changes.
+    parts = [survey, survey / SURVEY_FILE, survey / TRACES_FOLDER]
+    changed_ns = max((one.stat().st_mtime_ns for one in parts if one.exists()), default=None)
     return f"{' '.join(shlex.split(command))} of {survey}, changed {changed_ns}"
 
 

@@ -162,6 +162,9 @@ def test_what_a_survey_lacks_is_said_each_time(tmp_path, batch):
         status, (record,) = batch(*arguments)
         assert (status, record["state"]) == (0, state)
         assert any("NO DATA" in remark for remark in record["remarks"])
+    # A trace less or more is another state, though the description is the same.
+    next((data / record["survey"] / "traces").iterdir()).unlink()
+    assert batch(*arguments)[1][0]["state"] == "failed"
 
 
 def test_the_recordings_of_a_folder_are_surveys(tmp_path, batch, made_survey):
