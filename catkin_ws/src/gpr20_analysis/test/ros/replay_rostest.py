@@ -26,6 +26,7 @@ from gpr20_msgs.msg import (
     AuxValue,
     AxisActionResult,
     ControlStatus,
+    CurrentCoordinate,
     NodeDescription,
     RobotConfiguration,
     ServiceStatus,
@@ -39,6 +40,7 @@ from survey_kit import POINTS, make_survey, planned_trace
 
 TIME_LIMIT_S = 60.0
 FAULT_CODE = "string fault_code"
+ZERO = ("uint32 zero_epoch", "time zero_time")
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "replay"
 
 
@@ -102,12 +104,15 @@ class ReplayTest(unittest.TestCase):
         self.assertGreaterEqual(took_s, (len(POINTS) - 1) / 4)
 
     def test_traces_of_all_versions_of_a_resumed_survey_arrive_on_one_topic(self) -> None:
-        added = ("std_msgs/Header", "AuxValue[]")
+        zeros = ("uint32[3] zero_epochs", "time[3] zero_times")
+        added = ("std_msgs/Header", "AuxValue[]", *zeros)
+        old = old_message(Trace, *zeros)
         older = old_message(Trace, *added)
         oldest = old_message(
             Trace, *added, "float64 if_bandwidth_hz", "int32 averages", "string output_power"
         )
-        self.assertEqual((older._md5sum, oldest._md5sum), trace_message.FORMER_MD5SUMS)
+        former = (old._md5sum, older._md5sum, oldest._md5sum)
+        self.assertEqual(former, trace_message.FORMER_MD5SUMS)
         recording = self.data / "old.mcap"
         settings = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
         values = {"timestamp": rospy.Time(1_790_000_000), "s21_real": [0.5], "quality": ["remark"]}
@@ -116,7 +121,7 @@ class ReplayTest(unittest.TestCase):
             recording,
             ("/trace", oldest(index=0, sample_id="0", **values)),
             (f"/trace_{older._md5sum[:8]}", older(index=1, sample_id="1", **values, **settings)),
-            (f"/trace_{Trace._md5sum[:8]}", Trace(index=2, sample_id="2", **settings, aux=aux)),
+            (f"/trace_{old._md5sum[:8]}", old(index=2, sample_id="2", **settings, aux=aux)),
             (f"/trace_{older._md5sum[:8]}", older(index=3, sample_id="3", **values, **settings)),
         )
         self.run_node(recording, "--rate", "4")
@@ -200,7 +205,7 @@ class ReplayTest(unittest.TestCase):
 
     def test_messages_of_the_version_before_the_fault_codes_arrive_without_one(self) -> None:
         kinds = (ControlStatus, ServiceStatus, RobotConfiguration, AxisActionResult)
-        messages = [old_message(kind, FAULT_CODE)() for kind in kinds]
+        messages = [old_message(kind, FAULT_CODE, *ZERO)() for kind in kinds]
         *said, result = messages
         for one in (*said, result.result):
             one.message, one.message_json = "the axis is not homed", '{"template": "x"}'
@@ -224,6 +229,22 @@ class ReplayTest(unittest.TestCase):
                 (one.message, one.message_json, one.fault_code),
                 ("the axis is not homed", '{"template": "x"}', ""),
             )
+
+    def test_coordinates_of_the_version_before_the_zeros_arrive_without_one(self) -> None:
+        recording = self.data / "old.mcap"
+        old = old_message(CurrentCoordinate, *ZERO, "string owner")
+        write_latched(recording, ("/x_axis/current_coord", old(coordinate=20.0, homed=True)))
+        received = []
+        topic = "/x_axis/current_coord"
+        self.subscribers.append(rospy.Subscriber(topic, CurrentCoordinate, received.append))
+        self.run_node(recording, "--rate", "4")
+        deadline_s = time.monotonic() + TIME_LIMIT_S
+        while not received and time.monotonic() < deadline_s:
+            time.sleep(0.01)
+        (one,) = received
+        self.assertEqual(
+            (one.coordinate, one.homed, one.zero_epoch, one.owner), (20.0, True, 0, "")
+        )
 
     def test_beside_a_robot_it_is_refused_and_no_trace_is_published(self) -> None:
         robot = rospy.Publisher("/trace", Trace, queue_size=1)

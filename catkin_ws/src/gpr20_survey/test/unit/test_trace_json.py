@@ -34,12 +34,37 @@ def test_neighbouring_frequencies_stay_apart(frequency_hz):
 
 
 def test_the_keys_are_those_of_the_format():
-    assert list(json.loads(trace_json.encode(make_trace()))) == [*KEYS, *ANALYZER_KEYS, "aux"]
+    assert list(json.loads(trace_json.encode(make_trace()))) == [
+        *(*KEYS, *ANALYZER_KEYS, "aux", "zero_epochs", "zero_times")
+    ]
 
 
-def test_a_trace_without_known_settings_and_other_sensors_has_the_form_of_early_versions():
-    unknown = make_trace(analyzer=AnalyzerSettings(), aux=())
+def test_a_trace_without_known_settings_sensors_and_zeros_has_the_form_of_early_versions():
+    unknown = make_trace(analyzer=AnalyzerSettings(), aux=(), zeros=())
     assert list(json.loads(trace_json.encode(unknown))) == KEYS
+
+
+@each_case(
+    "changes",
+    [
+        {"zero_epochs": None},
+        {"zero_times": None},
+        {"zero_epochs": [], "zero_times": []},
+        {"zero_epochs": [1, 2]},
+        {"zero_epochs": [1, 2, 3, 4]},
+        {"zero_epochs": [0, 1, 2]},
+        {"zero_epochs": [1, 2, 1 << 32]},
+        {"zero_epochs": [1.0, 2, 3]},
+        {"zero_epochs": [True, 2, 3]},
+        {"zero_times": ["yesterday"] * 3},
+        {"zero_times": [0, 1, 2]},
+    ],
+)
+def test_zeros_that_are_not_three_numbers_with_three_times_are_refused(changes):
+    values = {**json.loads(trace_json.encode(make_trace())), **changes}
+    kept = {name: value for name, value in values.items() if value is not None}
+    with pytest.raises(TraceRefusedError):
+        trace_json.from_values(kept)
 
 
 @each_case(

@@ -25,6 +25,7 @@ from trace_examples import (
 )
 
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.axes.zero_epoch import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -43,7 +44,8 @@ MOMENT = st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1)
 MEMORY_BYTES = 4 << 20
 # Where the lengths lie in the example's message: of three texts and, behind them, of the arrays.
 HEADER = 4 + 8 + 4 + len("antenna_link")
-AUX = -(8 + 4 + len("\N{DEGREE SIGN}C".encode()) + 8 + 4 + len("soil_temperature"))
+ZEROS_BYTES = 36
+AUX = -(ZEROS_BYTES + 8 + 4 + len("\N{DEGREE SIGN}C".encode()) + 8 + 4 + len("soil_temperature"))
 QUALITY = AUX - 4 - (4 + len("HIGH") + 12) - len("level low") - 4
 FIRST_ARRAY = HEADER + 4 + 13 + 4 + 36 + 4 + 8 + 4 + 8 + 32
 
@@ -69,6 +71,11 @@ def aux_values():
     return st.lists(value, max_size=32, unique_by=lambda one: one.name).map(tuple)
 
 
+def zeros():
+    epoch = st.builds(ZeroEpoch, st.integers(1, MAX_NUMBER), st.integers(0, MAX_TIME_US))
+    return st.just(()) | st.tuples(*(AXES * [epoch]))
+
+
 @st.composite
 def traces(draw):
     points = draw(st.integers(2, 20))
@@ -91,6 +98,7 @@ def traces(draw):
         quality=tuple(draw(st.lists(REMARK, max_size=32))),
         analyzer=draw(analyzer_settings()),
         aux=draw(aux_values()),
+        zeros=draw(zeros()),
     )
 
 
@@ -112,6 +120,7 @@ def test_every_trace_comes_back_from_its_json_file(trace):
     held = trace_json.ANALYZER_KEYS & json.loads(content).keys()
     assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
     assert (trace_json.AUX in json.loads(content)) == bool(trace.aux)
+    assert (trace_json.ZERO_EPOCHS in json.loads(content)) == bool(trace.zeros)
 
 
 @each_case("md5sum", trace_message.FORMER_MD5SUMS)
@@ -120,9 +129,11 @@ def test_every_trace_comes_back_from_its_json_file(trace):
 def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5sum, trace):
     data = trace_message.encode(trace, md5sum)
     decoded = trace_message.decode(data, md5sum)
-    has_settings = md5sum == trace_message.WITHOUT_HEADER_MD5SUM
-    settings = trace.analyzer if has_settings else AnalyzerSettings()
-    former = dataclasses.replace(trace, analyzer=settings, aux=())
+    former = dataclasses.replace(trace, zeros=())
+    if md5sum != trace_message.WITHOUT_ZEROS_MD5SUM:
+        former = dataclasses.replace(former, aux=())
+    if md5sum == trace_message.WITHOUT_SETTINGS_MD5SUM:
+        former = dataclasses.replace(former, analyzer=AnalyzerSettings())
     assert decoded.fingerprint() == former.fingerprint()
     assert trace_message.encode(decoded, md5sum) == data
     message = FORMER_TYPES[md5sum].deserialize_ros1(data, "gpr20_msgs/msg/Trace")
@@ -221,8 +232,8 @@ def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint(bit):
         else:
             assert trace_message.encode(decoded) != data
     # Nothing but the number that every publisher gives a header, and parts of a microsecond, which
-    # no form of a trace holds: 10 bits of five times.
-    assert len([place for place in same if place >= 4]) <= 10
+    # no form of a trace holds: 10 bits of eight times.
+    assert len([place for place in same if place >= 4]) <= 16
 
 
 @given(st.binary(max_size=400))
@@ -242,7 +253,7 @@ def test_any_bytes_in_a_message_are_refused_or_make_a_checked_trace(place, data)
     assert decoded.survey_id != "" and np.isfinite(decoded.s21_real).all()
 
 
-@each_case("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -14])
+@each_case("place", [12, 28, 45, FIRST_ARRAY, FIRST_ARRAY + 44, QUALITY, AUX, -50])
 @each_case("size", [1 << 20, (1 << 31) - 1, (1 << 32) - 1])
 def test_a_length_that_lies_takes_no_memory(place, size):
     data = bytearray(trace_message.encode(make_trace()))

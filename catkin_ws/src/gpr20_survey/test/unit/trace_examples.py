@@ -6,10 +6,11 @@ import json
 import math
 from dataclasses import astuple
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import Any, Callable, Dict, Tuple
 
 import numpy as np
 
+from gpr20_survey.axes.zero_epoch import AXES, ZeroEpoch, Zeros
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -19,21 +20,29 @@ SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
 TRACE_TEXT = (MESSAGES / "Trace.msg").read_text()
-# With the types that it contains, as a recording holds it.
-TRACE_DEFINITION = "\n".join(
-    (
-        *(TRACE_TEXT, "=" * 80, "MSG: std_msgs/Header"),
-        *("uint32 seq\ntime stamp\nstring frame_id\n", "=" * 80, "MSG: gpr20_msgs/AuxValue"),
-        (MESSAGES / "AuxValue.msg").read_text(),
+
+
+def _definition(text: str) -> str:
+    """Return a definition with the types that it contains, as a recording holds it."""
+    return "\n".join(
+        (
+            *(text, "=" * 80, "MSG: std_msgs/Header"),
+            *("uint32 seq\ntime stamp\nstring frame_id\n", "=" * 80, "MSG: gpr20_msgs/AuxValue"),
+            (MESSAGES / "AuxValue.msg").read_text(),
+        )
     )
-)
+
+
+TRACE_DEFINITION = _definition(TRACE_TEXT)
 # Of recordings that earlier versions made, by checksum.
+_WITHOUT_ZEROS = TRACE_TEXT[: TRACE_TEXT.index("# Zeros that")]
 _WITHOUT_HEADER = "".join(
     line
-    for line in TRACE_TEXT.splitlines(keepends=True)
+    for line in _WITHOUT_ZEROS.splitlines(keepends=True)
     if not line.startswith(("std_msgs/Header", "AuxValue"))
 )
 FORMER_DEFINITIONS = {
+    trace_message.WITHOUT_ZEROS_MD5SUM: _definition(_WITHOUT_ZEROS),
     trace_message.WITHOUT_HEADER_MD5SUM: _WITHOUT_HEADER,
     trace_message.WITHOUT_SETTINGS_MD5SUM: _WITHOUT_HEADER[
         : _WITHOUT_HEADER.index("# Settings of the VNA")
@@ -63,6 +72,7 @@ def make_trace(index: int = 0, **changes: Any) -> Trace:
         "quality": ("level low",),
         "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
         "aux": (AuxValue("soil_temperature", 18.5, "\N{DEGREE SIGN}C", STARTED_US),),
+        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(AXES)),
     }
     return Trace(**{**fields, **changes})
 
@@ -90,6 +100,7 @@ def assert_same_numbers(trace: Trace, values: Any) -> None:
     assert _aux_of(get("aux") if isinstance(values, dict) else getattr(values, "aux", None)) == (
         trace.aux
     )
+    assert _zeros_of(get) == trace.zeros
 
 
 def _aux_of(values: Any) -> Tuple[AuxValue, ...]:
@@ -100,6 +111,21 @@ def _aux_of(values: Any) -> Tuple[AuxValue, ...]:
         else AuxValue(one.name, one.value, one.unit, _time_us(one.stamp))
         for one in values or ()
     )
+
+
+def _zeros_of(get: Callable[[str], Any]) -> Zeros:
+    """Return the zeros of a JSON file or a message; a former version has none."""
+    try:
+        numbers, times = get("zero_epochs"), get("zero_times")
+    except AttributeError:
+        return ()
+    zeros = tuple(
+        ZeroEpoch(
+            int(number), utc_time.parse_iso(time) if isinstance(time, str) else _time_us(time)
+        )
+        for number, time in zip(() if numbers is None else numbers, times or ())
+    )
+    return zeros if any(one.is_known for one in zeros) else ()
 
 
 def _time_us(stamp: Any) -> int:

@@ -10,6 +10,7 @@ from gpr20_msgs.msg import (
     AxisActionResult,
     CandidateList,
     ControlStatus,
+    CurrentCoordinate,
     ImagingProgress,
     NodeDescription,
     RobotConfiguration,
@@ -87,14 +88,18 @@ def completed_configuration(data: bytes) -> bytes:
 
 # Bytes of an empty string or an empty list in a ROS message.
 EMPTY = 4
+# And of a zero of an axis: its number and time.
+ZERO = 12
 # By the checksum of the old definition: the present type, and the length of the fields that it
 # adds at its end. They are empty or zero.
 ADDED: Dict[str, Tuple[type, int]] = {
     "7b530785257ca423f317a80d75c5dad5": (ControlStatus, 2 * EMPTY),
     "a03e61f3a68474fd87c9325d30026060": (ControlStatus, EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
-    "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, 2 * EMPTY),
-    "f06ebb79ed3434417ea61b7366a83ad7": (AxisActionResult, EMPTY),
+    "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, 2 * EMPTY + ZERO),
+    "f06ebb79ed3434417ea61b7366a83ad7": (AxisActionResult, EMPTY + ZERO),
+    "0190c6a34a26aa1f2b312556adc2f9c5": (AxisActionResult, ZERO),
+    "e061ccf0018c3c5d62199e8edb7b6a7e": (CurrentCoordinate, ZERO + EMPTY),
     "3741ab00ba640a2a8da407c0f664e814": (CandidateList, 4 + EMPTY),
     "590625d6ef1577da2231acdc855d35aa": (NodeDescription, 3 * EMPTY),
     "eaf89b67ef3f427e785f46baa81d1eff": (RobotConfiguration, EMPTY),

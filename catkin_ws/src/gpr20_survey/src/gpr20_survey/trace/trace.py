@@ -10,6 +10,7 @@ from typing import Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
+from gpr20_survey.axes.zero_epoch import Zeros, are_zeros
 from gpr20_survey.trace.aux_value import AuxValue, check_aux
 from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
 
@@ -39,6 +40,7 @@ class Trace(Sweep):
         antennae_height_m: Above the ground [m]; NaN if it was not measured.
         format: Version of this record.
         aux: What other sensors measured at this trace; names are unique.
+        zeros: The zeros that x, y and z refer to; empty if they are not known.
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
@@ -54,6 +56,7 @@ class Trace(Sweep):
     antennae_height_m: float
     format: str = FORMAT
     aux: Tuple[AuxValue, ...] = ()
+    zeros: Zeros = ()
 
     def __post_init__(self) -> None:
         self._check_names()
@@ -61,6 +64,14 @@ class Trace(Sweep):
         super().__post_init__()
         check_time("timestamp", self.timestamp_us)
         check_aux(self.aux)
+        if not are_zeros(self.zeros):
+            refuse(
+                Message(
+                    "the zeros of the axes are {zeros}; each of x, y and z must have one, with a "
+                    "number above 0 and a time, or none",
+                    zeros=shortened(str(self.zeros)),
+                )
+            )
 
     @property
     def label(self) -> Message:
@@ -77,6 +88,7 @@ class Trace(Sweep):
             *(self.sweep_started_us, self.sweep_ended_us, tuple(self.quality)),
             *(float(self.analyzer.if_bandwidth_hz), *astuple(self.analyzer)[1:]),
             *((one.name, float(one.value), one.unit, one.stamp_us) for one in self.aux),
+            *map(astuple, self.zeros),
         )
         digest = hashlib.blake2b(repr(words).encode(), digest_size=16)
         for values in (self.frequency_hz, self.s21_real, self.s21_imag):

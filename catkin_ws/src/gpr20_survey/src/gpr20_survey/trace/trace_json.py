@@ -11,6 +11,7 @@ import numpy as np
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey import faults
+from gpr20_survey.axes.zero_epoch import ZeroEpoch, Zeros
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.aux_value import AuxValue
@@ -28,6 +29,9 @@ ANALYZER_KEYS = frozenset(("if_bandwidth_hz", "averages", "output_power"))
 # Absent from a trace that has no values of other sensors.
 AUX = "aux"
 AUX_KEYS = frozenset(("name", "value", "unit", "stamp"))
+# Absent from a trace whose zeros are not known: that of an early version.
+ZERO_EPOCHS, ZERO_TIMES = "zero_epochs", "zero_times"
+ZERO_KEYS = frozenset((ZERO_EPOCHS, ZERO_TIMES))
 
 
 def encode(trace: Trace) -> bytes:
@@ -68,6 +72,9 @@ def encode(trace: Trace) -> bytes:
             }
             for one in trace.aux
         ]
+    if trace.zeros:
+        values[ZERO_EPOCHS] = [one.number for one in trace.zeros]
+        values[ZERO_TIMES] = [utc_time.iso_text(one.time_us) for one in trace.zeros]
     return (json.dumps(values, allow_nan=False) + "\n").encode("ascii")
 
 
@@ -96,7 +103,9 @@ def from_values(values: Any) -> Trace:
     Raises:
         TraceRefusedError: It is not the value of a trace's file.
     """
-    keys = values.keys() - {AUX} if isinstance(values, dict) else None
+    keys = values.keys() - {AUX} if isinstance(values, dict) else frozenset()
+    if keys & ZERO_KEYS == ZERO_KEYS:
+        keys = keys - ZERO_KEYS
     if keys not in (KEYS, KEYS | ANALYZER_KEYS):
         raise TraceRefusedError(
             Message("the file does not hold exactly the entries of a trace"),
@@ -134,6 +143,7 @@ def _trace(values: Dict[str, Any]) -> Trace:
         "quality": tuple(values["quality"]),
         "analyzer": _analyzer(values),
         "aux": _aux(values),
+        "zeros": _zeros(values),
     }
     return Trace(**fields)
 
@@ -156,6 +166,21 @@ def _aux(values: Dict[str, Any]) -> Tuple[AuxValue, ...]:
             utc_time.parse_iso(_of_type(one, "stamp", str)),
         )
         for one in found
+    )
+
+
+def _zeros(values: Dict[str, Any]) -> Zeros:
+    if ZERO_EPOCHS not in values:
+        return ()
+    numbers, times = _list(values, ZERO_EPOCHS), _list(values, ZERO_TIMES)
+    # One trace has one form.
+    if not numbers or len(numbers) != len(times) or {*map(type, numbers)} != {int}:
+        raise InvalidValueError(
+            Message("the trace does not hold one number and one time for each zero"),
+            fault=faults.TRACE_NOT_ALLOWED,
+        )
+    return tuple(
+        ZeroEpoch(number, utc_time.parse_iso(time)) for number, time in zip(numbers, times)
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
+from gpr20_survey.axes.zero_epoch import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.trace import utc_time
@@ -24,18 +25,23 @@ Item = TypeVar("Item")
 
 DATATYPE = "gpr20_msgs/Trace"
 # Of the fields that are written and read below, as ROS computes it.
-MD5SUM = "1009378aeaf096e9d9aa3e0c04f18aad"
-# Of recordings of earlier versions: without the header and aux.
+MD5SUM = "ec373fee7fec8ef74bb147d7899ddcba"
+# Of recordings of earlier versions: without the zeros of the axes.
+WITHOUT_ZEROS_MD5SUM = "1009378aeaf096e9d9aa3e0c04f18aad"
+# And without the header and aux.
 WITHOUT_HEADER_MD5SUM = "2878bcdbff04f10f82e1d7bfa25b0325"
 # And without the settings of the analyzer.
 WITHOUT_SETTINGS_MD5SUM = "2960f4daab5f0e952630a63f0c2bce22"
-FORMER_MD5SUMS = (WITHOUT_HEADER_MD5SUM, WITHOUT_SETTINGS_MD5SUM)
+FORMER_MD5SUMS = (WITHOUT_ZEROS_MD5SUM, WITHOUT_HEADER_MD5SUM, WITHOUT_SETTINGS_MD5SUM)
+WITH_HEADER = (MD5SUM, WITHOUT_ZEROS_MD5SUM)
 
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 _POSITION = struct.Struct("<4d")
 _BANDWIDTH_AND_AVERAGES = struct.Struct("<di")
 _NUMBER = struct.Struct("<d")
+_ZERO_EPOCHS = struct.Struct(f"<{AXES}I")
+_ZERO_TIMES = struct.Struct(f"<{2 * AXES}I")
 
 
 def encode(trace: Trace, md5sum: str = MD5SUM) -> bytes:
@@ -50,12 +56,16 @@ def encode(trace: Trace, md5sum: str = MD5SUM) -> bytes:
         settings = trace.analyzer
         parts.append(_BANDWIDTH_AND_AVERAGES.pack(settings.if_bandwidth_hz, settings.averages))
         parts.append(_text(settings.output_power))
-    if md5sum == MD5SUM:
+    if md5sum in WITH_HEADER:
         parts.insert(0, _header(trace.index, trace.timestamp_us))
         parts.append(_LENGTH.pack(len(trace.aux)))
         for one in trace.aux:
             parts += (_text(one.name), _NUMBER.pack(one.value), _text(one.unit))
             parts.append(_time(one.stamp_us))
+    if md5sum == MD5SUM:
+        zeros = trace.zeros or AXES * (UNKNOWN_ZERO,)
+        parts.append(_ZERO_EPOCHS.pack(*(one.number for one in zeros)))
+        parts += [_time(one.time_us) for one in zeros]
     return b"".join(parts)
 
 
@@ -95,6 +105,9 @@ def completed(data: bytes, md5sum: str) -> bytes:
     Raises:
         TraceRefusedError: It is not whole.
     """
+    zeros = bytes(_ZERO_EPOCHS.size + _ZERO_TIMES.size)
+    if md5sum in WITH_HEADER:
+        return data + zeros
     try:
         header = _Reader(data).header()
     except (struct.error, UnicodeDecodeError) as error:
@@ -104,7 +117,7 @@ def completed(data: bytes, md5sum: str) -> bytes:
     settings = b""
     if md5sum == WITHOUT_SETTINGS_MD5SUM:
         settings = bytes(_BANDWIDTH_AND_AVERAGES.size + _LENGTH.size)
-    return header + data + settings + _LENGTH.pack(0)
+    return header + data + settings + _LENGTH.pack(0) + zeros
 
 
 def _measured(trace: Trace) -> bytes:
@@ -161,7 +174,7 @@ class _Reader:
 
     def trace(self, md5sum: str) -> Trace:
         """Return the trace of a message, checked."""
-        header = self._read_header() if md5sum == MD5SUM else None
+        header = self._read_header() if md5sum in WITH_HEADER else None
         names = {name: self._text() for name in ("format", "survey_id", "sample_id")}
         (index,) = self._unpack(_LENGTH)
         timestamp_us = self._time()
@@ -184,7 +197,8 @@ class _Reader:
             analyzer=(
                 AnalyzerSettings() if md5sum == WITHOUT_SETTINGS_MD5SUM else self._settings()
             ),
-            aux=tuple(self._list(self._aux)) if md5sum == MD5SUM else (),
+            aux=tuple(self._list(self._aux)) if md5sum in WITH_HEADER else (),
+            zeros=self._zeros() if md5sum == MD5SUM else (),
         )
         if header not in (None, (timestamp_us, ANTENNA_LINK)):
             raise TraceRefusedError(
@@ -209,6 +223,11 @@ class _Reader:
         name = self._text()
         (value,) = self._unpack(_NUMBER)
         return AuxValue(name, value, self._text(), self._time())
+
+    def _zeros(self) -> Zeros:
+        numbers = self._unpack(_ZERO_EPOCHS)
+        zeros = tuple(ZeroEpoch(number, self._time()) for number in numbers)
+        return zeros if any(one != UNKNOWN_ZERO for one in zeros) else ()
 
     def _settings(self) -> AnalyzerSettings:
         if_bandwidth_hz, averages = self._unpack(_BANDWIDTH_AND_AVERAGES)

@@ -70,7 +70,7 @@ def traces(version):
 
 
 def old_trace(version, index, survey_id=SURVEY):
-    return planned_trace(index, survey_id, analyzer=VERSIONS[version][1], aux=())
+    return planned_trace(index, survey_id, analyzer=VERSIONS[version][1], aux=(), zeros=())
 
 
 def store_the_rest(kit, traces):

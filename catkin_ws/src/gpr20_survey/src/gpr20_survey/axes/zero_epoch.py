@@ -1,0 +1,39 @@
+"""The zero of an axis: each homing and each set_zero begins another epoch of its coordinate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+
+@dataclass(frozen=True)
+class ZeroEpoch:
+    """One zero of an axis. Coordinates of different zeros are not comparable.
+
+    Attributes:
+        number: Grows with each homing and set_zero; 0: not known.
+        time_us: When the zero was found or set [us since 1970, UTC], by the axis's computer.
+    """
+
+    number: int = 0
+    time_us: int = 0
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the axis has said which zero it is."""
+        return self.number > 0
+
+
+UNKNOWN_ZERO = ZeroEpoch()
+# The zeros of x, y and z; empty: not known, as in traces of earlier versions.
+Zeros = Tuple[ZeroEpoch, ...]
+AXES = 3
+MAX_NUMBER = (1 << 32) - 1
+MAX_TIME_US = ((1 << 32) - 1) * 1_000_000
+
+
+def are_zeros(zeros: Zeros) -> bool:
+    """Return whether these can be the zeros of a trace: of each axis, or of none."""
+    return len(zeros) in (0, AXES) and all(
+        0 < one.number <= MAX_NUMBER and 0 <= one.time_us <= MAX_TIME_US for one in zeros
+    )
