@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gpr20_axis_driver import faults
 from gpr20_common.errors import Gpr20Error
-from gpr20_survey.faults import NOT_HOMED
+from gpr20_survey.faults import LEASE_LAPSED, NOT_HOMED
 
 
 class AxisException(Gpr20Error):
@@ -29,6 +29,18 @@ class AxisBusyError(AxisException, RuntimeError):
     """The axis is still carrying out another motion."""
 
     fault = faults.BUSY
+
+
+class AxisOwnedError(AxisException, PermissionError):
+    """Another node owns the axis."""
+
+    fault = faults.OWNED
+
+
+class LeaseLapsedError(AxisException, RuntimeError):
+    """The lease of the axis was not renewed in time, or never existed."""
+
+    fault = LEASE_LAPSED
 
 
 class EndstopError(AxisException, OSError):

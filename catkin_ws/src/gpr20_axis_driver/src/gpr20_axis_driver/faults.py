@@ -20,6 +20,10 @@ _CHECK_CONTROLLER = Message(
 FAILED = Fault("axis.failed", _HOME_OR_RESTART)
 STOPPED = Fault("axis.stopped", Message("Nothing to do: somebody ended the motion."), Severity.NOTE)
 BUSY = Fault("axis.busy", Message("Wait until the axis is at rest, or press STOP. Then try again."))
+OWNED = Fault(
+    "axis.owned",
+    Message("Wait until the survey or the service has ended, or press STOP. Then try again."),
+)
 NOT_BEGUN = Fault(
     "axis.not_begun", Message("Wait until the axis is at rest, then request the motion again.")
 )

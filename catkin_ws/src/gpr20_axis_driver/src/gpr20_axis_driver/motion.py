@@ -13,6 +13,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 # Called at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]
@@ -162,6 +163,13 @@ class AxisMotions(Protocol):
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
         """Carry out a motion and return when the motor is at rest."""
+
+    @property
+    def zero(self) -> ZeroEpoch:
+        """The zero that the position refers to, or referred to when it was known."""
+
+    def begin_zero(self, time_us: int) -> None:
+        """Begin another zero, found or set now [us since 1970]; `place` follows."""
 
     def place(self, steps: int) -> None:
         """Set the position of the motor, which is at rest [motor steps]."""

@@ -3,7 +3,9 @@
 
 Usage: axis_client.py AXIS home|TARGET
        axis_client.py AXIS TARGET unplugged
+       axis_client.py AXIS leased [TARGET]
 
+Leased, it reserves the axis first and renews that.
 Unplugged, it vanishes without a word at the first line of its input and comes back at the next.
 """
 
@@ -15,7 +17,7 @@ import actionlib
 import rospy
 
 from gpr20_msgs.msg import AxisAction, AxisGoal
-from gpr20_msgs.srv import Command
+from gpr20_msgs.srv import AxisLease, Command
 
 LIMIT_S = 60.0
 
@@ -53,5 +55,13 @@ elif "unplugged" in sys.argv:
                 change(connection.socket)
     wait_for_end()
     move(1.0)
+elif what == "leased":
+    lease = rospy.ServiceProxy(f"{group}/lease", AxisLease)
+    held = lease()
+    assert held.success, held.message
+    rospy.Timer(rospy.Duration(held.limit_s / 8), lambda _event: lease(lease=held.lease))
+    if len(sys.argv) > 3:
+        move(float(sys.argv[3]))
+    rospy.spin()
 else:
     move(float(what))

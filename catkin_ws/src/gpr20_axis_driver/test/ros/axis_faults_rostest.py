@@ -24,6 +24,7 @@ X_STEPS_PER_MM = 100
 # What a stop may take besides the ramp, on a computer that stalls; a move to FAR_MM takes 18 s.
 STOP_S = 3.0
 FAR_MM = 600.0
+LEASE_LIMIT_S = 2.0
 X_RAMP = Ramp(0.0015, 0.0050, 0.0001)
 X_RAMP_S = X_RAMP.duration_s(2 * X_RAMP.braking_steps(X_RAMP.min_pause_s)) / 2 / X_TIME_SCALE
 Z_RAMP = Ramp(0.010, 0.025, 0.005)
@@ -60,6 +61,21 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertLess(self.x.steps, FAR_MM * X_STEPS_PER_MM)
         state, _result = self.x.move(1.0)
         self.assertEqual((state, self.x.steps), (GoalStatus.SUCCEEDED, 100))
+
+    def test_1a_a_move_ends_with_its_ramp_when_its_client_hangs(self):
+        client = start_client(self.x, "leased", str(FAR_MM))
+        wait_until(lambda: self.x.steps > 500)
+        owner = self.x.last.owner
+        client.send_signal(signal.SIGSTOP)
+        hung_ns = time.monotonic_ns()
+        self.assert_stopped_within(self.x, hung_ns, LEASE_LIMIT_S + X_RAMP_S)
+        self.assertIn("axis_client", owner)
+        wait_until(lambda: not self.x.last.owner)
+        self.assertTrue(self.x.last.homed)
+        self.assertLess(self.x.steps, FAR_MM * X_STEPS_PER_MM)
+        client.kill()
+        client.wait()
+        self.assertEqual(self.x.move(1.0)[0], GoalStatus.SUCCEEDED)
 
     def test_2_a_homing_ends_when_its_client_is_killed(self):
         self.x.move(60.0)

@@ -9,7 +9,7 @@ import numpy as np
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
-from axis_under_test import LIMIT_S, Axis, wait_until
+from axis_under_test import LIMIT_S, Axis, start_client, wait_until
 from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_axis_driver import faults
@@ -17,6 +17,7 @@ from gpr20_axis_driver.high.goals import LISTED_GOALS
 from gpr20_common.message import Severity
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import AxisActionGoal, AxisActionResult
+from gpr20_msgs.srv import AxisLease
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import NOT_HOMED
 
@@ -157,6 +158,58 @@ class AxisTest(unittest.TestCase):
             wait_until(lambda: len(self.x.readings) > 15)
             stamps = [r.header.stamp.to_sec() for r in self.x.readings]
             self.assertAlmostEqual(statistics.median(np.diff(stamps)), 0.1, delta=0.04)
+
+    def test_while_a_node_has_the_axes_nobody_else_moves_them_or_sets_their_zero(self):
+        self.x.home()
+        self.z.home()
+        self.x.move(1.0)
+        before = (self.x.last_zero, self.z.last_zero, self.x.steps)
+        clients = [start_client(axis, "leased") for axis in (self.x, self.z)]
+        try:
+            wait_until(lambda: all("axis_client" in one.last.owner for one in (self.x, self.z)))
+            owner = self.x.last.owner
+            state, result = self.x.move(50.0)
+            self.assertEqual((state, result.fault_code), (GoalStatus.REJECTED, "axis.owned"))
+            self.assertEqual(message_from(result).values["owner"], owner)
+            for axis, service in ((self.x, "homing"), (self.z, "homing"), (self.z, "set_zero")):
+                answer = axis.call(service)
+                self.assertEqual((answer.success, answer.fault_code), (False, "axis.owned"))
+                self.assertEqual(message_from(answer).values["owner"], axis.last.owner)
+            lease = rospy.ServiceProxy("x_axis/lease", AxisLease)()
+            self.assertEqual((lease.success, lease.fault_code), (False, "axis.owned"))
+            self.assertTrue(self.x.call("stop").success)
+        finally:
+            for client in clients:
+                client.kill()
+                client.wait()
+        self.assertEqual((self.x.last_zero, self.z.last_zero, self.x.steps), before)
+        # A holder that died cannot renew: the axes are free again.
+        wait_until(lambda: not self.x.last.owner and not self.z.last.owner)
+        state, result = self.x.move(2.0)
+        self.assertEqual(state, GoalStatus.SUCCEEDED)
+
+    def test_while_nobody_has_the_axis_its_owner_is_who_moves_it(self):
+        self.x.home()
+        self.x.begin_move(FAR_MM)
+        wait_until(lambda: self.x.last.moving)
+        self.assertEqual(self.x.last.owner, rospy.get_name())
+        refused = start_client(self.x, "home")
+        self.assertEqual(refused.wait(LIMIT_S), 0)
+        self.assertTrue(self.x.last.moving and self.x.last.homed)
+        self.x.call("stop")
+        self.x.finish()
+        wait_until(lambda: not self.x.last.owner)
+
+    def test_each_homing_and_set_zero_is_another_zero_and_results_name_it(self):
+        zeros = []
+        for begin in (self.z.home, lambda: self.z.call("set_zero"), self.z.home):
+            begin()
+            zeros.append(self.z.last_zero)
+        first = zeros[0]
+        self.assertEqual([number for number, _time in zeros], [first[0] + n for n in range(3)])
+        self.assertEqual(sorted(zeros), zeros)
+        _state, result = self.z.move(1.8)
+        self.assertEqual((result.zero_epoch, result.zero_time.to_nsec()), zeros[-1])
 
     def test_goals_that_ended_do_not_fill_the_status(self):
         statuses = []

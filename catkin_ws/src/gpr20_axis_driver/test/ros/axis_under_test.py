@@ -81,6 +81,13 @@ class Axis:
         return self.client.gh.get_goal_status(), self.client.gh.get_result()
 
     @property
+    def last_zero(self):
+        """Number and time of the zero of the next reading."""
+        self.received.clear()
+        assert self.received.wait(LIMIT_S)
+        return (self.last.zero_epoch, self.last.zero_time.to_nsec())
+
+    @property
     def steps(self):
         return self.world.steps(self.name)
 

@@ -12,6 +12,7 @@ from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import Ending, LateLimits
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
 
 X_PARAMETERS = AxisParameters(
     dir_pin=13,
@@ -112,6 +113,7 @@ class DirectPulses:
     def __init__(self, runner, count):
         self.runner = runner
         self.memory = count
+        self.zero = UNKNOWN_ZERO
         self.failure = None
 
     @property
@@ -126,6 +128,9 @@ class DirectPulses:
         report = self.runner.run(motion, stop_requested)
         assert self.trusted == (report.ending is not Ending.GAP)
         return report
+
+    def begin_zero(self, time_us):
+        self.zero = ZeroEpoch(self.zero.number + 1, time_us)
 
     def place(self, steps):
         self.memory.steps = steps

@@ -14,6 +14,7 @@ from gpr20_axis_driver.axis_exceptions import StepCounterError
 from gpr20_axis_driver.low import step_counter
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
 from gpr20_common.faults import DISK_FULL
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 
 @pytest.fixture
@@ -50,6 +51,20 @@ def test_a_motor_that_was_turning_is_not_trusted(path):
     assert not again.trusted
     again.rest()
     assert (again.steps, again.trusted) == (-7, True)
+
+
+def test_the_number_of_the_zero_grows_over_restarts(path):
+    for number in (1, 2, 3):
+        memory = reopen(path)
+        memory.begin_zero(1_790_000_000_000_000 + number)
+        # A power cut here leaves a count that nobody trusts.
+        assert not memory.trusted
+        memory.place(0)
+        memory.close()
+        again = reopen(path)
+        assert again.zero == ZeroEpoch(number, 1_790_000_000_000_000 + number)
+        assert again.trusted
+        again.close()
 
 
 def test_steps_of_another_size_are_not_trusted(path):

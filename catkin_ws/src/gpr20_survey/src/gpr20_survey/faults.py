@@ -111,12 +111,19 @@ _CALIBRATE = Message("Calibrate the VNA with the cables of the antennas.")
 NOT_CALIBRATED = Fault("vna.not_calibrated", _CALIBRATE)
 CALIBRATION_AGED = Fault("vna.calibration_aged", _CALIBRATE, Severity.WARNING)
 
-# The main control lets a survey wait and continue: nobody asked for this stop.
+# The main control lets a survey wait and continue: nobody asked for these stops.
 CONTROL_SILENT = Fault(
     "axis.control_silent",
     Message(
         "Wait one minute: a survey continues by itself. If it does not, check the network cable "
         "between the robot and the server."
+    ),
+)
+LEASE_LAPSED = Fault(
+    "axis.lease_lapsed",
+    Message(
+        "Wait one minute: a survey repeats the move by itself. If this happens again, end other "
+        "programs on the server, and check the network cable between the robot and the server."
     ),
 )
 # The doctor only notes these two: a survey homes and measures by itself.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Callable, Optional, Tuple
+from contextlib import contextmanager
+from typing import Callable, Iterator, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Bool
@@ -13,16 +14,21 @@ from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goals import ClientContact, GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_axis_driver.motion import AxisMotions
 from gpr20_common.high import diagnostics
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.periodic import Periodic
+from gpr20_common.high.ros_time import ros_time
 from gpr20_common.high.services import advertise, internal_error
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
+from gpr20_msgs.srv import AxisLease as AxisLeaseService
+from gpr20_msgs.srv import AxisLeaseRequest as AxisLeaseServiceRequest
+from gpr20_msgs.srv import AxisLeaseResponse as AxisLeaseServiceResponse
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -42,7 +48,7 @@ SHUTDOWN_LIMIT_S = 5.0
 
 
 class AxisNode:
-    """Action `axis`, topic `current_coord`, services `homing` and `stop` of one axis.
+    """Action `axis`, topic `current_coord`, services `homing`, `stop` and `lease` of one axis.
 
     An axis with an endstop publishes its state on the topic `endstop`; one without endstop has the
     service `set_zero`.
@@ -69,7 +75,8 @@ class AxisNode:
         self._endstop_publisher: Optional[rospy.Publisher] = None
         if parameters.finds_zero:
             self._endstop_publisher = rospy.Publisher("endstop", Bool, queue_size=1)
-        self._server = GoalServer("axis", AxisAction, self._execute)
+        self._lease = AxisLease(parameters.lease_limit_s)
+        self._server = GoalServer("axis", AxisAction, self._execute, self._lease.check)
         self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
         self._periodic = Periodic(RESTING_PERIOD_S, self._tick)
         rospy.on_shutdown(self._shut_down)
@@ -77,6 +84,7 @@ class AxisNode:
         self._services = [
             advertise("homing", Command, self._home),
             advertise("stop", Command, self._stop),
+            advertise("lease", AxisLeaseService, self._reserve),
         ]
         if not parameters.finds_zero:
             self._services.append(advertise("set_zero", Command, self._set_zero))
@@ -93,14 +101,14 @@ class AxisNode:
         def stopped() -> bool:
             return stops() or self._server.is_preempt_requested()
 
+        def move(target: float) -> None:
+            with self._owned(self._server.sender, stopped, contact) as ended:
+                self._driver.move_to_coordinate(target, self._polled(ended))
+
         try:
-            self._driver.move_to_coordinate(
-                goal.target_coordinate, self._polled(lambda: stopped() or contact.is_lost())
-            )
+            move(goal.target_coordinate)
         except MotionStopped as stop:
-            # A requested stop counts, even if the contact was lost as well.
-            message = NO_CONTACT if contact.was_lost and not stopped() else stop.message
-            self._finish(self._server.set_preempted, False, message)
+            self._finish(self._server.set_preempted, False, stop.message)
         except AxisException as error:
             self._last_error = error.message
             rospy.logwarn("move refused or failed: %s", error)
@@ -120,9 +128,12 @@ class AxisNode:
         # The resting coordinate is published before the result, so that no client that has the
         # result still sees the axis moving.
         self._publish()
+        position = self._driver.position
         result = AxisResult(
             success=success,
-            coordinate=self._driver.current_coord,
+            coordinate=position.coordinate,
+            zero_epoch=position.zero.number,
+            zero_time=ros_time(position.zero.time_us),
             **(message_fields(message) if message else {}),
         )
         set_state(result, text=result.message)
@@ -131,16 +142,48 @@ class AxisNode:
         stopped = self._stop_since_now()
         caller = connection_header(request).get("callerid", "")
         contact = ClientContact(self._server.watch_node(caller))
-        try:
-            ended = self._polled(lambda: stopped() or contact.is_lost())
-            return self._find_zero(lambda: self._driver.homing(ended))
-        except MotionStopped:
-            if contact.was_lost and not stopped():
-                return CommandResponse(success=False, **message_fields(NO_CONTACT))
-            raise
+        with self._owned(caller, stopped, contact) as ended:
+            polled = self._polled(ended)
+            return self._find_zero(lambda: self._driver.homing(polled))
 
-    def _set_zero(self, _request: CommandRequest) -> CommandResponse:
-        return self._find_zero(self._driver.set_zero)
+    def _set_zero(self, request: CommandRequest) -> CommandResponse:
+        with self._lease.use(connection_header(request).get("callerid", "")):
+            return self._find_zero(self._driver.set_zero)
+
+    def _reserve(self, request: AxisLeaseServiceRequest) -> AxisLeaseServiceResponse:
+        caller = connection_header(request)["callerid"]
+        number = 0
+        if request.release:
+            self._lease.release(caller, request.lease)
+        elif request.lease:
+            self._lease.renew(caller, request.lease)
+            number = request.lease
+        else:
+            number = self._lease.reserve(caller)
+        return AxisLeaseServiceResponse(success=True, lease=number, limit_s=self._lease.limit_s)
+
+    @contextmanager
+    def _owned(
+        self, caller: str, stopped: Callable[[], bool], contact: ClientContact
+    ) -> Iterator[Callable[[], bool]]:
+        """Own the axis for a motion, and yield what ends the motion early.
+
+        Raises:
+            AxisOwnedError: Another node owns the axis.
+            MotionStopped: The motion was ended; the message is why.
+        """
+        with self._lease.use(caller) as lapsed:
+            try:
+                yield lambda: stopped() or contact.is_lost() or lapsed()
+            except MotionStopped:
+                # A requested stop counts, even if the contact was lost as well.
+                if stopped():
+                    raise
+                if contact.was_lost:
+                    raise MotionStopped(NO_CONTACT) from None
+                if lapsed():
+                    raise MotionStopped(self._lease.lapse) from None
+                raise
 
     def _find_zero(self, action: Callable[[], None]) -> CommandResponse:
         try:
@@ -201,19 +244,26 @@ class AxisNode:
         publisher.publish(pressed or self._presses != presses)
 
     def _publish(self) -> None:
+        position = self._driver.position
         message = CurrentCoordinate()
         message.header.stamp = rospy.Time.now()
         message.header.frame_id = BASE_LINK
-        message.coordinate = self._driver.current_coord
-        message.homed = self._driver.homing_done
+        message.coordinate = position.coordinate
+        message.homed = position.homed
         message.moving = self._driver.moving
+        message.zero_epoch = position.zero.number
+        message.zero_time = ros_time(position.zero.time_us)
+        message.owner = self._lease.owner
         self._publisher.publish(message)
 
     def _health(self) -> diagnostics.Health:
         lateness = self._driver.last_motion.lateness
+        position = self._driver.position
         values = {
-            f"coordinate [{self._unit}]": self._driver.current_coord,
-            "homed": self._driver.homing_done,
+            f"coordinate [{self._unit}]": position.coordinate,
+            "homed": position.homed,
+            "zero": position.zero.number,
+            "owner": self._lease.owner,
             "moving": self._driver.moving,
             "endstop": _endstop_state(self._driver.endstop_pressed),
             "last error": self._last_error or "",

@@ -12,6 +12,8 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 
 from gpr20_axis_driver import faults
+from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
@@ -52,23 +54,38 @@ class GoalServer(actionlib.SimpleActionServer):
     goal: with a hundred short moves per second this would be most of the node's work.
     """
 
-    def __init__(self, name: str, action: Any, execute: Callable[[Any], None]) -> None:
+    def __init__(
+        self,
+        name: str,
+        action: Any,
+        execute: Callable[[Any], None],
+        check_sender: Callable[[str], None],
+    ) -> None:
         """Create the server; `start` begins to accept goals.
 
         Args:
             name: Relative name of the action.
             action: Generated class of the action.
             execute: Carries out one goal.
+            check_sender: Takes the name of a goal's sender; raises if it may not move the axis.
         """
         super().__init__(name, action, execute_cb=execute, auto_start=False)
         # It makes the results of goals that it ends before `execute` has them.
+        self._check_sender = check_sender
         server = self.action_server
         server.ActionResultType = functools.partial(
             server.ActionResultType, **message_fields(NOT_BEGUN)
         )
 
     def internal_goal_callback(self, goal: actionlib.ServerGoalHandle) -> None:
-        """Accept a new goal, whatever its stamp; it replaces the previous one."""
+        """Accept a new goal, whatever its stamp; it replaces the previous one of its sender."""
+        try:
+            self._check_sender(_sender(goal))
+        except AxisException as error:
+            rospy.logwarn("goal refused: %s", error)
+            result = self.action_server.ActionResultType(**message_fields(error.message))
+            goal.set_rejected(result, result.message)
+            return
         goal.get_goal_id().stamp = rospy.Time()
         self._forget_old_goals()
         super().internal_goal_callback(goal)
@@ -89,6 +106,11 @@ class GoalServer(actionlib.SimpleActionServer):
         if timer is not None:
             timer.shutdown()
             timer.join(STATUS_LIMIT_S)
+
+    @property
+    def sender(self) -> str:
+        """The node that sent the current goal."""
+        return _sender(self.current_goal)
 
     def watch_sender(self) -> Callable[[], bool]:
         """Return a function that returns whether the sender of the current goal is gone.
@@ -137,6 +159,10 @@ class GoalServer(actionlib.SimpleActionServer):
             connection = one.socket
             if connection is not None:
                 yield one.endpoint_id, connection
+
+
+def _sender(goal: actionlib.ServerGoalHandle) -> str:
+    return connection_header(goal.goal)["callerid"]
 
 
 class ClientContact:

@@ -19,6 +19,7 @@ from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import StepCounterError
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 LAYOUT = 0x47505241_00000001
 WORD_BYTES = 8
@@ -39,6 +40,8 @@ class _Word(IntEnum):
     BEATS = 5
     ENDSTOP = 6
     PRESSES = 7
+    ZERO_EPOCH = 8
+    ZERO_TIME_US = 9
 
 
 class _Endstop(IntEnum):
@@ -131,6 +134,17 @@ class StepCounter:
         self.begin()
         self._words[_Word.STEPS] = steps
         self.rest()
+
+    @property
+    def zero(self) -> ZeroEpoch:
+        """The zero that the count refers to."""
+        return ZeroEpoch(self._words[_Word.ZERO_EPOCH], self._words[_Word.ZERO_TIME_US])
+
+    def begin_zero(self, time_us: int) -> None:
+        """Begin another zero, now [us since 1970]; the count is not trusted until `place`."""
+        self.begin()
+        self._words[_Word.ZERO_EPOCH] += 1
+        self._words[_Word.ZERO_TIME_US] = time_us
 
     def check(self, step_size: float) -> None:
         """Mark the count as not trusted if its steps had another size [mm or deg]."""

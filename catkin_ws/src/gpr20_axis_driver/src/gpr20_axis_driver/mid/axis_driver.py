@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Callable, Iterator, Optional
 
 from gpr20_axis_driver import faults
@@ -25,14 +26,31 @@ from gpr20_axis_driver.motion import (
     StopRequested,
     never,
 )
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 SET_ZERO = Message(
     "turn the antennas to their mark and set the zero of this axis", details="service set_zero"
 )
 HOME_WITH_LESS_LOAD = Message("reduce this computer's load and home the axis")
+
+
+@dataclass(frozen=True)
+class AxisPosition:
+    """Where an axis is.
+
+    Attributes:
+        coordinate: [mm or deg]; meaningful only if `homed`.
+        homed: Whether the coordinate refers to the axis's zero.
+        zero: Which zero that is.
+    """
+
+    coordinate: float
+    homed: bool
+    zero: ZeroEpoch
 
 
 class AxisDriver:
@@ -46,6 +64,7 @@ class AxisDriver:
         parameters: AxisParameters,
         motions: AxisMotions,
         own_homing: Optional[Callable[[StopRequested], None]] = None,
+        time_of_day_us: Callable[[], int] = time_of_day_us,
     ) -> None:
         """Make the driver of an axis that is not homed.
 
@@ -53,12 +72,16 @@ class AxisDriver:
             parameters: The parameters of the axis.
             motions: Carries out its motions.
             own_homing: How its hardware finds the zero by itself; without it the driver does.
+            time_of_day_us: Returns the time of day, for the zeros.
         """
         self._parameters = parameters
         self._motions = motions
         self._own_homing = own_homing
         self._ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
+        self._time_of_day_us = time_of_day_us
         self._motion = threading.Lock()
+        # Held while the zero changes: no reading has the coordinate of one and the epoch of another.
+        self._zero_changes = threading.RLock()
         self._homing_done = False
         self._last_motion = MotionReport(Ending.COMPLETE, 0, False)
 
@@ -71,6 +94,12 @@ class AxisDriver:
     def homing_done(self) -> bool:
         """Whether the coordinate refers to the axis's zero."""
         return self._homing_done and not self._motions.failure
+
+    @property
+    def position(self) -> AxisPosition:
+        """Where the axis is, and since which zero."""
+        with self._zero_changes:
+            return AxisPosition(self.current_coord, self.homing_done, self._motions.zero)
 
     @property
     def moving(self) -> bool:
@@ -138,12 +167,13 @@ class AxisDriver:
             self._motions.revive()
             if self._own_homing is not None:
                 self._own_homing(stop_requested)
+                self._begin_zero(None)
             elif self._parameters.sensor_pin is None:
                 self._turn_to_stored_zero(stop_requested)
+                self._begin_zero(0)
             else:
                 Homing(self._parameters, self._run).run(stop_requested)
-                self._motions.place(self._parameters.distance_steps(self._parameters.min_coord))
-            self._homing_done = True
+                self._begin_zero(self._parameters.distance_steps(self._parameters.min_coord))
 
     def set_zero(self) -> None:
         """Make the present position of an axis without endstop its zero.
@@ -160,8 +190,7 @@ class AxisDriver:
             )
         with self._exclusive_motion():
             self._motions.revive()
-            self._motions.place(0)
-            self._homing_done = True
+            self._begin_zero(0)
 
     def close(self, timeout_s: float) -> None:
         """Release the pins; no motion can begin afterwards.
@@ -172,6 +201,15 @@ class AxisDriver:
         # Never released: every request for a motion from now on is refused as busy.
         self._motion.acquire(timeout=timeout_s)
         self._motions.close()
+
+    def _begin_zero(self, steps: Optional[int]) -> None:
+        """Begin another zero; the motor rests at this step, None if its controller knows it."""
+        with self._zero_changes:
+            self._homing_done = False
+            self._motions.begin_zero(self._time_of_day_us())
+            if steps is not None:
+                self._motions.place(steps)
+            self._homing_done = True
 
     @contextmanager
     def _exclusive_motion(self) -> Iterator[None]:

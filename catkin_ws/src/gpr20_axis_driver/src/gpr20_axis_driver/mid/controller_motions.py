@@ -25,6 +25,7 @@ from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
 
 MOVING_PERIOD_S = 0.02
 RESTING_PERIOD_S = 0.1
@@ -74,6 +75,7 @@ class ControllerMotions:
         # Since when the state is being read [s]; 0: it is not.
         self._asked_s = 0.0
         self._presses = 0
+        self._zero = UNKNOWN_ZERO
         self._limited(self._open)
         self._reader = threading.Thread(target=self._keep_reading, daemon=True)
         self._reader.start()
@@ -174,6 +176,15 @@ class ControllerMotions:
                 ),
                 fault=faults.ENDSTOP_NOT_REACHED,
             )
+
+    @property
+    def zero(self) -> ZeroEpoch:
+        """The zero that the position refers to."""
+        return self._zero
+
+    def begin_zero(self, time_us: int) -> None:
+        """Begin another zero, which the controller found now [us since 1970]."""
+        self._zero = ZeroEpoch(self._zero.number + 1, time_us)
 
     def place(self, _steps: int) -> None:
         """Refuse: only a controller knows where its axis is."""

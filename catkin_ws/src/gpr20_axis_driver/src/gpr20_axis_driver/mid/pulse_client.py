@@ -12,6 +12,7 @@ from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
 from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 # The pulse process of a previous node ramps down before it releases the axis.
 LOCK_LIMIT_S = 5.0
@@ -114,6 +115,15 @@ class PulseClient:
                 )
             )
         return report
+
+    @property
+    def zero(self) -> ZeroEpoch:
+        """The zero that the count refers to."""
+        return self._counter.zero
+
+    def begin_zero(self, time_us: int) -> None:
+        """Begin another zero, found or set now [us since 1970]; `place` follows."""
+        self._counter.begin_zero(time_us)
 
     def place(self, steps: int) -> None:
         """Set the position of the motor, which is at rest [motor steps]."""

@@ -30,6 +30,8 @@ MIN_DELTA_S = 1.0e-7
 HOMING_BACKOFFS = 5
 # A gap of this length is no lateness any more: the process has been halted.
 MAX_GAP_S = 10.0
+# Shorter, and a busy computer ends moves; longer, and a robot moves that nobody controls.
+MIN_LEASE_S, MAX_LEASE_S = 0.5, 10.0
 
 
 class Backend(enum.Enum):
@@ -69,6 +71,8 @@ class AxisParameters:
             pause can be shorter than its due length.
         gap_limit_s: A pulse that is later ends a move that was faster than the slowest
             speed, and the axis must be homed again [s].
+        lease_limit_s: A motion of the main control ends with its ramp when the main control does
+            not answer for this long [s].
         memory_file: Where the step count of an axis without endstop outlives the power;
             empty: it outlives the node, but not the power.
         backend: rpi_gpio or pigpio; the simulated robot uses neither.
@@ -91,6 +95,7 @@ class AxisParameters:
     homing_backoff: float = 1.0
     late_limit_s: float = 0.0005
     gap_limit_s: float = 0.05
+    lease_limit_s: float = 2.0
     memory_file: str = ""
     backend: str = Backend.RPI_GPIO.value
     controller: str = ""
@@ -164,6 +169,7 @@ class AxisParameters:
     def _check_pulses(self) -> None:
         number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
         number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
+        number_between("lease_limit_s", self.lease_limit_s, MIN_LEASE_S, MAX_LEASE_S, "s")
         if self.backend not in {one.value for one in Backend}:
             raise InvalidValueError(_not_one_of("backend", self.backend, Backend))
         if self.controller and not is_extension(self.controller):

@@ -1,0 +1,165 @@
+"""Who may move an axis."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from gpr20_axis_driver.axis_exceptions import AxisOwnedError, LeaseLapsedError
+from gpr20_axis_driver.mid.axis_lease import AxisLease
+
+CONTROL, OTHER = "/main_control", "/rostopic_7"
+LIMIT_S = 2.0
+
+
+class SetClock:
+    """A time that tests set [s]."""
+
+    def __init__(self):
+        self.time_s = 100.0
+
+    def __call__(self):
+        return self.time_s
+
+
+@pytest.fixture
+def clock():
+    return SetClock()
+
+
+@pytest.fixture
+def lease(clock):
+    return AxisLease(LIMIT_S, clock)
+
+
+def test_while_nobody_has_the_axis_a_motion_owns_it_until_its_end(lease):
+    with lease.use(OTHER) as lapsed:
+        assert lease.owner == OTHER
+        assert not lapsed()
+        with pytest.raises(AxisOwnedError, match=OTHER):
+            lease.reserve(CONTROL)
+    assert lease.owner == ""
+
+
+def test_a_lease_refuses_the_motions_and_leases_of_others_with_the_name_of_its_holder(lease):
+    lease.reserve(CONTROL)
+    for refused in (lambda: lease.check(OTHER), lambda: lease.reserve(OTHER)):
+        with pytest.raises(AxisOwnedError, match=CONTROL):
+            refused()
+    with pytest.raises(AxisOwnedError, match=CONTROL), lease.use(OTHER):
+        raise AssertionError("the motion of another must not begin")
+
+
+def test_a_motion_ends_when_the_lease_of_its_beginning_is_not_renewed(lease, clock):
+    number = lease.reserve(CONTROL)
+    with lease.use(CONTROL) as lapsed:
+        clock.time_s += LIMIT_S
+        lease.renew(CONTROL, number)
+        clock.time_s += LIMIT_S
+        assert not lapsed()
+        clock.time_s += 0.001
+        assert lapsed()
+        # It still moves, so nobody else may.
+        assert lease.owner == CONTROL
+    assert lease.owner == ""
+    with pytest.raises(LeaseLapsedError):
+        lease.renew(CONTROL, number)
+
+
+def test_a_motion_of_a_lease_that_was_taken_again_ends(lease):
+    lease.reserve(CONTROL)
+    with lease.use(CONTROL) as lapsed:
+        lease.reserve(CONTROL)
+        assert lapsed()
+
+
+def test_only_the_holder_ends_a_lease(lease):
+    number = lease.reserve(CONTROL)
+    lease.release(OTHER, number)
+    lease.release(CONTROL, number + 1)
+    assert lease.owner == CONTROL
+    lease.release(CONTROL, number)
+    assert lease.owner == ""
+
+
+NAMES = st.sampled_from(["/main_control", "/rostopic_7", "/play_9"])
+
+
+class LeaseMachine(RuleBasedStateMachine):
+    """Random calls against a model: who holds it until when, and who moves."""
+
+    def __init__(self):
+        super().__init__()
+        self.clock = SetClock()
+        self.lease = AxisLease(LIMIT_S, self.clock)
+        self.holder, self.number, self.until_s = "", 0, 0.0
+        self.uses = []  # names, exits and numbers of the motions under way
+        self.numbers = [0]
+
+    @property
+    def owner(self):
+        if self.uses:
+            return self.uses[0][0]
+        return self.holder if self.clock.time_s <= self.until_s else ""
+
+    @rule(passing_s=st.sampled_from([0.0, 0.5, 1.5, 2.5]))
+    def time_passes(self, passing_s):
+        self.clock.time_s += passing_s
+
+    @rule(name=NAMES)
+    def somebody_reserves(self, name):
+        if self.owner in ("", name):
+            self.number = self.lease.reserve(name)
+            assert self.number > max(self.numbers)
+            self.numbers.append(self.number)
+            self.holder, self.until_s = name, self.clock.time_s + LIMIT_S
+        else:
+            with pytest.raises(AxisOwnedError, match=self.owner):
+                self.lease.reserve(name)
+
+    @rule(name=NAMES, data=st.data())
+    def somebody_renews(self, name, data):
+        number = data.draw(st.sampled_from(self.numbers))
+        if (name, number) == (self.holder, self.number) and self.clock.time_s <= self.until_s:
+            self.lease.renew(name, number)
+            self.until_s = self.clock.time_s + LIMIT_S
+        else:
+            with pytest.raises(LeaseLapsedError):
+                self.lease.renew(name, number)
+
+    @rule(name=NAMES, data=st.data())
+    def somebody_releases(self, name, data):
+        number = data.draw(st.sampled_from(self.numbers))
+        self.lease.release(name, number)
+        if (name, number) == (self.holder, self.number) and self.clock.time_s <= self.until_s:
+            self.holder = ""
+
+    @rule(name=NAMES)
+    def somebody_moves(self, name):
+        use = self.lease.use(name)
+        if self.owner not in ("", name):
+            with pytest.raises(AxisOwnedError, match=self.owner), use:
+                raise AssertionError("refused")
+            return
+        held = self.holder == name and self.clock.time_s <= self.until_s
+        self.uses.append((name, use, use.__enter__(), self.number if held else 0))
+
+    @precondition(lambda self: self.uses)
+    @rule()
+    def a_motion_ends(self):
+        _name, use, _lapsed, _number = self.uses.pop()
+        use.__exit__(None, None, None)
+
+    @invariant()
+    def there_is_one_owner_and_motions_end_exactly_with_their_lease(self):
+        assert self.lease.owner == self.owner
+        live = self.holder and self.clock.time_s <= self.until_s
+        for name, _use, lapsed, number in self.uses:
+            held = live and (name, number) == (self.holder, self.number)
+            assert lapsed() == (number > 0 and not held)
+
+
+TestLeaseMachine = LeaseMachine.TestCase
+TestLeaseMachine.settings = settings(max_examples=100, stateful_step_count=30)
