@@ -169,7 +169,7 @@ class AxisMotions(Protocol):
         """The zero that the position refers to, or referred to when it was known."""
 
     def begin_zero(self, time_us: int) -> None:
-        """Begin another zero, found or set now [us since 1970]; `place` follows."""
+        """Begin another epoch of the zero, found or set then [us since 1970]; `place` follows."""
 
     def place(self, steps: int) -> None:
         """Set the position of the motor, which is at rest [motor steps]."""

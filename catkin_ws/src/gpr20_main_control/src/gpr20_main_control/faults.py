@@ -118,6 +118,20 @@ AXIS_OFF_TARGET = Fault(
         "SERVICE; a paused survey must be stopped before, and can be resumed afterwards."
     ),
 )
+ZERO_CHANGED = Fault(
+    "survey.zero_changed",
+    Message(
+        "Let no person and no other program home the axes or set a zero. Resume the survey: it "
+        "homes the axis itself where it can, and measures a known point again."
+    ),
+)
+OTHER_ZEROS = Fault(
+    "survey.other_zeros",
+    Message(
+        "Check that the antennas stand at their mark at 0 deg and that no belt or switch has "
+        "moved. Then resume the survey and decide, or stop it and plan a new one."
+    ),
+)
 MOVED_BY_OTHERS = Fault(
     "survey.moved_by_others",
     Message("Let no person and no other program move the axes, then resume the survey."),

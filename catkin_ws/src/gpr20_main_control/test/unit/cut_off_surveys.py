@@ -17,11 +17,11 @@ SWEPT_US = 1_800_000_000_000_000
 
 
 def stored_trace(index):
-    """Return a trace whose every number is 1 + 1j, as the first sweep of the fake analyzer."""
+    """Return a trace like the first sweep of the fake analyzer."""
     return Trace(
         frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
         s21_real=np.ones(5),
-        s21_imag=np.ones(5),
+        s21_imag=np.full(5, 1.0e4),
         sweep_started_us=SWEPT_US,
         sweep_ended_us=SWEPT_US,
         quality=(),
@@ -45,7 +45,7 @@ def reopened_survey(stored=(0, 1), report="", folder="/data/survey", **changes):
         "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
         **changes,
     }
-    last = stored_trace(max(stored)) if stored else None
+    recent = tuple(stored_trace(index) for index in sorted(stored)[-8:])
     return ReopenedSurvey(
-        SURVEY_ID, folder, json.dumps(metadata), report, tuple(sorted(stored)), last
+        SURVEY_ID, folder, json.dumps(metadata), report, tuple(sorted(stored)), recent
     )

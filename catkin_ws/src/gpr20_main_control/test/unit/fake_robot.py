@@ -15,6 +15,7 @@ from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
+from gpr20_main_control.mid.devices.axis_leases import Lease
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.devices.robot import (
@@ -28,6 +29,7 @@ from gpr20_main_control.mid.devices.robot import (
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.site import Site
@@ -38,6 +40,8 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 
 LIMIT_S = 20.0
+# The imaginary part of every sweep; the real part is its number, a small difference beside it.
+LEVEL = 1.0e4
 FIRST_SWEEP_US = 1_800_000_000_000_000
 NODES = {
     "x_axis/axis_driver": Message("the x axis driver"),
@@ -60,10 +64,14 @@ def warning_of(entry):
 class FakeAxis:
     """An axis that arrives at once, unless a test sets something else."""
 
-    def __init__(self):
+    def __init__(self, finds_zero=True):
+        self.finds_zero = finds_zero
         self.received = threading.Event()
         self.coordinate = 0.0
         self.homed = False
+        self.zero = UNKNOWN_ZERO
+        self.owner = ""
+        self.leases = 0
         self.silent = False
         self.silent_readings = 0
         self.readings_from_before = 0
@@ -86,10 +94,27 @@ class FakeAxis:
         moving = not self.blocked.is_set()
         if self.readings_from_before:
             self.readings_from_before -= 1
-            return AxisReading(self.coordinate, True, False, 1.0)
+            return AxisReading(self.coordinate, True, False, 1.0, self.zero)
         self.silent_readings -= 1
         age_s = 100.0 if self.silent or self.silent_readings >= 0 else 0.0
-        return AxisReading(self.coordinate, self.homed, moving, age_s)
+        return AxisReading(self.coordinate, self.homed, moving, age_s, self.zero)
+
+    def begin_zero(self, found=True):
+        """Find or set the zero, as the survey or somebody else does."""
+        number = self.zero.number + 1
+        self.zero = ZeroEpoch(number, FIRST_SWEEP_US + number if found else self.zero.time_us)
+
+    def reserve(self):
+        if self.owner:
+            raise DeviceError(Message("the axis belongs to {owner}", owner=self.owner))
+        self.leases += 1
+        return Lease(self.leases, 2.0)
+
+    def renew(self, lease):
+        return lease.number == self.leases
+
+    def release_lease(self, lease):
+        self.released = lease.number
 
     def is_connected(self):
         return True
@@ -115,9 +140,11 @@ class FakeAxis:
         if self.fail_homing:
             raise DeviceError(verbatim(self.fail_homing))
         self.coordinate, self.homed = 0.0, True
+        self.begin_zero(self.finds_zero)
 
     def set_zero(self):
         self.coordinate, self.homed = 0.0, True
+        self.begin_zero()
 
     def stop(self):
         self.stops += 1
@@ -181,7 +208,7 @@ class FakeAnalyzer:
         sweep = Sweep(
             settings.frequencies_hz(),
             values,
-            values,
+            np.full(settings.points, LEVEL),
             began_us,
             began_us + 5,
             (),
@@ -238,9 +265,7 @@ class FakeStorage:
             return self.reopened
         if self.records and survey == "survey":
             stored = tuple(sample.index for sample in self.samples)
-            return ReopenedSurvey(
-                self.records[-1].survey_id, "/data/survey", "{}", "", stored, None
-            )
+            return ReopenedSurvey(self.records[-1].survey_id, "/data/survey", "{}", "", stored, ())
         raise DeviceError(Message("there is no survey {survey}", survey=survey))
 
     def report(self, survey_id, report_json):
@@ -304,7 +329,7 @@ class Bench:
         sensors=None,
         **settings,
     ):
-        self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis()
+        self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis(finds_zero=False)
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
         self.storage = storage or FakeStorage()
         self.history = []

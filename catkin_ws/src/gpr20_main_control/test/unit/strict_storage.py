@@ -47,7 +47,7 @@ class StrictStorage:
             self.records[survey_id].metadata_json,
             self.reports.get(survey_id, ""),
             tuple(sorted(stored)),
-            list(stored.values())[-1] if stored else None,
+            tuple(stored.values())[-8:],
             interrupted=interrupted,
         )
 

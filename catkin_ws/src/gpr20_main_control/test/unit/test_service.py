@@ -221,7 +221,7 @@ def test_the_analyzer_is_tested_and_released(bench):
     assert test.address == "127.0.0.2"
     assert "MS2026C" in test.identity
     assert test.calibration == "HIGH"
-    assert (test.points, test.level_db) == (101, pytest.approx(3.01, abs=0.01))
+    assert (test.points, test.level_db) == (101, pytest.approx(80.0, abs=0.01))
     # The release is not waited for.
     bench.robot.analyzer_calls.call(lambda: None, lambda: None)
     assert bench.analyzer.releases == 1

@@ -155,4 +155,4 @@ def test_a_test_of_the_analyzer_keeps_its_fault_even_if_the_sentence_is_unreadab
 )
 def test_a_reopened_survey(reopened):
     answer = sent(ReopenSurveyResponse(**reopened_fields(reopened)))
-    assert reopened_from(answer, reopened.last) == reopened
+    assert reopened_from(answer, reopened.recent) == reopened

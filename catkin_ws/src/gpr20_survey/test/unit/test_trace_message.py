@@ -24,8 +24,8 @@ from trace_examples import (
     make_trace,
 )
 
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.axes.zero_epoch import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
+from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

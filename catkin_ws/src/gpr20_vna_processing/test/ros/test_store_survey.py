@@ -353,7 +353,7 @@ class StoreSurveyTest(unittest.TestCase):
             self.assertTrue(answer.success, answer.message)
             self.assertEqual((answer.path, answer.survey_id), (opened.path, self.survey_id))
             self.assertEqual(answer.stored_indices, (0, 1, 2))
-            self.assertEqual(numbers(answer.last), numbers(make_trace(self.survey_id, 2)))
+            self.assertEqual(numbers(answer.recent[-1]), numbers(make_trace(self.survey_id, 2)))
             self.assertEqual(json.loads(answer.metadata_json), {"parameters": {"x_points": 3}})
             self.assertEqual(json.loads(answer.report_json), {"verdict": "INCOMPLETE"})
         for index in range(2, TRACES):

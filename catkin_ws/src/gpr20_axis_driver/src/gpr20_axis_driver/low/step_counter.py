@@ -141,7 +141,11 @@ class StepCounter:
         return ZeroEpoch(self._words[_Word.ZERO_EPOCH], self._words[_Word.ZERO_TIME_US])
 
     def begin_zero(self, time_us: int) -> None:
-        """Begin another zero, now [us since 1970]; the count is not trusted until `place`."""
+        """Begin another epoch of the zero; the count is not trusted until `place`.
+
+        Args:
+            time_us: When the zero was found or set [us since 1970].
+        """
         self.begin()
         self._words[_Word.ZERO_EPOCH] += 1
         self._words[_Word.ZERO_TIME_US] = time_us

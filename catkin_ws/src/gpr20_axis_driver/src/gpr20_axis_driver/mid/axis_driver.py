@@ -80,7 +80,7 @@ class AxisDriver:
         self._ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
         self._time_of_day_us = time_of_day_us
         self._motion = threading.Lock()
-        # Held while the zero changes: no reading has the coordinate of one and the epoch of another.
+        # Held while the zero changes: no reading mixes the coordinate of one with another.
         self._zero_changes = threading.RLock()
         self._homing_done = False
         self._last_motion = MotionReport(Ending.COMPLETE, 0, False)
@@ -167,13 +167,15 @@ class AxisDriver:
             self._motions.revive()
             if self._own_homing is not None:
                 self._own_homing(stop_requested)
-                self._begin_zero(None)
+                self._begin_zero(None, self._time_of_day_us())
             elif self._parameters.sensor_pin is None:
                 self._turn_to_stored_zero(stop_requested)
-                self._begin_zero(0)
+                # Nothing found it now: it is the zero that was set then.
+                self._begin_zero(0, self._motions.zero.time_us)
             else:
                 Homing(self._parameters, self._run).run(stop_requested)
-                self._begin_zero(self._parameters.distance_steps(self._parameters.min_coord))
+                lowest = self._parameters.distance_steps(self._parameters.min_coord)
+                self._begin_zero(lowest, self._time_of_day_us())
 
     def set_zero(self) -> None:
         """Make the present position of an axis without endstop its zero.
@@ -190,7 +192,7 @@ class AxisDriver:
             )
         with self._exclusive_motion():
             self._motions.revive()
-            self._begin_zero(0)
+            self._begin_zero(0, self._time_of_day_us())
 
     def close(self, timeout_s: float) -> None:
         """Release the pins; no motion can begin afterwards.
@@ -202,11 +204,16 @@ class AxisDriver:
         self._motion.acquire(timeout=timeout_s)
         self._motions.close()
 
-    def _begin_zero(self, steps: Optional[int]) -> None:
-        """Begin another zero; the motor rests at this step, None if its controller knows it."""
+    def _begin_zero(self, steps: Optional[int], time_us: int) -> None:
+        """Begin another epoch of the zero.
+
+        Args:
+            steps: Where the motor rests; None if its controller knows it.
+            time_us: When the zero was found or set [us since 1970].
+        """
         with self._zero_changes:
             self._homing_done = False
-            self._motions.begin_zero(self._time_of_day_us())
+            self._motions.begin_zero(time_us)
             if steps is not None:
                 self._motions.place(steps)
             self._homing_done = True

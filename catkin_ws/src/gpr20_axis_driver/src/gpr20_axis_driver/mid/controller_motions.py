@@ -183,7 +183,7 @@ class ControllerMotions:
         return self._zero
 
     def begin_zero(self, time_us: int) -> None:
-        """Begin another zero, which the controller found now [us since 1970]."""
+        """Begin another epoch of the zero, which the controller found then [us since 1970]."""
         self._zero = ZeroEpoch(self._zero.number + 1, time_us)
 
     def place(self, _steps: int) -> None:

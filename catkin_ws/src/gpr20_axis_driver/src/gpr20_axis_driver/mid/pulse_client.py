@@ -19,6 +19,8 @@ LOCK_LIMIT_S = 5.0
 # A process that makes no step for this long, and for the time of some steps, hangs.
 STALL_LIMIT_S = 5.0
 STALL_STEPS = 10
+# When the zero of an axis was set that knows its position from the beginning: 2020-01-01.
+MADE_US = 1_577_836_800_000_000
 
 
 class PulseClient:
@@ -35,6 +37,7 @@ class PulseClient:
         new = not hardware.step_file.exists()
         self._counter = open_step_counter(hardware.step_file, parameters.step_size, LOCK_LIMIT_S)
         if new and hardware.first_steps is not None:
+            self._counter.begin_zero(MADE_US)
             self._counter.place(hardware.first_steps)
         self._lock = threading.Lock()
         self._failure: Optional[Message] = None
@@ -122,7 +125,7 @@ class PulseClient:
         return self._counter.zero
 
     def begin_zero(self, time_us: int) -> None:
-        """Begin another zero, found or set now [us since 1970]; `place` follows."""
+        """Begin another epoch of the zero, found or set then [us since 1970]; `place` follows."""
         self._counter.begin_zero(time_us)
 
     def place(self, steps: int) -> None:

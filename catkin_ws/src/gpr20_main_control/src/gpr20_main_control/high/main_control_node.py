@@ -20,7 +20,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.mid.node_software import own_software
 from gpr20_common.sent_message import message_fields
-from gpr20_main_control.errors import OtherAnalyzerError
+from gpr20_main_control.errors import OtherAnalyzerError, OtherZerosError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
@@ -36,6 +36,7 @@ from gpr20_main_control.mid.devices.node_liveness import (
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.service import axis_move
+from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
     Command,
@@ -136,10 +137,14 @@ class MainControlNode:
 
     def _resume(self, request: Any) -> ResumeSurveyResponse:
         try:
-            resuming = self._control.resume(request.survey, request.accept_analyzer)
+            accepted = Accepted(request.accept_analyzer, request.accept_zeros)
+            resuming = self._control.resume(request.survey, accepted)
         except OtherAnalyzerError as error:
             refused = message_fields(error.message)
             return ResumeSurveyResponse(other_analyzer=error.identity, **refused)
+        except OtherZerosError as error:
+            refused = message_fields(error.message)
+            return ResumeSurveyResponse(other_zeros=error.zeros, **refused)
         return ResumeSurveyResponse(success=True, **message_fields(resuming))
 
     def _service_move(self, request: Any) -> ServiceMoveResponse:

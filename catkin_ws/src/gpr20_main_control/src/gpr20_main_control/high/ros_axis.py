@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import queue
 import threading
-from typing import List, Optional, Set
+from typing import Any, Callable, List, Optional, Set
 
 import actionlib
 import rospy
 
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.ros_time import microseconds
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.mid.devices.axis_leases import Lease
 from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
-from gpr20_msgs.srv import Command
+from gpr20_msgs.srv import AxisLease, AxisLeaseResponse, Command
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CONTROL_SILENT
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
@@ -28,6 +31,7 @@ SERVER_POLL_S = 0.001
 STOP_LIMIT_S = 5.0
 # Nothing moves, but its process of the pulses may have to be started.
 SET_ZERO_LIMIT_S = 30.0
+LEASE_CALL_LIMIT_S = 1.5
 # The node of an axis, in the axis's namespace.
 DRIVER = "axis_driver"
 
@@ -55,11 +59,13 @@ class RosAxis:
         self._outcomes: queue.Queue = queue.Queue()
         # Not a SimpleActionClient: it drops what it receives about a goal before send_goal()
         # has returned, so the result of a very short move could be lost.
-        self._client = actionlib.ActionClient(f"{group}/axis", AxisAction)
+        self._client = _DriversClient(f"{group}/axis", self._is_from_driver)
         self._goal: Optional[actionlib.ClientGoalHandle] = None
         self._homing = ServiceClient(f"{group}/homing", Command)
         self._set_zero = ServiceClient(f"{group}/set_zero", Command)
         self._stop = ServiceClient(f"{group}/stop", Command)
+        # What a hung driver does late with a lease is refused or harmless.
+        self._lease = ServiceClient(f"{group}/lease", AxisLease, keep_open=True)
         self._stops: List[threading.Thread] = []
         self._subscriber = rospy.Subscriber(
             f"{group}/current_coord", CurrentCoordinate, self._note, queue_size=10
@@ -78,7 +84,48 @@ class RosAxis:
             return None
         # Age by this machine's clock: the two machines' clocks may differ.
         age_s = self._clock.now_s() - received_s
-        return AxisReading(last.coordinate, last.homed, last.moving, age_s)
+        zero = ZeroEpoch(last.zero_epoch, microseconds(last.zero_time))
+        return AxisReading(last.coordinate, last.homed, last.moving, age_s, zero)
+
+    def reserve(self) -> Lease:
+        """Reserve the axis.
+
+        Raises:
+            NodeLostError: No answer came.
+            DeviceError: Another node has it.
+        """
+        response = self._call_lease()
+        if not response.success:
+            raise DeviceError(
+                Message(
+                    "{device} is not free: {reason}",
+                    device=self._plain_name,
+                    reason=message_from(response),
+                )
+            )
+        return Lease(response.lease, response.limit_s)
+
+    def renew(self, lease: Lease) -> bool:
+        """Renew a lease; return whether it still exists.
+
+        Raises:
+            NodeLostError: No answer came.
+        """
+        return bool(self._call_lease(lease=lease.number).success)
+
+    def release_lease(self, lease: Lease) -> None:
+        """End a lease, if the axis answers."""
+        try:
+            self._call_lease(lease=lease.number, release=True)
+        except NodeLostError as error:
+            # It ends by itself.
+            rospy.loginfo("the lease of %s was not released: %s", self._group, error)
+
+    def _call_lease(self, **fields: Any) -> AxisLeaseResponse:
+        try:
+            return self._lease.call(LEASE_CALL_LIMIT_S, **fields)
+        except ServiceUnavailableError as error:
+            raise NodeLostError(self._no_answer(error)) from error
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""
@@ -132,8 +179,7 @@ class RosAxis:
             raise NodeLostError(self._no_answer(error), fault=fault) from error
         if not response.success:
             message = message_from(response)
-            lost = message.fault_code == CONTROL_SILENT.code
-            raise (NodeLostError if lost else DeviceError)(message)
+            raise (NodeLostError if _is_contact_lost(message) else DeviceError)(message)
 
     def stop(self) -> None:
         """End any motion; returns at once."""
@@ -173,26 +219,55 @@ class RosAxis:
     def _note(self, message: CurrentCoordinate) -> None:
         # A recording that is played beside the robot publishes positions of another robot; a
         # trace could be stored with one of them.
-        publisher = connection_header(message)["callerid"]
-        if publisher != self._driver:
-            self._ignore(publisher)
+        if not self._is_from_driver(message):
             return
         with self._lock:
             self._last = message
             self._received_s = self._clock.now_s()
         self._received.set()
 
-    def _ignore(self, publisher: str) -> None:
-        if publisher in self._ignored:
-            return
+    def _is_from_driver(self, message: Any) -> bool:
+        publisher = connection_header(message)["callerid"]
+        if publisher == self._driver:
+            return True
+        if publisher not in self._ignored:
+            self._warn_of(publisher)
+        return False
+
+    def _warn_of(self, publisher: str) -> None:
         self._ignored.add(publisher)
         rospy.logerr(
-            "%s publishes coordinates of %s beside %s; they are ignored: end it, and play "
+            "%s publishes messages of %s beside %s; they are ignored: end it, and play "
             "recordings on a ROS master of their own",
             publisher,
             self._group,
             self._driver,
         )
+
+
+class _DriversClient(actionlib.ActionClient):
+    """An action client that listens to the driver of the axis alone.
+
+    A recording that is played beside the robot publishes results and statuses too: without this,
+    a goal that its statuses do not list counts as lost.
+    """
+
+    def __init__(self, name: str, is_from_driver: Callable[[Any], bool]) -> None:
+        self._is_from_driver = is_from_driver
+        super().__init__(name, AxisAction)
+
+    def _status_cb(self, message: Any) -> None:
+        if self._is_from_driver(message):
+            super()._status_cb(message)
+
+    def _result_cb(self, message: Any) -> None:
+        if self._is_from_driver(message):
+            super()._result_cb(message)
+
+
+def _is_contact_lost(message: Message) -> bool:
+    """Return whether an axis stopped by itself, because it did not hear this node."""
+    return message.fault_code in (CONTROL_SILENT.code, LEASE_LAPSED.code)
 
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
@@ -205,5 +280,4 @@ def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
         return MoveOutcome(False, no_result)
     # The result of a goal that actionlib itself refused has no message.
     message = message_from(result) if result.message else verbatim(text)
-    lost = message.fault_code == CONTROL_SILENT.code
-    return MoveOutcome(result.success, message, contact_lost=lost)
+    return MoveOutcome(result.success, message, contact_lost=_is_contact_lost(message))

@@ -261,9 +261,8 @@ class RosStorage:
     def reopen(self, survey: str) -> ReopenedSurvey:
         """Reopen a survey by its id or folder; another one that is open is interrupted."""
         response = self._reopen(survey=survey, interrupt_open=True)
-        last = response.last
-        trace = trace_message.decode(serialized(last)) if last.frequency_hz else None
-        return reopened_from(response, trace)
+        recent = [trace_message.decode(serialized(one)) for one in response.recent]
+        return reopened_from(response, tuple(recent))
 
     def report(self, survey_id: str, report_json: str) -> int:
         """Store a report beside the survey's metadata; return how many traces are stored."""

@@ -16,7 +16,7 @@ from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
 from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
-from gpr20_main_control.mid.survey.engine import SurveyEngine
+from gpr20_main_control.mid.survey.engine import NOTHING, Accepted, SurveyEngine
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
@@ -179,12 +179,12 @@ class MainControl:
             self._survey.positioner.stop()
         return Message("Stopping the axes, then storing the measured traces")
 
-    def resume(self, survey: str, accept_analyzer: str = "") -> Message:
+    def resume(self, survey: str, accepted: Accepted = NOTHING) -> Message:
         """Continue the paused survey, or one that was interrupted or ended early.
 
         Args:
             survey: Empty for the paused survey; otherwise a survey's id or its folder's name.
-            accept_analyzer: Identity of another analyzer with which to continue; usually empty.
+            accepted: What the operator accepts; usually nothing.
 
         Returns:
             What happens now.
@@ -192,7 +192,7 @@ class MainControl:
         Raises:
             RequestRefusedError: There is nothing to resume, or this robot cannot resume it.
             DeviceError: The survey could not be reopened.
-            OtherAnalyzerError: The analyzer is another one; the survey is paused.
+            DecisionNeededError: The analyzer or the zeros are others; the survey is paused.
         """
         with self._one_at_a_time():
             status = self._status.status
@@ -210,7 +210,7 @@ class MainControl:
                 # Before the answer, after which the survey must no longer be shown as paused.
                 checking = Message("Checking the robot before the survey continues")
                 self._status.enter(SurveyState.CHECKING, checking)
-                self._engine.resume(accept_analyzer)
+                self._engine.resume(accepted)
                 return self._unless_refused(Message("Resuming"))
             self._refuse_while_running(
                 Message(
@@ -226,7 +226,7 @@ class MainControl:
                     ),
                     fault=faults.NONE_PAUSED,
                 )
-            return self._unless_refused(self._resume_from_disk(survey, accept_analyzer))
+            return self._unless_refused(self._resume_from_disk(survey, accepted))
 
     def move_for_service(self, move: AxisMove) -> Message:
         """Move one axis for maintenance and return, when it is at rest, where it is.
@@ -313,13 +313,13 @@ class MainControl:
             raise refusal
         return resuming
 
-    def _resume_from_disk(self, survey: str, accept_analyzer: str) -> Message:
+    def _resume_from_disk(self, survey: str, accepted: Accepted) -> Message:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
             config = self._robot.description.config(STARTING_LIMIT_S)
             plan = plan_resumption(reopened, config, self._settings)
-            self._begin(plan, accept_analyzer)
+            self._begin(plan, accepted)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
@@ -332,10 +332,10 @@ class MainControl:
         remark = interruption_remark(reopened.interrupted)
         return resuming if remark is None else in_a_row([resuming, remark])
 
-    def _begin(self, plan: SurveyPlan, accept_analyzer: str = "") -> None:
+    def _begin(self, plan: SurveyPlan, accepted: Accepted = NOTHING) -> None:
         # First, so that nothing changes if the survey is refused here.
         survey = RunningSurvey(plan, self._robot, self._status, self._interruption)
-        engine = SurveyEngine(survey, accept_analyzer)
+        engine = SurveyEngine(survey, accepted)
         self._plan, self._survey, self._engine = plan, survey, engine
         self._status.show_parameters(plan.parameters)
         self._interruption.stop.clear()

@@ -12,6 +12,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
+from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Axis, Robot
 from gpr20_main_control.mid.waits import StopInterruption
@@ -187,13 +188,15 @@ class AxisService:
         """
         parameters = axis_parameters(move.axis, self._robot.description.nodes)
         axes = {move.axis: self._robot.axes[move.axis]}
+        leases = AxisLeases(self._robot.axes, self._interruption.attention)
         positioner = Positioner(
-            axes, {move.axis: parameters}, self._interruption, self._robot.workers
+            axes, {move.axis: parameters}, self._interruption, self._robot.workers, leases
         )
         try:
             self._interruption.check()
+            leases.ensure(axes)
             if move.action is AxisAction.HOME:
-                positioner.home(again=True)
+                positioner.home(again=axes)
                 return Message("The {axis} axis is homed.", axis=move.axis.value)
             if move.action is AxisAction.SET_ZERO:
                 return self._set_zero(move.axis, parameters)
@@ -204,6 +207,8 @@ class AxisService:
         except StopRequested as error:
             positioner.stop()
             raise StopRequested(self._stopped(move.axis, positioner)) from error
+        finally:
+            leases.release()
 
     def _set_zero(self, axis_id: AxisId, parameters: AxisParameters) -> Message:
         if parameters.finds_zero:

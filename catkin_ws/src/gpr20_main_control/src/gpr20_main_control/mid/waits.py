@@ -24,6 +24,39 @@ Result = TypeVar("Result")
 POLL_S = 0.05
 # A wait is shown when it takes this much longer than expected [s].
 LATE_S = 1.5
+# While axes move, the thread that would stop them must have looked within this time [s].
+ATTENTION_S = 1.0
+
+
+class Attention:
+    """Whether the thread that moves axes still looks at what could stop them."""
+
+    def __init__(self) -> None:
+        self._motions = 0
+        self._looked_s = 0.0
+        self._lock = threading.Lock()
+
+    def look(self) -> None:
+        """Note that the thread looks now."""
+        self._looked_s = time.monotonic()
+
+    @contextlib.contextmanager
+    def needed(self) -> Iterator[None]:
+        """Need attention while axes move."""
+        with self._lock:
+            self.look()
+            self._motions += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._motions -= 1
+
+    @property
+    def lacks(self) -> bool:
+        """Whether axes move, and nobody looks."""
+        with self._lock:
+            return self._motions > 0 and time.monotonic() - self._looked_s > ATTENTION_S
 
 
 class StopInterruption:
@@ -32,12 +65,14 @@ class StopInterruption:
     Attributes:
         stop: Set when what is in progress must end.
         clock: The clock of every wait.
+        attention: Whether a wait still looks for reasons to end.
     """
 
     def __init__(self, clock: Clock) -> None:
         self.stop = threading.Event()
         self._shutting_down = False
         self.clock = clock
+        self.attention = Attention()
 
     def shut_down(self) -> None:
         """End every wait, because the main control ends."""
@@ -59,6 +94,7 @@ class StopInterruption:
             ShutDownRequested: The main control ends.
             StopRequested: A stop was requested.
         """
+        self.attention.look()
         if self._shutting_down:
             raise ShutDownRequested(Message("the robot is shut down"), fault=faults.ROBOT_SHUT_DOWN)
         if self.stop.is_set():

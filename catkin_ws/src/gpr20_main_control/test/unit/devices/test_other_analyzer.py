@@ -10,6 +10,7 @@ from fault_kit import raises_fault
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
+from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -64,7 +65,7 @@ def test_a_survey_does_not_continue_with_another_analyzer(bench):
 
 def test_a_survey_continues_with_the_analyzer_that_is_accepted_and_records_both(bench):
     survey_id = pause_with(bench, OTHER)
-    bench.control.resume(survey_id, OTHER)
+    bench.control.resume(survey_id, Accepted(OTHER))
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
     # The first report with both precedes the first trace of the other one.
@@ -81,7 +82,7 @@ def test_an_accepted_analyzer_stays_accepted_and_the_former_one_does_not(bench):
             bench.analyzer.failures, bench.analyzer.on_sweep = 1, lambda: None
 
     bench.analyzer.on_sweep = fail
-    bench.control.resume("", OTHER)
+    bench.control.resume("", Accepted(OTHER))
     bench.wait_for(State.PAUSED)
     bench.analyzer.identity = FORMER
     with pytest.raises(OtherAnalyzerError):
@@ -95,11 +96,11 @@ def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
     pause_with(bench, THIRD)
     not_accepted = raises_fault(faults.NOT_THE_ACCEPTED_VNA, OTHER, error=OtherAnalyzerError)
     with not_accepted as no:
-        bench.control.resume("", OTHER)
+        bench.control.resume("", Accepted(OTHER))
     assert no.value.identity == THIRD
     bench.analyzer.identity = FORMER
     with pytest.raises(OtherAnalyzerError) as no:
-        bench.control.resume("", OTHER)
+        bench.control.resume("", Accepted(OTHER))
     # Nothing to ask the operator: the former one is back.
     assert no.value.identity == ""
     bench.resume_to_the_end()
@@ -107,9 +108,9 @@ def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
 
 def test_a_second_request_accepts_nothing(bench):
     pause_with(bench, OTHER)
-    bench.control.resume("", OTHER)
+    bench.control.resume("", Accepted(OTHER))
     with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
-        bench.control.resume("", THIRD)
+        bench.control.resume("", Accepted(THIRD))
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
 
@@ -133,7 +134,7 @@ def test_a_survey_from_its_folder_asks_for_the_other_analyzer_too(bench):
         bench.control.resume("survey_5ec1a5d2")
     assert refused.value.identity == OTHER
     assert bench.board.status.state is State.PAUSED
-    bench.control.resume("survey_5ec1a5d2", OTHER)
+    bench.control.resume("survey_5ec1a5d2", Accepted(OTHER))
     bench.wait_for(State.FINISHED)
     assert recorded(bench) == [(FORMER, 0), (OTHER, 2)]
 

@@ -36,7 +36,7 @@ def graph(monkeypatch):
     )
     monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
-    monkeypatch.setattr(ros_axis.actionlib, "ActionClient", lambda *_arguments: None)
+    monkeypatch.setattr(ros_axis, "_DriversClient", lambda *_arguments: None)
     yield graph
     graph.node_is_back.set()
 

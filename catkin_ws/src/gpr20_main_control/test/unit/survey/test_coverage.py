@@ -13,7 +13,9 @@ from gpr20_common.message import Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport, compare
+from gpr20_main_control.mid.survey.known_point import compare
+from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
+from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -22,6 +24,7 @@ from gpr20_survey.trace.trace import Trace
 MOMENT_US = 1_800_000_000_000_000
 NO_ANSWER = Message("no answer")
 NONE = AnalyzerRecord(())
+NO_ZEROS = ZeroRecord([], {})
 
 
 def numbers(real, imag):
@@ -113,9 +116,9 @@ def test_a_control_measurement_without_height_tells_none():
 
 
 def test_a_report_goes_on_where_the_former_one_ended():
-    first = SurveyReport(Coverage(9, [7]), NONE)
+    first = SurveyReport(Coverage(9, [7]), NONE, NO_ZEROS)
     first.note_repeat(compare(STORED, sweep([3.0, 0.0], [0.5, 4.0]), 0.21), 1_700_000_000 * 10**6)
-    second = SurveyReport(Coverage(9, [7]), NONE, first.to_json())
+    second = SurveyReport(Coverage(9, [7]), NONE, NO_ZEROS, first.to_json())
     assert second.coverage.states[7] is SampleState.REMEASURED
     assert second.to_json() == first.to_json()
 
@@ -125,7 +128,7 @@ def test_a_report_has_its_sentences_as_text_and_as_template_with_values():
     reason = Message("{points} points instead of 51", points=50)
     reason = reason.with_fault(Fault("vna.points"))
     coverage.note_failed(1, reason)
-    report = json.loads(SurveyReport(coverage, NONE).to_json())
+    report = json.loads(SurveyReport(coverage, NONE, NO_ZEROS).to_json())
     verdict = coverage.verdict().message
     assert (report["complete"], report["verdict"]) == (False, str(verdict))
     assert received_message("", json.dumps(report["verdict_message"])) == verdict
@@ -139,7 +142,7 @@ def test_a_report_has_its_sentences_as_text_and_as_template_with_values():
 def test_a_reason_with_a_number_that_is_not_finite_leaves_the_report_strict_json(number):
     coverage = Coverage(1)
     coverage.note_failed(0, Message("the level is {level_db:.1f} dB", level_db=number))
-    report = json.loads(SurveyReport(coverage, NONE).to_json())
+    report = json.loads(SurveyReport(coverage, NONE, NO_ZEROS).to_json())
     json.dumps(report, allow_nan=False)
     (failed,) = report["failed"]
     restored = received_message("", json.dumps(failed["reason_message"]))
@@ -172,4 +175,4 @@ def test_a_sample_that_is_measured_again_before_it_is_stored_is_not_counted_as_s
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
     with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
-        SurveyReport(Coverage(1), NONE, former)
+        SurveyReport(Coverage(1), NONE, NO_ZEROS, former)

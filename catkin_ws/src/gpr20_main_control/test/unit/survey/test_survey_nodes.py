@@ -58,7 +58,7 @@ def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(patient_bench
     assert bench.board.status.full_message.fault_code == ""
 
 
-def test_an_axis_that_was_started_anew_is_homed_and_a_control_is_measured(patient_bench):
+def test_an_axis_that_was_started_anew_is_homed_and_a_known_point_is_compared(patient_bench):
     bench = patient_bench
     lose(bench, X_AXIS, after=5)
     bench.start()
@@ -67,7 +67,8 @@ def test_an_axis_that_was_started_anew_is_homed_and_a_control_is_measured(patien
     come_back(bench, X_AXIS)
     bench.complete()
     assert [axis.homings for axis in bench.axes] == [2, 1, 1]
-    assert len(bench.storage.reports[-1]["controls"]) == 1
+    # At both rotations.
+    assert len(bench.storage.reports[-1]["controls"]) == 2
 
 
 def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):

@@ -10,12 +10,12 @@ from gpr20_main_control.mid.survey.survey_plan import plan_resumption, plan_surv
 from gpr20_main_control.mid.survey.survey_steps import (
     Check,
     Checkpoint,
+    Compare,
     Confirm,
     Finish,
     Home,
     Move,
     Open,
-    Repeat,
     Settle,
     SurveyProgress,
     Sweep,
@@ -111,35 +111,37 @@ def test_every_third_polarization_is_visited_too():
 
 
 @pytest.mark.parametrize("stored", [[], [0, 2, 5, 23], list(range(TOTAL))])
-def test_a_survey_from_the_disk_repeats_its_last_point_first_and_then_measures_what_is_missing(
+def test_a_survey_from_the_disk_compares_its_last_stop_first_and_then_measures_what_is_missing(
     stored,
 ):
     steps = steps_of(resumed_plan(stored))
     missing = [index for index in range(TOTAL) if index not in stored]
     assert steps[2] == Home(every_axis=True)
-    assert indices(steps, Repeat) == ([max(stored)] if stored else [])
+    compared = [step.stored for step in steps if isinstance(step, Compare)]
+    assert [one[-1].index for one in compared] == ([max(stored)] if stored else [])
     if stored:
-        assert isinstance(steps[3], Repeat)
+        assert isinstance(steps[3], Compare)
     for kind in (Move, Settle, Sweep, Confirm):
         assert indices(steps, kind) == missing
 
 
 def test_an_interrupted_survey_continues_where_it_was_and_measures_nothing_twice():
     progress = SurveyProgress(PLAN)
-    progress.note_homed(any_axis=True)
+    progress.note_homed(compare=True)
     measured = []
     for step in run(PLAN, progress):
         if len(measured) == 7:
             break
         if isinstance(step, Confirm):
             measured.append(step.point.index)
+    progress.note_homed(compare=False)
     rest = steps_of(PLAN, progress)
     assert rest[:4] == [Check(), Open(), Home(every_axis=False), Checkpoint()]
     assert measured + indices(rest, Confirm) == list(range(TOTAL))
 
 
 @pytest.mark.parametrize("homed", [False, True])
-def test_the_last_point_is_repeated_only_if_an_axis_had_to_be_homed(homed):
+def test_a_known_point_is_compared_only_if_the_zeros_are_other_ones(homed):
     progress = SurveyProgress(PLAN)
     progress.note_swept()
     progress.note_confirmed(stored_trace(0))
@@ -147,6 +149,7 @@ def test_the_last_point_is_repeated_only_if_an_axis_had_to_be_homed(homed):
     for step in run(PLAN, progress):
         steps.append(step)
         if isinstance(step, Home):
-            progress.note_homed(any_axis=homed)
-    assert indices(steps, Repeat) == ([0] if homed else [])
+            progress.note_homed(compare=homed)
+    compared = [step.stored for step in steps if isinstance(step, Compare)]
+    assert [[one.index for one in stored] for stored in compared] == ([[0]] if homed else [])
     assert indices(steps, Sweep) == list(range(1, TOTAL))

@@ -12,7 +12,9 @@ class ZeroEpoch:
 
     Attributes:
         number: Grows with each homing and set_zero; 0: not known.
-        time_us: When the zero was found or set [us since 1970, UTC], by the axis's computer.
+        time_us: When the zero was found or set [us since 1970, UTC], by the axis's computer. An
+            axis without endstop turns to its zero in a homing and finds nothing: its time is that
+            of the last set_zero.
     """
 
     number: int = 0

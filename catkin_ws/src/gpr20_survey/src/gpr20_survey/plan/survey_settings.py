@@ -29,6 +29,8 @@ class SurveySettings:
         on_height_failure: `pause`, or `store_without` to store the trace with no height.
         return_limit_s: How long a survey waits for a node that is gone, or for a link that is
             down, before it pauses [s].
+        repeat_limit_db: A point that is measured again agrees with its stored trace if they differ
+            by no more than this, relative to the trace [dB].
     """
 
     settle_s: float = 0.5
@@ -36,11 +38,13 @@ class SurveySettings:
     attempts: int = 3
     on_height_failure: str = HeightPolicy.PAUSE.value
     return_limit_s: float = 300.0
+    repeat_limit_db: float = -20.0
 
     def __post_init__(self) -> None:
         number_between("settle_s", self.settle_s, 0.0, 60.0, "s")
         number_between("height_s", self.height_s, 0.0, 60.0, "s")
         number_between("return_limit_s", self.return_limit_s, 0.0, 3600.0, "s")
+        number_between("repeat_limit_db", self.repeat_limit_db, -100.0, 0.0, "dB")
         number_between("attempts", self.attempts, 1, 100)
         policies = [policy.value for policy in HeightPolicy]
         if self.on_height_failure not in policies:

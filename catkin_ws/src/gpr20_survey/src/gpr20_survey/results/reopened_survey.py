@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.trace.trace import Trace
+
+# As many contain a whole stop of a survey with up to four rotations.
+RECENT_TRACES = 8
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,7 @@ class ReopenedSurvey:
         metadata_json: As it was recorded at its start.
         report_json: Its last report; empty if none exists.
         stored_indices: Indices in the plan of the stored, readable traces, ascending.
-        last: The trace stored last; None if none is stored.
+        recent: The traces stored last, the latest last.
         repairs: What was repaired; the answer has it as a part of its sentence only.
         interrupted: Folder of another survey that was still open and was closed; empty if none.
     """
@@ -29,7 +32,7 @@ class ReopenedSurvey:
     metadata_json: str
     report_json: str
     stored_indices: Tuple[int, ...]
-    last: Optional[Trace]
+    recent: Tuple[Trace, ...]
     repairs: Tuple[Message, ...] = ()
     interrupted: str = ""
 
@@ -38,21 +41,21 @@ PLAIN = ("survey_id", "metadata_json", "report_json", "interrupted")
 
 
 def reopened_fields(reopened: ReopenedSurvey) -> Dict[str, Any]:
-    """Return the fields of an answer without its sentence and its last trace."""
+    """Return the fields of an answer without its sentence and its traces."""
     plain = {name: getattr(reopened, name) for name in PLAIN}
     return {**plain, "path": reopened.folder, "stored_indices": reopened.stored_indices}
 
 
-def reopened_from(answer: Any, last: Optional[Trace]) -> ReopenedSurvey:
+def reopened_from(answer: Any, recent: Tuple[Trace, ...]) -> ReopenedSurvey:
     """Return the survey of an answer.
 
     Args:
         answer: The fields.
-        last: Its last trace, None if that has no frequencies.
+        recent: Its traces.
     """
     return ReopenedSurvey(
         folder=answer.path,
         stored_indices=tuple(answer.stored_indices),
-        last=last,
+        recent=recent,
         **{name: getattr(answer, name) for name in PLAIN},
     )

@@ -136,9 +136,7 @@ class ProcessingNode:
         reopened = self._processing.reopen_survey(request.survey)
         reopened = replace(reopened, interrupted=interrupted)
         stored = len(reopened.stored_indices)
-        last = Trace()
-        if reopened.last:
-            last = deserialized(Trace, trace_message.encode(reopened.last))
+        recent = [deserialized(Trace, trace_message.encode(one)) for one in reopened.recent]
         message = Message(
             "survey {survey} is open again with {stored} traces stored",
             survey=reopened.survey_id,
@@ -148,7 +146,7 @@ class ProcessingNode:
             success=True,
             **message_fields(in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]])),
             **reopened_fields(reopened),
-            last=last,
+            recent=recent,
         )
 
     def _interrupt_other(self, wanted: bool, survey: str) -> str:

@@ -161,7 +161,7 @@ class CurrentSurvey:
                 self._storage.topics,
                 self._publication,
                 repaired.stored,
-                repaired.last,
+                repaired.recent,
                 repaired.types,
             )
             self._take(survey, now_ns)
@@ -169,7 +169,7 @@ class CurrentSurvey:
         self._publication.reopened(
             survey.survey_id,
             repaired.stored,
-            repaired.last,
+            repaired.recent[-1] if repaired.recent else None,
             lambda trace: self._storage.topics.trace(trace, now_ns),
         )
         return survey.reopened(repaired.repairs)

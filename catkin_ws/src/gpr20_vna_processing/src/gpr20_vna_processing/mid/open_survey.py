@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 from typing import (
@@ -31,7 +32,7 @@ from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.results.reopened_survey import RECENT_TRACES, ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
@@ -62,7 +63,7 @@ class OpenSurvey:
         topics: SurveyTopics,
         publication: TracePublication,
         stored: Optional[Mapping[int, TraceFile]] = None,
-        last: Optional[Trace] = None,
+        recent: Sequence[Trace] = (),
         types: Optional[Mapping[str, AbstractSet[str]]] = None,
     ) -> None:
         """Take over the files.
@@ -74,13 +75,13 @@ class OpenSurvey:
             topics: Makes the messages of traces.
             publication: Publishes every trace when it is durable.
             stored: The traces that are stored already, by their index.
-            last: The trace that was stored last.
+            recent: The traces that were stored last.
             types: The checksums of the message types that the recordings hold of each topic.
         """
         self.folder = folder
         self.description = self.opened_as = description
         self.survey_id: str = description["survey_id"]
-        self.last = last
+        self._recent = deque(recent, maxlen=RECENT_TRACES)
         stored = stored or {}
         self.stored_traces = len(stored)
         # Fingerprint of each index whose JSON file is durable, and index of each sample.
@@ -164,7 +165,7 @@ class OpenSurvey:
             metadata_json=json.dumps(survey_metadata.metadata_of(self.description)),
             report_json="" if report is None else json.dumps(report),
             stored_indices=tuple(self._stored_indices()),
-            last=self.last,
+            recent=tuple(self._recent),
             repairs=repairs,
         )
 
@@ -206,7 +207,7 @@ class OpenSurvey:
         while self._pending:
             stored = self._pending.pop(next(iter(self._pending)))
             self.stored_traces += 1
-            self.last = stored.trace
+            self._recent.append(stored.trace)
             self._publication.stored(stored.trace)
 
     def report(self, report: Dict[str, Any]) -> int:

@@ -42,6 +42,7 @@ from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.markers import MARKERS, markers_of
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.results.reopened_survey import RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
@@ -61,8 +62,8 @@ class RepairedSurvey:
     """Open at their ends."""
     stored: Dict[int, TraceFile]
     """The trace of each index that is stored."""
-    last: Optional[Trace]
-    """The trace that was stored last."""
+    recent: Tuple[Trace, ...]
+    """The traces that were stored last, the latest last."""
     repairs: Tuple[Message, ...]
     """What was repaired."""
     types: Dict[str, Set[str]]
@@ -126,7 +127,7 @@ class Reopening:
             durable_files.ensure_folder(self._traces)
             self._remove_torn()
             self._repair_traces()
-            last = self._last()
+            recent = self._recent()
             recordings = RecordingRepair(
                 self._folder, self._forms, self._topics, self._start, self._repairs
             ).write()
@@ -134,7 +135,7 @@ class Reopening:
             self._description,
             recordings,
             self._files,
-            last,
+            recent,
             tuple(self._repairs),
             self._forms.md5sums(),
         )
@@ -242,13 +243,11 @@ class Reopening:
             Message("wrote {file} again from the recordings", file=file.name).with_fault(REPAIRED)
         )
 
-    def _last(self) -> Optional[Trace]:
-        if not self._files:
-            return None
+    def _recent(self) -> Tuple[Trace, ...]:
         moments = {index: (file.timestamp_us, index) for index, file in self._files.items()}
-        newest = max(moments, key=lambda index: moments[index])
-        path = self._traces / self._files[newest].name
-        return read_again(path, self._description["survey_id"])
+        newest = sorted(moments, key=lambda index: moments[index])[-RECENT_TRACES:]
+        paths = [self._traces / self._files[index].name for index in newest]
+        return tuple(read_again(path, self._description["survey_id"]) for path in paths)
 
 
 def _read_manifest(folder: Path, survey_id: str) -> Tuple[Optional[Manifest], Optional[Message]]:

@@ -41,7 +41,7 @@ def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
     assert json.loads(reopened.metadata_json) == json.loads(METADATA)
     assert reopened.report_json == ""
     assert reopened.stored_indices == (0, 1, 2, 3)
-    assert reopened.last.index == 3
+    assert reopened.recent[-1].index == 3
     assert_same_numbers(TRACES[3], read_json(sorted((folder / "traces").iterdir())[3]))
     assert read_json(folder / "survey.json")["resumed"] == ["2026-09-21T14:15:00.000000+00:00"]
     finish(kit, folder, reopened)
@@ -138,7 +138,7 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
     kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE"}')
     reopened = kit.processing.reopen_survey(SURVEY)
     assert reopened.stored_indices == (0, 1, 2, 3, 4, 5)
-    assert reopened.last.index == 5
+    assert reopened.recent[-1].index == 5
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
     assert len(read_json(folder / "survey.json")["resumed"]) == 2
     finish(kit, folder, reopened)

@@ -48,7 +48,7 @@ def test_a_trace_that_is_in_json_alone_is_put_into_the_recordings(data, folder, 
     kit = Kit(data, open_recordings)
     reopened = kit.processing.reopen_survey(SURVEY)
     assert reopened.stored_indices == (0, 1, 2, 3, 5)
-    assert reopened.last.index == 5
+    assert reopened.recent[-1].index == 5
     finish(kit, folder, reopened)
     kit.processing.shut_down()
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from typing import Callable, Dict, Iterable, List, Mapping, Optional
+from typing import Callable, Collection, Dict, Iterable, List, Mapping, Optional
 
 from gpr20_common.message import Fault, Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S
-from gpr20_main_control.mid.devices.robot import Axis, AxisReading, Position
+from gpr20_main_control.mid.devices.robot import Axis, AxisReading, Position, zeros_of
 from gpr20_main_control.mid.waits import StopInterruption, Workers, result_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
 from gpr20_survey.plan.survey_plan import SurveyPoint
 
@@ -44,7 +46,9 @@ class Positioner:
         parameters: Dict[AxisId, AxisParameters],
         interruption: StopInterruption,
         workers: Workers,
+        leases: AxisLeases,
     ) -> None:
+        self._leases = leases
         self._workers = workers
         self._axes = axes
         self._parameters = parameters
@@ -72,6 +76,7 @@ class Positioner:
             return all(self.reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
 
         self._wait(all_publish, CONNECTION_LIMIT_S)
+        self._leases.ensure(self._axes)
         for axis_id in self._axes:
             try:
                 self.reading(axis_id)
@@ -124,13 +129,22 @@ class Positioner:
             readings[AxisId.X].coordinate,
             readings[AxisId.Y].coordinate,
             readings[AxisId.Z].coordinate,
+            zeros_of({axis_id: reading.zero for axis_id, reading in readings.items()}),
         )
 
-    def home(self, again: bool = False) -> List[AxisId]:
+    def zeros(self) -> Dict[AxisId, ZeroEpoch]:
+        """Return the zero of each axis, or the last one of an axis that is not homed.
+
+        Raises:
+            NodeLostError: An axis does not publish.
+        """
+        return {axis_id: self.reading(axis_id).zero for axis_id in self._axes}
+
+    def home(self, again: Collection[AxisId] = ()) -> List[AxisId]:
         """Home together every axis that is not homed.
 
         Args:
-            again: Home the others too.
+            again: Axes to home even if they are.
 
         Returns:
             The axes that were homed.
@@ -140,16 +154,18 @@ class Positioner:
             NodeLostError: A node is lost; axes may still be homing.
             StopRequested: A stop of the survey was requested.
         """
-        pending = [one for one in self._axes if again or not self.reading(one).homed]
-        homings = [self._workers.begin(partial(self._home, axis_id)) for axis_id in pending]
+        pending = [one for one in self._axes if one in again or not self.reading(one).homed]
+        self._leases.ensure(pending)
         failures = []
-        for homing in homings:
-            try:
-                result_of(homing, self._interruption.check)
-            except NodeLostError:
-                raise
-            except DeviceError as error:
-                failures.append(error)
+        with self._interruption.attention.needed():
+            homings = [self._workers.begin(partial(self._home, axis_id)) for axis_id in pending]
+            for homing in homings:
+                try:
+                    result_of(homing, self._interruption.check)
+                except NodeLostError:
+                    raise
+                except DeviceError as error:
+                    failures.append(error)
         self._interruption.check()
         if failures:
             raise failures[0]
@@ -183,17 +199,22 @@ class Positioner:
         self._move({axis_id: target}, lambda: None)
 
     def _move(self, targets: Mapping[AxisId, float], on_begun: Callable[[], None]) -> None:
+        self._leases.ensure(targets)
         try:
-            moving = [axis_id for axis_id in targets if self._begin(axis_id, targets[axis_id])]
-            on_begun()
-            for axis_id in moving:
-                self._finish(axis_id, targets[axis_id])
-            for axis_id, target in targets.items():
-                self._wait_for_target(axis_id, target)
+            with self._interruption.attention.needed():
+                self._move_watched(targets, on_begun)
         except BaseException:
             # Whatever went wrong, no axis may keep moving.
             self.stop()
             raise
+
+    def _move_watched(self, targets: Mapping[AxisId, float], on_begun: Callable[[], None]) -> None:
+        moving = [axis_id for axis_id in targets if self._begin(axis_id, targets[axis_id])]
+        on_begun()
+        for axis_id in moving:
+            self._finish(axis_id, targets[axis_id])
+        for axis_id, target in targets.items():
+            self._wait_for_target(axis_id, target)
 
     def stop(self) -> None:
         """Stop every axis; returns at once."""

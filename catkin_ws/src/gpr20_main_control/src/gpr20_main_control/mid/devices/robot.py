@@ -13,11 +13,13 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
+from gpr20_main_control.mid.devices.axis_leases import LeasedAxis
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import SerialCalls, Workers
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch, Zeros
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -35,21 +37,30 @@ class AxisReading:
         homed: Whether the coordinate is relative to the axis's zero.
         moving: Whether the motor is being stepped.
         age_s: Age of the reading [s].
+        zero: The zero that the coordinate refers to.
     """
 
     coordinate: float
     homed: bool
     moving: bool
     age_s: float
+    zero: ZeroEpoch = UNKNOWN_ZERO
+
+
+def zeros_of(zeros: Mapping[AxisId, ZeroEpoch]) -> Zeros:
+    """Return the zeros of x, y and z; empty if an axis does not know its own."""
+    found = tuple(zeros[axis_id] for axis_id in AxisId)
+    return found if all(one.is_known for one in found) else ()
 
 
 @dataclass(frozen=True)
 class Position:
-    """The position that the axes report: x and y [mm], z [deg]."""
+    """The position that the axes report: x and y [mm], z [deg], and since which zeros."""
 
     x_mm: float
     y_mm: float
     z_deg: float
+    zeros: Zeros = ()
 
     @property
     def message(self) -> Message:
@@ -77,7 +88,7 @@ class MoveOutcome:
     contact_lost: bool = False
 
 
-class Axis(Protocol):
+class Axis(LeasedAxis, Protocol):
     """One axis of the positioner."""
 
     @property

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import (
+    DecisionNeededError,
     DeviceError,
     NodeLostError,
-    OtherAnalyzerError,
     ShutDownRequested,
     StopRequested,
     message_of,
@@ -31,20 +32,36 @@ CONFIRMING_LIMIT_S = 3.0
 POLL_S = 0.05
 
 
+@dataclass(frozen=True)
+class Accepted:
+    """What the operator accepts when a survey is resumed.
+
+    Attributes:
+        analyzer: Identity of another analyzer; empty: none.
+        zeros: Other zeros of the axes; empty: none.
+    """
+
+    analyzer: str = ""
+    zeros: str = ""
+
+
+NOTHING = Accepted()
+
+
 class SurveyEngine:
     """Executes one survey. `run` is the body of its thread."""
 
-    def __init__(self, survey: RunningSurvey, accept_analyzer: str = "") -> None:
+    def __init__(self, survey: RunningSurvey, accepted: Accepted = NOTHING) -> None:
         """Prepare the execution of a survey; nothing happens before `run`.
 
         Args:
             survey: What is measured, and with what.
-            accept_analyzer: Identity of another analyzer with which the operator continues it.
+            accepted: With what the operator continues it.
         """
         self._survey = survey
         self._status, self._interruption = survey.status, survey.interruption
         self._analyzers, self._progress = survey.analyzers, survey.progress
-        self._analyzers.accept = accept_analyzer
+        self._accept(accepted)
         archive, recovery = SurveyArchive(survey), Recovery(survey)
         ending, instruments = SurveyEnding(survey, archive, recovery), Instruments(survey)
         sampling = Sampling(survey, instruments)
@@ -53,7 +70,7 @@ class SurveyEngine:
         self._pause_requested = threading.Event()
         self._resume = threading.Event()
         self._lock = threading.Lock()
-        self._refusal: Optional[OtherAnalyzerError] = None
+        self._refusal: Optional[DecisionNeededError] = None
 
     def run(self) -> None:
         """Execute the survey; it always ends in a final state with a message."""
@@ -65,24 +82,28 @@ class SurveyEngine:
         finally:
             self._analyzers.checked.set()
             self._archive.queue.close()
+            self._survey.leases.release()
 
     def pause(self) -> None:
         """Pause after the present trace."""
         self._pause_requested.set()
 
-    def resume(self, accept_analyzer: str = "") -> None:
+    def resume(self, accepted: Accepted) -> None:
         """Continue after a pause; the caller has changed the state.
 
         Args:
-            accept_analyzer: Identity of another analyzer with which the operator continues.
+            accepted: With what the operator continues.
         """
         with self._lock:
-            self._analyzers.accept = accept_analyzer
+            self._accept(accepted)
             self._analyzers.checked.clear()
             self._refusal = None
             self._resume.set()
 
-    def refusal(self, limit_s: float) -> Optional[OtherAnalyzerError]:
+    def _accept(self, accepted: Accepted) -> None:
+        self._analyzers.accept, self._survey.zeros.accept = accepted.analyzer, accepted.zeros
+
+    def refusal(self, limit_s: float) -> Optional[DecisionNeededError]:
         """Wait until the analyzer is known; return why it is refused, None if it is not.
 
         Args:
@@ -194,7 +215,7 @@ class SurveyEngine:
         with self._lock:
             self._resume.clear()
             self._status.enter(SurveyState.PAUSED, message)
-            self._refusal = error if isinstance(error, OtherAnalyzerError) else None
+            self._refusal = error if isinstance(error, DecisionNeededError) else None
             self._analyzers.checked.set()
         while not self._resume.is_set():
             self._interruption.check_stop()

@@ -7,12 +7,14 @@ from typing import Callable, Optional
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control import faults
+from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveyProgress
+from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_main_control.mid.waits import Interruption, WaitStatus
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.trace.trace import Trace
@@ -98,10 +100,12 @@ class RunningSurvey:
         status: What is shown of the survey.
         interruption: What ends its waits.
         clock: The clock of its waits.
+        leases: What reserves its axes.
         positioner: Its axes.
         waits: Shows what takes longer than expected.
         progress: Where the survey is, from which the remaining steps follow.
         analyzers: With which analyzers it is measured.
+        zeros: To which zeros of the axes its traces refer.
         coverage: The state of each planned sample.
         report: What is stored about it beside its traces.
         clock_steps: Notices that the computer's clock was set.
@@ -120,13 +124,17 @@ class RunningSurvey:
         self.status = status
         self.interruption = interruption
         self.clock = interruption.clock
-        self.positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
+        self.leases = AxisLeases(robot.axes, interruption.attention)
+        self.positioner = Positioner(
+            robot.axes, plan.config.axes, interruption, robot.workers, self.leases
+        )
         self.waits = WaitStatus(status, interruption)
         self.progress = SurveyProgress(plan)
         self.analyzers = AnalyzerRecord(plan.analyzers)
+        self.zeros = ZeroRecord(plan.zeros, plan.config.axes)
         self.coverage = Coverage(plan.total_points, plan.stored_indices)
         former_report = "" if plan.reopened is None else plan.reopened.report_json
-        self.report = SurveyReport(self.coverage, self.analyzers, former_report)
+        self.report = SurveyReport(self.coverage, self.analyzers, self.zeros, former_report)
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
         self.clock_steps = ClockSteps(self.clock, plan.last, self.show_warning)

@@ -105,6 +105,7 @@ class Sampling:
         self._positioner = survey.positioner
         self._interruption, self._waits = survey.interruption, survey.waits
         self._clock_steps = survey.clock_steps
+        self._zeros = survey.zeros
         self._instruments = instruments
         # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
@@ -112,8 +113,12 @@ class Sampling:
         self._confirmation: Optional[Confirmation] = None
         self._confirming: Optional[Future[Trace]] = None
 
-    def settle(self, point: SurveyPoint) -> None:
+    def settle(self, point: SurveyPoint, compared: bool = False) -> None:
         """Return when vibrations have died down and the height is measured.
+
+        Args:
+            point: Where the axes rest.
+            compared: Whether the point is only compared, perhaps with other zeros of the axes.
 
         Raises:
             DeviceError: The axes rest elsewhere, or the height could not be measured.
@@ -122,6 +127,8 @@ class Sampling:
         """
         self._robot.description.check(self._plan.config)
         position = self._positioner.position()
+        if not compared:
+            self._zeros.check(position.zeros)
         _check_position(point, position)
         height_call = self._robot.workers.begin(self._instruments.height)
         if self._settle_s > PREPARATION_S:
@@ -211,7 +218,8 @@ class Sampling:
         timestamp_us = time_of_day_us()
         remarks = [remark, self._clock_steps.check_trace(timestamp_us)]
         texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)
-        quality = (*sweep.quality, *settled.remarks, *texts, *sensor_remarks)
+        remarks_on_place = (*settled.remarks, *self._zeros.remark)
+        quality = (*sweep.quality, *remarks_on_place, *texts, *sensor_remarks)
         measured = {**vars(sweep), "quality": quality}
         return Trace(
             **measured,
@@ -224,11 +232,12 @@ class Sampling:
             z_coord_deg=settled.position.z_deg,
             antennae_height_m=settled.height_m,
             aux=aux,
+            zeros=settled.position.zeros,
         )
 
 
 def _check_position(point: SurveyPoint, position: Position) -> None:
-    planned = Position(point.x_mm, point.y_mm, point.z_deg)
+    planned = Position(point.x_mm, point.y_mm, point.z_deg, position.zeros)
     if position != planned:
         raise DeviceError(
             Message(

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Optional, Union
+from typing import Any, Callable, Dict, Optional
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
 from gpr20_main_control.mid.devices.instruments import AnalyzerState, Instruments
 from gpr20_main_control.mid.survey import survey_steps as steps
+from gpr20_main_control.mid.survey.known_point import compare_known_point
 from gpr20_main_control.mid.survey.recovery import Recovery
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.sampling import Sampling
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive, interruption_remark
 from gpr20_main_control.mid.survey.survey_ending import SurveyEnding
-from gpr20_main_control.mid.survey.survey_report import compare
 from gpr20_main_control.mid.waits import Check
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.utc_time import iso_text
 
 MEASURING = Message("Measuring")
 
@@ -52,7 +53,7 @@ class StepActions:
             steps.Check: self._check,
             steps.Open: self._open,
             steps.Home: self._home,
-            steps.Repeat: self._repeat,
+            steps.Compare: self._compare,
             steps.Move: self._move,
             steps.Settle: self._settle,
             steps.Confirm: self._confirm,
@@ -97,10 +98,7 @@ class StepActions:
     def _check(self, _step: steps.Check) -> None:
         self._rejections = 0
         self._recovery.accept_nodes()
-        point = self._progress.next
-        self._analyzer = self._instruments.check(
-            self._plan.total_points if point is None else point.index
-        )
+        self._analyzer = self._instruments.check(self._next_index)
         self._interruption.check()
 
     def _open(self, _step: steps.Open) -> None:
@@ -113,34 +111,58 @@ class StepActions:
         if self._remark is not None:
             homing = in_a_row([homing, self._remark])
         self._status.enter(SurveyState.HOMING, homing)
-        try:
-            homed = self._positioner.home(again=step.every_axis)
-        except DeviceError:
-            # Some axes may have been homed, which the next attempt cannot see.
-            self._progress.repeat_last = True
-            raise
-        self._progress.note_homed(bool(homed))
+        self._find_zeros(step.every_axis)
         self._archive.queue.retry()
         self._status.enter(SurveyState.SURVEYING, MEASURING)
         self._archive.start_timing()
 
-    def _repeat(self, step: steps.Repeat) -> None:
-        point = step.point
-        self._status.set_message(
-            Message("Measuring point {index} again, to compare", index=point.index)
-        )
-        stored = self._progress.last
-        assert stored is not None
-        self._move(step)
-        measured = self._repeated(point)
-        repeat = compare(stored, measured, measured.antennae_height_m)
-        self._archive.note_repeat(repeat, self._interruption.check)
-        self._progress.repeat_last = False
-        self._status.set_message(in_a_row([MEASURING, repeat.message]))
+    def _find_zeros(self, every_axis: bool) -> None:
+        zeros = self._survey.zeros
+        before = self._positioner.zeros()
+        again = before.keys() if every_axis else zeros.to_home_again(before)
+        homed = self._positioner.home(again)
+        present = self._positioner.zeros()
+        zeros.note_homed(homed, present)
+        if self._progress.last is None:
+            zeros.begin(present, self._next_index, self._now())
+        self._progress.note_homed(zeros.needs_proof(present))
+
+    def _compare(self, step: steps.Compare) -> None:
+        """Compare a known point with its stored traces, because the zeros are other ones."""
+        present = self._positioner.zeros()
+        measured = []
+        for stored in step.stored:
+            point = self._plan.points[stored.index]
+            self._status.set_message(
+                Message("Measuring point {index} again, to compare", index=point.index)
+            )
+            self._move_to(point)
+            measured.append(self._repeated(point))
+        known = compare_known_point(step.stored, measured)
+        try:
+            self._survey.zeros.judge(
+                present,
+                known,
+                self._plan.settings.repeat_limit_db,
+                self._next_index,
+                self._now(),
+            )
+        finally:
+            self._archive.note_repeats(known.repeats, self._interruption.check)
+        self._progress.compare = False
+        self._status.set_message(in_a_row([MEASURING, known.message]))
+
+    @property
+    def _next_index(self) -> int:
+        point = self._progress.next
+        return self._plan.total_points if point is None else point.index
+
+    def _now(self) -> str:
+        return iso_text(self._survey.clock.time_of_day_us())
 
     def _repeated(self, point: SurveyPoint) -> Trace:
         """Measure a point that is stored already."""
-        self._sampling.settle(point)
+        self._sampling.settle(point, compared=True)
         for attempt in range(self._plan.settings.attempts):
             try:
                 self._sampling.sweep(point, lambda _trace: None)
@@ -152,10 +174,13 @@ class StepActions:
                 self._sampling.give_up()
         raise AssertionError("the last attempt returns or raises")
 
-    def _move(self, step: Union[steps.Move, steps.Repeat]) -> None:
+    def _move(self, step: steps.Move) -> None:
+        self._move_to(step.point)
+
+    def _move_to(self, point: SurveyPoint) -> None:
         self._interruption.check()
         # Announced when the axes have begun to move, which need not wait for it.
-        self._positioner.move_to(step.point, lambda: self._status.set_target(step.point))
+        self._positioner.move_to(point, lambda: self._status.set_target(point))
 
     def _settle(self, step: steps.Settle) -> None:
         self._sampling.settle(step.point)

@@ -14,10 +14,10 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
 from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey.survey_report import RepeatMeasurement
 from gpr20_main_control.mid.waits import Check, ExpectedWait
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
@@ -109,9 +109,10 @@ class SurveyArchive:
         self._measured_s = self._elapsed_s()
         self._measuring_since_s = None
 
-    def note_repeat(self, repeat: RepeatMeasurement, check: Check) -> None:
-        """Store the result of a repeat measurement."""
-        self._survey.report.note_repeat(repeat, time_of_day_us())
+    def note_repeats(self, repeats: Sequence[RepeatMeasurement], check: Check) -> None:
+        """Store the results of repeat measurements, and the zeros that they prove."""
+        for repeat in repeats:
+            self._survey.report.note_repeat(repeat, time_of_day_us())
         self._send_report(self._survey.report.to_json(), check)
 
     def send_last_report(self, check: Check) -> int:

@@ -11,7 +11,11 @@ from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.survey.survey_report import UsedAnalyzer, recorded_analyzers
+from gpr20_main_control.mid.survey.survey_report import (
+    UsedAnalyzer,
+    recorded_analyzers,
+    recorded_zeros,
+)
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
@@ -19,6 +23,7 @@ from gpr20_survey.plan.survey_cost import planned_durations_s
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
@@ -98,7 +103,29 @@ class SurveyPlan:
     @property
     def last(self) -> Optional[Trace]:
         """The trace stored last, of a survey that is resumed; None otherwise."""
-        return None if self.reopened is None else self.reopened.last
+        return self.recent[-1] if self.recent else None
+
+    @property
+    def recent(self) -> Sequence[Trace]:
+        """The traces stored last, of a survey that is resumed, the latest last."""
+        return () if self.reopened is None else self.reopened.recent
+
+    @property
+    def zeros(self) -> Sequence[UsedZeros]:
+        """The zeros of the axes to which its traces refer so far.
+
+        Raises:
+            SurveyError: The report of the survey that is resumed cannot be read.
+        """
+        if self.reopened is None:
+            return ()
+        recorded = recorded_zeros(self.reopened.report_json)
+        last = self.last
+        if last is None or not last.zeros or any(one.zeros == last.zeros for one in recorded):
+            return recorded
+        # A survey that was cut off before its first report began with these.
+        proof = Proof.ACCEPTED if recorded else Proof.START
+        return [*recorded, UsedZeros(last.zeros, last.index, "", proof)]
 
     @property
     def stored_indices(self) -> Sequence[int]:

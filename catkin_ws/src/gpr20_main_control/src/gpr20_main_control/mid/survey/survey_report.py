@@ -9,15 +9,15 @@ from dataclasses import asdict, dataclass
 from datetime import datetime, timezone
 from typing import Any, Dict, List, Optional, Sequence
 
-import numpy as np
-
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
+from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
+from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
 from gpr20_survey.plan.coverage import COMPLETE, COVERAGE_LETTERS, Coverage
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.plan.zero_history import ZEROS, UsedZeros, used_zeros_from
 from gpr20_survey.trace.utc_time import iso_text
 
 # Place of the serial number in an identity: maker, model, serial number, firmware.
@@ -130,6 +130,18 @@ def recorded_analyzers(metadata_json: str, report_json: str) -> List[UsedAnalyze
     return [UsedAnalyzer(identity, 0, None)] if isinstance(identity, str) else []
 
 
+def recorded_zeros(report_json: str) -> List[UsedZeros]:
+    """Return the zeros of a survey that is on the disk, from its last report or none.
+
+    Raises:
+        SurveyError: The report cannot be read.
+    """
+    try:
+        return used_zeros_from(json.loads(report_json)) if report_json else []
+    except (AttributeError, KeyError, TypeError, ValueError, InvalidValueError) as error:
+        raise _unreadable(repr(error)) from error
+
+
 def _from_fields(fields: Dict[str, Any]) -> UsedAnalyzer:
     identity, index, accepted = fields["identity"], fields["from_index"], fields["accepted"]
     if not isinstance(identity, str) or not isinstance(index, int):
@@ -137,74 +149,22 @@ def _from_fields(fields: Dict[str, Any]) -> UsedAnalyzer:
     return UsedAnalyzer(identity, index, accepted if accepted is None else str(accepted))
 
 
-@dataclass(frozen=True)
-class RepeatMeasurement:
-    """The difference between a repeated measurement of a point and its stored trace.
-
-    Attributes:
-        index: The point's index in the plan.
-        difference_db: Root mean square of the difference of S21, relative to the stored
-            trace [dB]; minus infinity if they are equal.
-        height_difference_m: New height minus the stored one [m]; NaN if either is missing.
-    """
-
-    index: int
-    difference_db: float
-    height_difference_m: float
-
-    @property
-    def message(self) -> Message:
-        """The comparison in one sentence."""
-        # As text: an infinite difference has no number in JSON.
-        difference_db = f"{self.difference_db:.1f}"
-        if not math.isfinite(self.height_difference_m):
-            return Message(
-                "point {index} was measured again and differs by {difference_db} dB from the "
-                "stored trace",
-                index=self.index,
-                difference_db=difference_db,
-            )
-        return Message(
-            "point {index} was measured again and differs by {difference_db} dB from the stored "
-            "trace, the height by {height_mm:+.1f} mm",
-            index=self.index,
-            difference_db=difference_db,
-            height_mm=1000.0 * self.height_difference_m,
-        )
-
-
-def compare(stored: Trace, sweep: Sweep, height_m: float) -> RepeatMeasurement:
-    """Compare a new sweep of a point with the stored one.
-
-    Args:
-        stored: The trace on the disk.
-        sweep: The new sweep, at the same frequencies.
-        height_m: The new height [m].
-    """
-    difference = _power(sweep.s21_real - stored.s21_real, sweep.s21_imag - stored.s21_imag)
-    reference = _power(stored.s21_real, stored.s21_imag)
-    if difference == 0.0:
-        difference_db = -math.inf
-    else:
-        difference_db = 10.0 * math.log10(difference / reference) if reference else math.inf
-    return RepeatMeasurement(stored.index, difference_db, height_m - stored.antennae_height_m)
-
-
-def _power(real: np.ndarray, imag: np.ndarray) -> float:
-    return float(np.sum(real**2) + np.sum(imag**2))
-
-
 class SurveyReport:
     """Collects the entry `report` of survey.json."""
 
     def __init__(
-        self, coverage: Coverage, analyzers: AnalyzerRecord, former_json: str = ""
+        self,
+        coverage: Coverage,
+        analyzers: AnalyzerRecord,
+        zeros: ZeroRecord,
+        former_json: str = "",
     ) -> None:
         """Begin, or continue, a report.
 
         Args:
             coverage: The state of each planned sample.
             analyzers: With which analyzers it is measured.
+            zeros: To which zeros of the axes its traces refer.
             former_json: The report of the survey before it was resumed; empty if none exists.
 
         Raises:
@@ -212,6 +172,7 @@ class SurveyReport:
         """
         self.coverage = coverage
         self._analyzers = analyzers
+        self._zeros = zeros
         self._controls = _controls_of(former_json, coverage.planned)
         self._warnings = _warnings_of(former_json)
         for control in self._controls:
@@ -269,6 +230,7 @@ class SurveyReport:
                 "controls": self._controls,
                 "warnings": self._warnings,
                 ANALYZERS: [asdict(one) for one in self._analyzers.used],
+                ZEROS: [one.record() for one in self._zeros.used],
             }
         )
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
-from typing import Iterator, Optional, Union
+from typing import Deque, Iterator, Optional, Tuple, Union
 
+from gpr20_main_control.mid.survey.known_point import known_traces
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.trace.trace import Trace
@@ -28,10 +30,10 @@ class Home:
 
 
 @dataclass(frozen=True)
-class Repeat:
-    """Measure a stored point again and compare the two."""
+class Compare:
+    """Measure a known point again, at every rotation, and compare it with its stored traces."""
 
-    point: SurveyPoint
+    stored: Tuple[Trace, ...]
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Finish:
     """Wait until everything is stored, and close the survey."""
 
 
-Step = Union[Check, Open, Home, Repeat, Checkpoint, Move, Settle, Confirm, Sweep, Finish]
+Step = Union[Check, Open, Home, Compare, Checkpoint, Move, Settle, Confirm, Sweep, Finish]
 
 
 class SurveyProgress:
@@ -82,14 +84,18 @@ class SurveyProgress:
         last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
-        repeat_last: Whether an axis was homed since the last trace was confirmed.
+        compare: Whether the zeros of the axes are other ones than those of the traces.
     """
 
     def __init__(self, plan: SurveyPlan) -> None:
         """Begin a survey, or continue one from its folder."""
         resumed = plan.reopened is not None
         self.last = plan.last
-        self.home_every_axis = self.repeat_last = resumed
+        self.home_every_axis = self.compare = resumed
+        self._rotations = len(plan.parameters.polarizations_deg)
+        # Of two stops, of which one is complete.
+        most = max(1, 2 * self._rotations - 1)
+        self._recent: Deque[Trace] = deque(plan.recent, maxlen=most)
         self._pending = plan.pending
         self._confirmed = 0
         self._awaiting = False
@@ -110,14 +116,19 @@ class SurveyProgress:
         """Whether every point is measured and its sweep is confirmed."""
         return self._confirmed == len(self._pending)
 
-    def note_homed(self, any_axis: bool) -> None:
+    @property
+    def known(self) -> Tuple[Trace, ...]:
+        """The stored traces of a known point, at every rotation so far."""
+        return tuple(known_traces(self._recent, self._rotations))
+
+    def note_homed(self, compare: bool) -> None:
         """Note that the axes are homed.
 
         Args:
-            any_axis: Whether any axis had to be homed.
+            compare: Whether a known point must be compared before the survey continues.
         """
         self.home_every_axis = False
-        self.repeat_last = self.repeat_last or any_axis
+        self.compare = compare
 
     def note_swept(self) -> None:
         """Note that the next point has a sweep, which is not confirmed yet."""
@@ -127,7 +138,8 @@ class SurveyProgress:
         """Note that the sweep that was not confirmed yet is confirmed now."""
         self._awaiting = False
         self._confirmed += 1
-        self.last, self.repeat_last = trace, False
+        self.last = trace
+        self._recent.append(trace)
 
     def note_rejected(self) -> None:
         """Note that the sweep could not be confirmed: its point is the next to measure."""
@@ -142,14 +154,14 @@ def survey_steps(plan: SurveyPlan, progress: SurveyProgress) -> Iterator[Step]:
     Args:
         plan: What the survey measures.
         progress: The progress so far. Executing the steps updates it, and what comes next is read
-            from it: whether the last point is measured again after the axes are homed, and
-            whether a point is measured again because its sweep could not be confirmed.
+            from it: whether a known point is compared after the axes are homed, and whether a
+            point is measured again because its sweep could not be confirmed.
     """
     yield Check()
     yield Open()
     yield Home(progress.home_every_axis)
-    if progress.repeat_last and progress.last is not None:
-        yield Repeat(plan.points[progress.last.index])
+    if progress.compare and progress.known:
+        yield Compare(progress.known)
     while not progress.all_confirmed:
         point = progress.next
         if point is not None:
