@@ -47,6 +47,15 @@ NOT_INTACT = Fault(
     ),
     replaces=True,
 )
+ZEROS_UNPROVEN = Fault(
+    "analysis.zeros_unproven",
+    Message(
+        "Do not rely on the positions and rotations of these traces: compare the image with the "
+        "ground, or measure the area again."
+    ),
+    Severity.WARNING,
+    replaces=True,
+)
 NOT_COMPLETE = Fault(
     "analysis.survey_not_complete",
     Message(

@@ -51,25 +51,7 @@ class UnconfirmedError(DeviceError):
         self.repeat = repeat
 
 
-class DecisionNeededError(DeviceError):
-    """The survey is paused until the operator accepts something, or puts it right."""
-
-
-class OtherZerosError(DecisionNeededError):
-    """The zeros of the axes are not proven to be those of the survey.
-
-    Attributes:
-        zeros: The present ones, as the operator accepts them.
-    """
-
-    fault = faults.OTHER_ZEROS
-
-    def __init__(self, message: Message, zeros: str) -> None:
-        super().__init__(message)
-        self.zeros = zeros
-
-
-class OtherAnalyzerError(DecisionNeededError):
+class OtherAnalyzerError(DeviceError):
     """The analyzer is not the one that the survey was measured with.
 
     Attributes:

@@ -125,13 +125,6 @@ ZERO_CHANGED = Fault(
         "homes the axis itself where it can, and measures a known point again."
     ),
 )
-OTHER_ZEROS = Fault(
-    "survey.other_zeros",
-    Message(
-        "Check that the antennas stand at their mark at 0 deg and that no belt or switch has "
-        "moved. Then resume the survey and decide, or stop it and plan a new one."
-    ),
-)
 MOVED_BY_OTHERS = Fault(
     "survey.moved_by_others",
     Message("Let no person and no other program move the axes, then resume the survey."),

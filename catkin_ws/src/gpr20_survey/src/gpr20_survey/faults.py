@@ -126,6 +126,15 @@ LEASE_LAPSED = Fault(
         "programs on the server, and check the network cable between the robot and the server."
     ),
 )
+# The window asks the operator about it.
+OTHER_ZEROS = Fault(
+    "survey.other_zeros",
+    Message(
+        "Check that the antennas stand at their mark at 0 deg, and that no belt or switch has "
+        "moved. Then stop the survey and resume it, which compares again; or resume it as it is: "
+        "its traces since then are marked."
+    ),
+)
 # The doctor only notes these two: a survey homes and measures by itself.
 NOT_HOMED = Fault("axis.not_homed", remedies.HOME_AXIS)
 HEIGHT_NOT_MEASURED = Fault(

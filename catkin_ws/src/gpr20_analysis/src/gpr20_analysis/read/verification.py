@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, List, Optional, Union
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
@@ -16,9 +16,11 @@ from gpr20_analysis.read.time_check import TimeCheck
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.plan.zero_history import unproven_zeros
 
 FILES = (
     survey_folder.SURVEY_FILE,
@@ -89,6 +91,7 @@ class _Verifier:
         self._indexed = description.get("ended") is not None  # the recordings have their index
         interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
         self._found = Verification(closed=self._indexed and not interrupted)
+        self._zeros: List[Zeros] = []
 
     def run(self) -> Verification:
         if self._use_manifest:
@@ -103,6 +106,7 @@ class _Verifier:
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
+        self._check_zeros()
         times = TimeCheck(self._description)
         recordings = RecordingCheck(
             self._folder, self._survey_id, self._indexed, self._found, self._progress
@@ -210,9 +214,22 @@ class _Verifier:
                 Message("{file} changed while it was read: {reason}", file=name, reason=reason)
             )
             return
+        self._zeros.append(trace.zeros)
         misfits = plan.misfits(trace) or plan.changed_settings(trace)
         self._found.faults += misfits
         self._found.stored += not misfits
+
+    def _check_zeros(self) -> None:
+        unproven = unproven_zeros(self._description.get("report"), self._zeros)
+        self._found.unproven = sum(one in unproven for one in self._zeros)
+        if self._found.unproven:
+            self._found.note(
+                Message(
+                    "{count} traces refer to zeros of the axes that no measurement proved to be "
+                    "those of the others: their positions and rotations may be wrong",
+                    count=self._found.unproven,
+                ).with_fault(faults.ZEROS_UNPROVEN)
+            )
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description

@@ -28,6 +28,8 @@ class Verification:
     """Number of planned samples; None if unknown."""
     stored: int = 0
     """Number of planned samples that are stored and readable."""
+    unproven: int = 0
+    """Number of traces whose zeros of the axes nothing proves to be those of the others."""
     sealed: bool = False
     """Whether a manifest covers every file, so that no change could be unseen."""
     closed: bool = False
@@ -47,6 +49,7 @@ class Verification:
             "status": self.status,
             "planned": self.planned,
             "stored": self.stored,
+            "unproven": self.unproven,
             "sealed": self.sealed,
             "closed": self.closed,
             "verdict": message_fields(self.verdict),
@@ -59,11 +62,15 @@ class Verification:
 
     @property
     def status(self) -> int:
-        """0 complete and intact, 1 not complete or not sealed, 2 damaged or contradictory."""
+        """0 complete and intact, 1 incomplete, unsealed or unproven, 2 damaged or contradictory."""
         if self.faults:
             return DAMAGED
-        whole = self.planned is not None and self.stored == self.planned
-        return COMPLETE if whole and self.sealed and self.closed else INCOMPLETE
+        return COMPLETE if self._is_whole and not self.unproven else INCOMPLETE
+
+    @property
+    def _is_whole(self) -> bool:
+        stored = self.planned is not None and self.stored == self.planned
+        return stored and self.sealed and self.closed
 
     @property
     def verdict(self) -> Message:
@@ -71,8 +78,10 @@ class Verification:
         if self.faults:
             of_manifest = all(one.fault_code == faults.MANIFEST.code for one in self.faults)
             return self._sentence.with_fault(faults.MANIFEST if of_manifest else faults.NOT_INTACT)
-        if self.status == INCOMPLETE:
+        if not self._is_whole:
             return self._sentence.with_fault(faults.NOT_COMPLETE)
+        if self.unproven:
+            return self._sentence.with_fault(faults.ZEROS_UNPROVEN)
         return self._sentence
 
     @property
@@ -82,6 +91,13 @@ class Verification:
                 "DAMAGED or contradictory ({count} faults): {counted}",
                 count=len(self.faults),
                 counted=self._counted,
+            )
+        if self._is_whole and self.unproven:
+            return Message(
+                "POSITIONS NOT PROVEN: all {planned} planned traces are stored and intact, but "
+                "{count} of them refer to other zeros of the axes",
+                planned=self.planned,
+                count=self.unproven,
             )
         if self.status == COMPLETE:
             return Message(

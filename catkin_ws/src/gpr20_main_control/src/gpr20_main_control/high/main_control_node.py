@@ -20,7 +20,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.mid.node_software import own_software
 from gpr20_common.sent_message import message_fields
-from gpr20_main_control.errors import OtherAnalyzerError, OtherZerosError
+from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
@@ -142,9 +142,6 @@ class MainControlNode:
         except OtherAnalyzerError as error:
             refused = message_fields(error.message)
             return ResumeSurveyResponse(other_analyzer=error.identity, **refused)
-        except OtherZerosError as error:
-            refused = message_fields(error.message)
-            return ResumeSurveyResponse(other_zeros=error.zeros, **refused)
         return ResumeSurveyResponse(success=True, **message_fields(resuming))
 
     def _service_move(self, request: Any) -> ServiceMoveResponse:

@@ -192,7 +192,7 @@ class MainControl:
         Raises:
             RequestRefusedError: There is nothing to resume, or this robot cannot resume it.
             DeviceError: The survey could not be reopened.
-            DecisionNeededError: The analyzer or the zeros are others; the survey is paused.
+            OtherAnalyzerError: The analyzer is another one; the survey is paused.
         """
         with self._one_at_a_time():
             status = self._status.status

@@ -71,11 +71,6 @@ def _from_record(one: Mapping[str, Any]) -> UsedZeros:
     return UsedZeros(zeros, int(one["from_index"]), str(one["time"]), Proof(one["proof"]))
 
 
-def zeros_key(zeros: Zeros) -> str:
-    """Return a text that names these zeros and no others, for a decision about them."""
-    return " ".join(f"{one.number}@{one.time_us}" for one in zeros)
-
-
 def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
     """Return the zeros of traces that nothing proves to be those of the traces before.
 

@@ -157,15 +157,22 @@ class ControlClient(RosEvents):
         """Ask to pause the survey; the answer is an event."""
         self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
 
-    def resume_survey(self, survey_id: str = "", accept_analyzer: str = "") -> None:
+    def resume_survey(
+        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
+    ) -> None:
         """Ask to resume the paused survey or the one named; the answer is an event.
 
         Args:
             survey_id: Id or folder; empty: the paused survey.
             accept_analyzer: Identity of another analyzer that the operator accepts.
+            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
         """
         self._stop_obsolete.set()
-        self._ask(Request.RESUME, lambda: self._ask_resume(survey_id, accept_analyzer))
+        fields = {"accept_analyzer": accept_analyzer, "accept_zeros": accept_zeros}
+        self._ask(
+            Request.RESUME,
+            lambda: self._resume.call(START_TIMEOUT_S, survey=survey_id, **fields),
+        )
 
     def set_replay_paused(self, paused: bool) -> None:
         """Ask the replay to pause or to continue; its next mark shows whether it did."""
@@ -273,9 +280,6 @@ class ControlClient(RosEvents):
         except ServiceUnavailableError as error:
             return Message("{axis} axis does NOT answer", axis=axis, details=error), False
         return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer)), True
-
-    def _ask_resume(self, survey_id: str, accept_analyzer: str) -> Any:
-        return self._resume.call(START_TIMEOUT_S, survey=survey_id, accept_analyzer=accept_analyzer)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         in_background(lambda: self._emit(_answer(request, ask)))

@@ -128,7 +128,9 @@ def _run_session(
     requests: Dict[Request, Callable[[], None]] = {
         Request.START: lambda: client.start_survey(options.parameters, options.annotation),
         Request.STOP: client.stop_survey,
-        Request.RESUME: lambda: client.resume_survey(options.resume_id, options.accept_analyzer),
+        Request.RESUME: lambda: client.resume_survey(
+            options.resume_id, options.accept_analyzer, options.accept_zeros
+        ),
     }
     display = _display(options.bar, catalogue)
     session = SurveySession(follower, events, lambda request: requests[request](), display)

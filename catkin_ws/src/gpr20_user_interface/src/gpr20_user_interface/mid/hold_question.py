@@ -67,14 +67,25 @@ def start_question(
     return HoldQuestion(Message("Start this survey?"), tuple(rows), HANDS_CLEAR, HOLD_TO_START)
 
 
-def resume_question(progress: Optional[Progress]) -> HoldQuestion:
-    """Return what is asked before the paused survey is resumed."""
+def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) -> HoldQuestion:
+    """Return what is asked before the paused survey is resumed.
+
+    Args:
+        progress: Of the survey; None if it is not known.
+        zeros_unproven: Whether the operator must decide about the zeros of the axes.
+    """
     rows: Tuple[Row, ...] = ()
     if progress is not None and progress.total_points:
         rows = (
             (Message("Stored"), _counted(progress.visited_points, progress.total_points)),
             (Message("Time left"), _time(progress.remaining_s)),
         )
+    if zeros_unproven:
+        rows += (
+            (Message("Positions"), Message("NOT PROVEN from here on; the survey keeps saying so")),
+            (Message("To compare again"), Message("STOP, then resume it on SURVEYS")),
+        )
+        return HoldQuestion(Message("Resume as it is?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
     return HoldQuestion(Message("Resume the survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 
 

@@ -74,6 +74,7 @@ class Options:
     mode: Mode
     resume_id: str
     accept_analyzer: str
+    accept_zeros: bool
     parameters: SurveyParameters
     annotation: Annotation
     wait_s: float
@@ -118,6 +119,8 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     mode = _mode(given.attach, given.resume)
     if given.accept_analyzer and mode is not Mode.RESUME:
         parser.error(catalogue.tr("--accept-analyzer can be given only with --resume"))
+    if given.accept_zeros and mode is not Mode.RESUME:
+        parser.error(catalogue.tr("--accept-zeros can be given only with --resume"))
     if mode is not Mode.START:
         _refuse_parameters(parser, parameters, arguments, mode, catalogue)
     return Options(
@@ -125,6 +128,7 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
         # Folders may be given with their path; the main control knows where they are.
         resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
         accept_analyzer=given.accept_analyzer,
+        accept_zeros=given.accept_zeros,
         parameters=SurveyParameters(**{field.name: getattr(given, field.name) for field in FIELDS}),
         annotation=annotation_from(given),
         wait_s=given.wait,
@@ -222,6 +226,14 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
         help=tr(
             "with --resume: continue with another network analyzer than that of the survey; its "
             "identity is in the message of the refusal"
+        ),
+    )
+    group.add_argument(
+        "--accept-zeros",
+        action="store_true",
+        help=tr(
+            "with --resume: continue although nothing proves that the zeros of the axes are those "
+            "of the survey; its traces since then are marked"
         ),
     )
     group.add_argument(

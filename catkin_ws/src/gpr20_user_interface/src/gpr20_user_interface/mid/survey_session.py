@@ -8,6 +8,7 @@ from typing import Callable, List, Optional, Protocol, Sequence
 
 from gpr20_common import remedies
 from gpr20_common.message import Message
+from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_user_interface.mid.displays import Display
 from gpr20_user_interface.mid.events import (
     Accepted,
@@ -210,6 +211,10 @@ def outcome_lines(
                 "To continue with this VNA, resume with `--accept-analyzer {identity}`.",
                 identity=shlex.quote(outcome.other_analyzer),
             )
+        )
+    if outcome.message.fault_code == OTHER_ZEROS.code:
+        lines.append(
+            Message("To continue as it is, resume with `--accept-zeros`; its traces are marked.")
         )
     can_continue = outcome.message.can_continue
     if outcome.status is ExitStatus.PAUSED:

@@ -39,12 +39,15 @@ class SurveyControl(Protocol):
     def pause_survey(self) -> None:
         """Ask to pause the survey."""
 
-    def resume_survey(self, survey_id: str = "", accept_analyzer: str = "") -> None:
+    def resume_survey(
+        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
+    ) -> None:
         """Ask to resume the paused survey, or one by its id or the name of its folder.
 
         Args:
             survey_id: Id or folder; empty: the paused survey.
             accept_analyzer: Identity of another analyzer that the operator accepts.
+            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
         """
 
     def check_master(self) -> None:
@@ -142,11 +145,16 @@ class WindowPresenter:
         self._model.request_sent(Request.PAUSE)
         self._control.pause_survey()
 
-    def resume(self, folder: str = "") -> None:
-        """Ask to resume the paused survey, or one that ended early."""
+    def resume(self, folder: str = "", accept_zeros: bool = False) -> None:
+        """Ask to resume the paused survey, or one that ended early.
+
+        Args:
+            folder: Of the one that ended early; empty: the paused survey.
+            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
+        """
         self._resumed = folder
         self._model.request_sent(Request.RESUME)
-        self._control.resume_survey(folder)
+        self._control.resume_survey(folder, accept_zeros=accept_zeros)
 
     def resume_with(self, analyzer: str) -> None:
         """Ask again to resume the survey, with another analyzer that the operator accepts."""

@@ -6,6 +6,7 @@ from typing import Callable
 
 from PyQt5.QtWidgets import QWidget
 
+from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.mid.hold_question import (
@@ -50,10 +51,11 @@ class StartSheet(HoldSheet):
 
     def ask_resume(self) -> None:
         """Ask whether to resume the survey that is paused."""
+        unproven = _zeros_are_unproven(self._survey.snapshot)
         self._ask(
-            lambda: resume_question(self._survey.snapshot.progress),
+            lambda: resume_question(self._survey.snapshot.progress, unproven),
             _can_resume,
-            lambda: self._survey.resume(),
+            lambda: self._survey.resume(accept_zeros=unproven),
         )
 
     def ask_resume_past(self, folder: str) -> None:
@@ -103,3 +105,9 @@ def _no_survey_runs(snapshot: Snapshot) -> bool:
 
 def _can_resume(snapshot: Snapshot) -> bool:
     return snapshot.can_resume
+
+
+def _zeros_are_unproven(snapshot: Snapshot) -> bool:
+    """Return whether the paused survey waits for a decision about the zeros of the axes."""
+    state = snapshot.state
+    return state is not None and state.message.fault_code == OTHER_ZEROS.code

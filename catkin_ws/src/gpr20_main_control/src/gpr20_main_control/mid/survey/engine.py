@@ -9,9 +9,9 @@ from typing import Optional
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import (
-    DecisionNeededError,
     DeviceError,
     NodeLostError,
+    OtherAnalyzerError,
     ShutDownRequested,
     StopRequested,
     message_of,
@@ -38,11 +38,11 @@ class Accepted:
 
     Attributes:
         analyzer: Identity of another analyzer; empty: none.
-        zeros: Other zeros of the axes; empty: none.
+        zeros: Whether nothing needs to prove the zeros of the axes.
     """
 
     analyzer: str = ""
-    zeros: str = ""
+    zeros: bool = False
 
 
 NOTHING = Accepted()
@@ -70,7 +70,7 @@ class SurveyEngine:
         self._pause_requested = threading.Event()
         self._resume = threading.Event()
         self._lock = threading.Lock()
-        self._refusal: Optional[DecisionNeededError] = None
+        self._refusal: Optional[OtherAnalyzerError] = None
 
     def run(self) -> None:
         """Execute the survey; it always ends in a final state with a message."""
@@ -103,7 +103,7 @@ class SurveyEngine:
     def _accept(self, accepted: Accepted) -> None:
         self._analyzers.accept, self._survey.zeros.accept = accepted.analyzer, accepted.zeros
 
-    def refusal(self, limit_s: float) -> Optional[DecisionNeededError]:
+    def refusal(self, limit_s: float) -> Optional[OtherAnalyzerError]:
         """Wait until the analyzer is known; return why it is refused, None if it is not.
 
         Args:
@@ -215,7 +215,7 @@ class SurveyEngine:
         with self._lock:
             self._resume.clear()
             self._status.enter(SurveyState.PAUSED, message)
-            self._refusal = error if isinstance(error, DecisionNeededError) else None
+            self._refusal = error if isinstance(error, OtherAnalyzerError) else None
             self._analyzers.checked.set()
         while not self._resume.is_set():
             self._interruption.check_stop()

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import List, Mapping, Sequence, Set, Tuple
+from typing import List, Mapping, Optional, Sequence, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, OtherZerosError
+from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.survey.known_point import KnownPoint
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.zero_epoch import ZeroEpoch, Zeros
-from gpr20_survey.plan.zero_history import Proof, UsedZeros, zeros_key
+from gpr20_survey.faults import OTHER_ZEROS
+from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.trace.sweep import storable_remark
 
 ByAxis = Mapping[AxisId, ZeroEpoch]
@@ -23,7 +24,7 @@ class ZeroRecord:
     """The zeros that the traces of one survey refer to, and how each was proven.
 
     Attributes:
-        accept: The zeros that the operator accepts at the next check; empty: none.
+        accept: Whether the operator accepts the next zeros, if they are those of the last question.
         used: The zeros so far, in their order.
     """
 
@@ -31,7 +32,8 @@ class ZeroRecord:
         self, used: Sequence[UsedZeros], parameters: Mapping[AxisId, AxisParameters]
     ) -> None:
         """Begin, or continue, a record."""
-        self.accept = ""
+        self.accept = False
+        self._asked: Optional[Zeros] = None
         self.used: List[UsedZeros] = list(used)
         self._parameters = parameters
         # Found by a homing of this survey.
@@ -70,18 +72,20 @@ class ZeroRecord:
             time: The time of day.
 
         Raises:
-            OtherZerosError: The operator must decide.
+            DeviceError: The operator must decide.
         """
         foreign, agrees = self.foreign(present), point.agrees(limit_db)
-        key = zeros_key(zeros_of(present))
-        accepted, self.accept = self.accept == key, ""
+        zeros = zeros_of(present)
+        accepted = self.accept and self._asked in (None, zeros)
+        self.accept = False
         if agrees and not foreign:
             proof = Proof.MEASURED
         elif accepted:
             proof = Proof.ACCEPTED
         else:
-            raise OtherZerosError(_question(foreign, agrees, point), key)
-        self.used.append(UsedZeros(zeros_of(present), next_index, time, proof))
+            self._asked = zeros
+            raise DeviceError(_question(foreign, agrees, point), fault=OTHER_ZEROS)
+        self.used.append(UsedZeros(zeros, next_index, time, proof))
 
     def check(self, present: Zeros) -> None:
         """Return if these are the zeros of the traces.
