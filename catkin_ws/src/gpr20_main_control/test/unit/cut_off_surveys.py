@@ -16,9 +16,9 @@ SURVEY_ID = "5ec1a5d2-0000-4000-8000-000000000000"
 SWEPT_US = 1_800_000_000_000_000
 
 
-def stored_trace(index):
+def stored_trace(index, **changes):
     """Return a trace like the first sweep of the fake analyzer."""
-    return Trace(
+    fields = dict(
         frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
         s21_real=np.ones(5),
         s21_imag=np.full(5, 1.0e4),
@@ -35,6 +35,7 @@ def stored_trace(index):
         z_coord_deg=0.0,
         antennae_height_m=0.2,
     )
+    return Trace(**{**fields, **changes})
 
 
 def reopened_survey(stored=(0, 1), report="", folder="/data/survey", **changes):

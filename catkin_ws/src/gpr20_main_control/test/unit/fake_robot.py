@@ -72,6 +72,7 @@ class FakeAxis:
         self.zero = UNKNOWN_ZERO
         self.owner = ""
         self.leases = 0
+        self.released = threading.Event()
         self.silent = False
         self.silent_readings = 0
         self.readings_from_before = 0
@@ -114,7 +115,7 @@ class FakeAxis:
         return lease.number == self.leases
 
     def release_lease(self, lease):
-        self.released = lease.number
+        self.released.set()
 
     def is_connected(self):
         return True
@@ -158,6 +159,7 @@ class FakeAnalyzer:
         self.calibration_refusal = ""
         self.calibration_status = CalibrationStatus.HIGH
         self.sweeps = 0
+        self.level = LEVEL
         self.failures = 0
         self.on_sweep = lambda: None
         self.on_confirm = lambda number: ()
@@ -208,7 +210,7 @@ class FakeAnalyzer:
         sweep = Sweep(
             settings.frequencies_hz(),
             values,
-            np.full(settings.points, LEVEL),
+            np.full(settings.points, self.level),
             began_us,
             began_us + 5,
             (),

@@ -79,7 +79,9 @@ class ZeroRecord:
         accepted = self.accept and self._asked in (None, zeros)
         self.accept = False
         if agrees and not foreign:
-            proof = Proof.MEASURED
+            # Agreeing with traces that nothing proves proves nothing.
+            unproven = bool(self.used) and self.used[-1].proof is Proof.ACCEPTED
+            proof = Proof.ACCEPTED if unproven else Proof.MEASURED
         elif accepted:
             proof = Proof.ACCEPTED
         else:

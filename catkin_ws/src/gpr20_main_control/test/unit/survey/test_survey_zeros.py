@@ -1,0 +1,213 @@
+"""Zeros of the axes that change during a survey, and who owns the axes meanwhile."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_off_surveys import stored_trace
+from fake_robot import Bench, reports
+
+from gpr20_main_control import faults
+from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_main_control.mid.survey.known_point import compare_known_point, known_traces
+from gpr20_survey.faults import OTHER_ZEROS
+from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.plan.zero_history import Proof, UsedZeros, unproven_zeros
+
+ACCEPT = Accepted(zeros=True)
+
+
+@pytest.fixture
+def bench():
+    bench = Bench()
+    yield bench
+    bench.release()
+    bench.control.shut_down(20.0)
+
+
+def at_sweep(bench, number, act):
+    """Act once, during a sweep."""
+
+    def on_sweep():
+        if bench.analyzer.sweeps == number:
+            bench.analyzer.on_sweep = lambda: None
+            act()
+
+    bench.analyzer.on_sweep = on_sweep
+
+
+def marked(bench):
+    return [one.index for one in bench.storage.samples if "not proven" in " ".join(one.quality)]
+
+
+def proofs(bench):
+    return [one["proof"] for one in bench.storage.reports[-1]["zeros"]]
+
+
+def test_traces_name_the_zeros_that_their_coordinates_refer_to(bench):
+    bench.start()
+    bench.complete()
+    zeros = {sample.zeros for sample in bench.storage.samples}
+    assert zeros == {tuple(axis.zero for axis in bench.axes)}
+    assert proofs(bench) == ["start"]
+
+
+def test_a_zero_that_somebody_sets_pauses_the_survey_and_is_never_taken_for_its_own(bench):
+    at_sweep(bench, 5, bench.z.begin_zero)
+    bench.start()
+    bench.wait_for_fault(faults.MOVED_BY_OTHERS)
+    stored = len(bench.storage.samples)
+    bench.control.resume("")
+    # The known point agrees: the antennas were at their mark. That proves nothing.
+    bench.wait_for_fault(OTHER_ZEROS)
+    bench.wait_for(State.PAUSED)
+    assert len(bench.storage.samples) == stored
+    bench.control.resume("", ACCEPT)
+    bench.complete()
+    assert marked(bench) == list(range(stored, 24))
+    assert proofs(bench) == ["start", "accepted"]
+    zeros = [sample.zeros for sample in bench.storage.samples]
+    assert unproven_zeros(bench.storage.reports[-1], zeros) == {zeros[-1]}
+
+
+def test_a_zero_that_changes_between_two_traces_is_noticed_before_the_next_one(bench):
+    def set_zero(number):
+        if number == 3:
+            bench.y.begin_zero()
+        return ()
+
+    bench.analyzer.on_confirm = set_zero
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    shown = (faults.ZERO_CHANGED, faults.MOVED_BY_OTHERS)
+    assert any(reports(bench.board.status.message, one) for one in shown)
+
+
+def test_an_axis_that_somebody_homed_is_homed_again_and_compared(bench):
+    at_sweep(bench, 5, bench.x.begin_zero)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    homings = bench.x.homings
+    bench.control.resume("")
+    bench.complete()
+    assert (bench.x.homings, marked(bench)) == (homings + 1, [])
+    assert proofs(bench) == ["start", "measured"]
+
+
+def test_a_known_point_that_does_not_agree_asks_the_operator(bench):
+    def lose_zero():
+        bench.x.homed = False
+        bench.analyzer.level *= -1.0
+
+    at_sweep(bench, 5, lose_zero)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.resume("")
+    bench.wait_for_fault(OTHER_ZEROS)
+    # Without an answer it compares again.
+    bench.wait_for(State.PAUSED)
+    bench.control.resume("")
+    bench.wait_for_fault(OTHER_ZEROS)
+    bench.wait_for(State.PAUSED)
+    bench.control.resume("", ACCEPT)
+    bench.complete()
+    assert proofs(bench) == ["start", "accepted"]
+    assert marked(bench)
+
+
+def test_what_the_operator_accepted_are_those_zeros_and_no_later_ones(bench):
+    at_sweep(bench, 5, bench.z.begin_zero)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.resume("")
+    bench.wait_for_fault(OTHER_ZEROS)
+    bench.wait_for(State.PAUSED)
+    bench.z.begin_zero()
+    bench.control.resume("", ACCEPT)
+    bench.wait_for_fault(OTHER_ZEROS)
+    bench.wait_for(State.PAUSED)
+    assert marked(bench) == []
+
+
+def test_agreeing_with_traces_that_nothing_proves_proves_nothing(bench):
+    at_sweep(bench, 5, bench.z.begin_zero)
+    bench.start()
+    bench.wait_for_fault(faults.MOVED_BY_OTHERS)
+    stored = len(bench.storage.samples)
+    bench.control.resume("")
+    bench.wait_for_fault(OTHER_ZEROS)
+    bench.wait_for(State.PAUSED)
+
+    def lose_zero():
+        bench.x.homed = False
+
+    at_sweep(bench, 16, lose_zero)
+    bench.control.resume("", ACCEPT)
+    bench.wait_for_fault(faults.AXIS_NOT_HOMED)
+    bench.control.resume("")
+    bench.complete()
+    assert proofs(bench) == ["start", "accepted", "accepted"]
+    assert marked(bench) == list(range(stored, 24))
+
+
+def test_while_another_node_has_an_axis_no_survey_and_no_service_begins(bench):
+    bench.y.owner = "/rostopic_7"
+    bench.start()
+    status = bench.wait_for(State.FAILED)
+    assert "/rostopic_7" in str(status.message)
+    assert [axis.moves for axis in bench.axes] == [[], [], []]
+
+
+def test_the_axes_are_reserved_once_and_released_at_the_end(bench):
+    bench.start()
+    bench.complete()
+    assert [axis.leases for axis in bench.axes] == [1, 1, 1]
+    bench.control.shut_down(20.0)
+    for axis in bench.axes:
+        assert axis.released.wait(20.0)
+
+
+def traces_at(numbers):
+    """Return traces of one stop at 0 and 90 deg whose S21 is a random vector by its number."""
+    found = []
+    for index, number in enumerate(numbers):
+        noise = np.random.default_rng(number)
+        values = {"s21_real": noise.normal(size=5), "s21_imag": noise.normal(size=5)}
+        found.append(stored_trace(index, z_coord_deg=90.0 * index, **values))
+    return found
+
+
+def test_antennas_that_are_turned_show_where_the_rotations_look_different():
+    stored = traces_at([1, 2])
+    assert not compare_known_point(stored, traces_at([1, 2])).turned
+    turned = compare_known_point(stored, traces_at([2, 1]))
+    assert turned.turned
+    assert not turned.agrees(100.0)
+    # Over ground that looks the same at every rotation nothing can show.
+    assert compare_known_point(traces_at([3, 3]), traces_at([3, 3])).agrees(-20.0)
+
+
+def test_the_known_point_is_the_last_stop_that_was_measured_at_every_rotation():
+    visits = [(10.0, 0.0), (10.0, 90.0), (20.0, 90.0), (20.0, 0.0), (30.0, 0.0)]
+    recent = [
+        stored_trace(index, x_coord_mm=x_mm, z_coord_deg=z_deg)
+        for index, (x_mm, z_deg) in enumerate(visits)
+    ]
+    assert [one.index for one in known_traces(recent, 2)] == [2, 3]
+    assert [one.index for one in known_traces(recent[:1], 2)] == [0]
+    assert [one.index for one in known_traces(recent, 1)] == [4]
+
+
+def test_zeros_are_unproven_by_the_traces_alone_if_the_report_is_lost():
+    one, other = (UsedZeros(stored_zeros(n), 0, "", Proof.MEASURED).zeros for n in (1, 2))
+    assert unproven_zeros(None, [(), one, one]) == set()
+    for lost in (None, {}, {"zeros": "?"}, {"zeros": [{"epochs": 7}]}):
+        assert unproven_zeros(lost, [one, other, one]) == {other}
+
+
+def stored_zeros(number):
+    bench = Bench()
+    for axis in bench.axes:
+        for _zero in range(number):
+            axis.begin_zero()
+    return tuple(axis.zero for axis in bench.axes)
