@@ -6,6 +6,8 @@ from PyQt5.QtWidgets import QLabel, QPushButton
 from view_kit import FOLDER, snapshot
 from window_helpers import click, hold, show, wishes
 
+from gpr20_common.message import Message
+from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
@@ -46,6 +48,21 @@ def test_the_sheet_closes_when_it_is_too_late(window):
         assert sheet.isVisible()
         show(window, after)
         assert not sheet.isVisible()
+
+
+def test_zeros_that_nothing_proves_are_accepted_only_by_holding_for_that(window):
+    paused = snapshot(SurveyState.PAUSED)
+    asked = Message("Paused: {reason}", reason=Message("turned").with_fault(OTHER_ZEROS))
+    show(window, replace(paused, state=replace(paused.state, message=asked)))
+    window.start_sheet.ask_resume()
+    shown = " ".join(label.text() for label in window.start_sheet.findChildren(QLabel))
+    assert "NOT PROVEN" in shown
+    hold(window.start_sheet.hold)
+    assert wishes(window) == ["resume without proof"]
+    show(window, paused)
+    window.start_sheet.ask_resume()
+    hold(window.start_sheet.hold)
+    assert wishes(window)[1:] == ["resume"]
 
 
 def test_each_question_is_answered_once(window):

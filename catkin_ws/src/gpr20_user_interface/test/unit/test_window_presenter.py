@@ -39,8 +39,9 @@ class ControlThatRecords:
     def pause_survey(self):
         self.asked.append("pause")
 
-    def resume_survey(self, survey_id="", accept_analyzer=""):
-        self.asked.append(f"resume {survey_id} {accept_analyzer}".strip())
+    def resume_survey(self, survey_id="", accept_analyzer="", accept_zeros=False):
+        asked = f"resume {survey_id} {accept_analyzer}".strip()
+        self.asked.append(asked + " without proof" * accept_zeros)
 
     def check_master(self):
         self.asked.append("limits")

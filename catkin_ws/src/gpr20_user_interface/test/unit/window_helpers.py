@@ -66,8 +66,8 @@ class Survey:
     def pause(self):
         self.asked.append("pause")
 
-    def resume(self, folder=""):
-        self.asked.append(f"resume {folder}".strip())
+    def resume(self, folder="", accept_zeros=False):
+        self.asked.append(f"resume {folder}".strip() + " without proof" * accept_zeros)
 
     def resume_with(self, analyzer):
         self.asked.append(f"resume with {analyzer}")
