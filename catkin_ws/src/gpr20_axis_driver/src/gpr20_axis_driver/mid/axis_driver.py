@@ -141,8 +141,7 @@ class AxisDriver:
             elif self._parameters.sensor_pin is None:
                 self._turn_to_stored_zero(stop_requested)
             else:
-                Homing(self._parameters, self._run).run(stop_requested)
-                self._motions.place(self._parameters.distance_steps(self._parameters.min_coord))
+                self._find_endstop(stop_requested)
             self._homing_done = True
 
     def set_zero(self) -> None:
@@ -199,6 +198,16 @@ class AxisDriver:
             )
         return self._parameters.distance_steps(target)
 
+    def _find_endstop(self, stop_requested: StopRequested) -> None:
+        known_steps = self._motions.steps if self._motions.trusted else None
+        try:
+            Homing(self._parameters, self._run).run(known_steps, stop_requested)
+        except EndstopError:
+            # The switch is not where the count says: the count, or the switch, is wrong.
+            self._motions.distrust()
+            raise
+        self._motions.place(self._parameters.distance_steps(self._parameters.min_coord))
+
     def _turn_to_stored_zero(self, stop_requested: StopRequested) -> None:
         if not self._motions.trusted:
             raise ZeroUnknownError(
@@ -221,6 +230,7 @@ class AxisDriver:
         unit = self._parameters.unit
         if ending is Ending.PRESSED:
             self._homing_done = False
+            self._motions.distrust()
             raise EndstopError(
                 Message(
                     "the endstop was pressed at {coordinate:.12g} {unit}, where it should be open: "
