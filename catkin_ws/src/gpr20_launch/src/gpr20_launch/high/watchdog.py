@@ -19,6 +19,7 @@ from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.service_manager import service_manager
 from gpr20_launch.low import sibling_nodes
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
+from gpr20_launch.low.process_info import process_info
 from gpr20_launch.mid.watchdog import ANSWER_LIMIT_S, PERIOD_S, Watchdog
 
 # systemd restarts the whole service if the watchdog says nothing for this long [s].
@@ -66,6 +67,11 @@ def main() -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda _signal, _frame: stop.set())
     roslaunch = os.getppid()
+    parent = process_info(roslaunch)
+    if parent is None or not parent.is_roslaunch:
+        # It may have ended while this process started.
+        _say("no roslaunch has started this process; nothing to watch")
+        return 1
     prefix = rosgraph.names.get_ros_namespace()
     others = [rosgraph.names.ns_join(prefix, name) for name in given.also]
     siblings = sibling_nodes.SiblingNodes(roslaunch, f"configuration:={given.launch}", others)
