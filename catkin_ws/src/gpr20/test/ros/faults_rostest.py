@@ -54,7 +54,7 @@ REFUSED = (
     ("set_survey_parameters", SetSurveyParameters, SurveyParameters(x_start_mm=NAN)),
     ("start_survey", StartSurvey),
     ("stop_survey", Command),
-    ("resume_survey", ResumeSurvey, "", ""),
+    ("resume_survey", ResumeSurvey, "", "", False),
     ("connection", Connection, True, "here"),
     ("freq_sweep_setup", FreqSweepSetup, NAN, -1.0, 0, NAN, -1, "\n"),
     ("get_freq", GetFreq),

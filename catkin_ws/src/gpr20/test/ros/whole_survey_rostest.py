@@ -70,7 +70,7 @@ GRAPH_TOPICS = {
     "/robot_configuration",
 }
 GRAPH_SERVICES = {
-    *(f"/{axis}_axis/{service}" for axis in "xyz" for service in ("homing", "stop")),
+    *(f"/{axis}_axis/{service}" for axis in "xyz" for service in ("homing", "stop", "lease")),
     "/z_axis/set_zero",
     "/get_height",
     "/connection",

@@ -139,7 +139,7 @@ class AxisMotions(Protocol):
 
     @property
     def trusted(self) -> bool:
-        """Whether the position is known to be that of the motor."""
+        """Whether the position is known to be that of the motor, from the zero of the axis."""
 
     @property
     def failure(self) -> Optional[Message]:
@@ -173,6 +173,9 @@ class AxisMotions(Protocol):
 
     def place(self, steps: int) -> None:
         """Set the position of the motor, which is at rest [motor steps]."""
+
+    def distrust(self) -> None:
+        """Note that the position is no longer known."""
 
     def revive(self) -> None:
         """Make motions possible again after a failure."""

@@ -92,18 +92,24 @@ class Count:
     def __init__(self):
         self.steps = 0
         self.trusted = False
+        self.exact = False
         self.endstop_pressed = None
 
     def note_endstop(self, pressed):
         self.endstop_pressed = pressed
 
     def begin(self):
+        self.exact = self.trusted
         self.trusted = False
 
     def count(self, change):
         self.steps += change
 
     def rest(self):
+        self.trusted = self.exact
+
+    def place(self, steps):
+        self.steps = steps
         self.trusted = True
 
 
@@ -125,16 +131,19 @@ class DirectPulses:
         return self.memory.trusted
 
     def run(self, motion, stop_requested):
+        exact = self.trusted
         report = self.runner.run(motion, stop_requested)
-        assert self.trusted == (report.ending is not Ending.GAP)
+        assert self.trusted == (exact and report.ending is not Ending.GAP)
         return report
 
     def begin_zero(self, time_us):
         self.zero = ZeroEpoch(self.zero.number + 1, time_us)
 
     def place(self, steps):
-        self.memory.steps = steps
-        self.memory.rest()
+        self.memory.place(steps)
+
+    def distrust(self):
+        self.memory.begin()
 
     def revive(self):
         self.failure = None

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 INPUT, OUTPUT = 0, 1
-PUD_UP = 2
+PUD_OFF, PUD_DOWN, PUD_UP = 0, 1, 2
 WAVE_MODE_ONE_SHOT_SYNC = 2
 NO_TX_WAVE = 9999
 
@@ -35,7 +35,8 @@ class Sending(NamedTuple):
 class RecordedPigpio:
     """The module; `pi()` connects to the one daemon behind it."""
 
-    INPUT, OUTPUT, PUD_UP = INPUT, OUTPUT, PUD_UP
+    INPUT, OUTPUT = INPUT, OUTPUT
+    PUD_OFF, PUD_DOWN, PUD_UP = PUD_OFF, PUD_DOWN, PUD_UP
     WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE = WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE
     error = Error
     pulse = Pulse

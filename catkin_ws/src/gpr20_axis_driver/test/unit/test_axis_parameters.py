@@ -40,11 +40,26 @@ from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
         ("backend", "wiringpi", ("backend", "'wiringpi'", "rpi_gpio, pigpio")),
         ("memory_file", "/var/lib/z", ("/var/lib/z", X_PARAMETERS.sensor_pin)),
         ("sensor_pin", None, ()),
+        ("endstop_active", "High", ("endstop_active", "'High'", "low, high")),
+        ("endstop_pull", "off", ("endstop_pull", "'off'", "up, down, none")),
+        ("enable_active", "0", ("enable_active", "'0'", "low, high")),
+        ("enable_active", "high", ("enable_active is high", "no enable_pin")),
+        ("enable_pin", 9, ("enable_pin", 9)),
+        ("enable_pin", 16, ("sensor_pin 16, enable_pin 16",)),
+        ("homing_margin", -1.0, ("homing_margin", "-1 mm")),
+        ("homing_margin", math.nan, ("homing_margin", "nan")),
     ],
 )
 def test_a_wrong_parameter_is_refused_by_name(field, value, shown):
     with raises_fault((NOT_ALLOWED, CONFIGURATION), *shown, error=InvalidValueError):
         dataclasses.replace(X_PARAMETERS, **{field: value})
+
+
+@each_case("changes", [{"endstop_active": "high"}, {"endstop_pull": "none"}])
+def test_an_axis_without_endstop_says_nothing_about_one(changes):
+    (name,) = changes
+    with raises_fault(CONFIGURATION, name, "no sensor_pin", error=InvalidValueError):
+        dataclasses.replace(Z_PARAMETERS, **changes)
 
 
 def test_the_memory_file_has_an_absolute_path():

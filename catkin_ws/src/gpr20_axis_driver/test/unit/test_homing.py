@@ -7,6 +7,7 @@ from fault_kit import raises_fault
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.motion import never
 
 
@@ -39,6 +40,70 @@ def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
         axis.driver.homing(never)
     assert not axis.driver.homing_done
     assert 2000 < len(axis.machine.pulses) <= 2000 * 1.06 + 100
+
+
+def homing_steps_with_an_open_endstop(axis, *shown):
+    """Home while the endstop never closes; return how many steps were made."""
+    axis.machine.stuck = False
+    before = len(axis.machine.pulses)
+    with raises_fault(faults.ENDSTOP_NOT_REACHED, *shown, error=EndstopError):
+        axis.driver.homing(never)
+    assert not axis.driver.homing_done
+    return len(axis.machine.pulses) - before
+
+
+def test_an_axis_that_knows_where_it_is_does_not_push_far_beyond_its_endstop():
+    axis = Axis(X_PARAMETERS)
+    axis.driver.homing(never)
+    axis.driver.move_to_coordinate(80.0, never)
+    margin_mm = X_PARAMETERS.homing_backoff + X_PARAMETERS.homing_margin
+    steps = homing_steps_with_an_open_endstop(axis, "91 mm", "80 mm")
+    assert steps == X_PARAMETERS.distance_steps(80.0 + margin_mm)
+
+
+def test_a_restarted_node_trusts_the_count_and_a_homing_that_failed_ends_that():
+    axis = Axis(SHORT)
+    axis.driver.homing(never)
+    axis.driver = AxisDriver(SHORT, axis.pulses)
+    assert homing_steps_with_an_open_endstop(axis, "0 mm") == 1100
+    assert homing_steps_with_an_open_endstop(axis) == 2200
+
+
+def test_a_carriage_that_was_moved_by_hand_is_homed_by_the_second_homing():
+    axis = Axis(SHORT)
+    axis.driver.homing(never)
+    axis.machine.steps = 1900
+    with raises_fault(faults.ENDSTOP_NOT_REACHED, error=EndstopError):
+        axis.driver.homing(never)
+    axis.driver.homing(never)
+    assert (axis.machine.steps, axis.driver.current_coord) == (0, 0.0)
+
+
+def test_the_way_of_a_homing_that_was_stopped_before_the_first_zero_is_not_a_position():
+    axis = Axis(SHORT, start_steps=1900)
+    with pytest.raises(MotionStopped):
+        axis.driver.homing(lambda: len(axis.machine.pulses) >= 50)
+    axis.driver.homing(never)
+    assert axis.machine.steps == 0
+
+
+def test_a_homing_that_was_stopped_keeps_a_position_that_was_known():
+    axis = Axis(SHORT)
+    axis.driver.homing(never)
+    axis.driver.move_to_coordinate(8.0, never)
+    start = len(axis.machine.pulses)
+    with pytest.raises(MotionStopped):
+        axis.driver.homing(lambda: len(axis.machine.pulses) >= start + 300)
+    assert homing_steps_with_an_open_endstop(axis, "5 mm") == 500 + 1100
+
+
+def test_after_a_pressed_endstop_in_a_move_nothing_is_known():
+    axis = Axis(SHORT)
+    axis.driver.homing(never)
+    axis.machine.stuck = True
+    with raises_fault(faults.ENDSTOP_PRESSED, error=EndstopError):
+        axis.driver.move_to_coordinate(5.0, never)
+    assert homing_steps_with_an_open_endstop(axis) == 2200
 
 
 def test_an_endstop_stuck_closed_is_an_error():

@@ -1,14 +1,16 @@
 """The pins of the real robot over pigpio."""
 
 import contextlib
+import dataclasses
 import random
 
 import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, DirectPulses, SteppedClock
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recorded_pigpio import OUTPUT, PUD_UP, RecordedPigpio
+from recorded_pigpio import OUTPUT, PUD_DOWN, PUD_OFF, PUD_UP, RecordedPigpio
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
@@ -24,7 +26,7 @@ from gpr20_axis_driver.motion import Ending, Motion, never
 from gpr20_survey.axes.axis_parameters import BOARD_PINS
 from gpr20_survey.axes.ramp import Ramp
 
-DIR, STEP, SENSOR = 27, 22, 23
+DIR, STEP, SENSOR, ENABLE = 27, 22, 23, 24
 RAMP = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
 STOP_S = 0.1
 
@@ -40,6 +42,8 @@ class Axis:
         self.lock = lock_wave_transmitter(folder / "lock")
         self.runner = WaveRunner(self.daemon, self.lock, parameters, self.clock, self.count)
         self.driver = AxisDriver(parameters, DirectPulses(self.runner, self.count))
+        # Level of the direction pin for increasing coordinates.
+        self.forward = 1
         # Where the last motion began: edges until then, and the motor's step.
         self._began = (0, 0)
         self._set_direction = self.runner._waves.set_direction
@@ -54,7 +58,10 @@ class Axis:
         """Where the motor is, by the edges on its pins."""
         edges, steps = self._began
         turned = self.daemon.count_rising_edges(STEP) - edges
-        return steps + turned * (1 if self.daemon.levels[DIR] else -1)
+        return steps + turned * (1 if self.daemon.levels[DIR] == self.forward else -1)
+
+    def close(self):
+        self.runner.close()
 
     def _turn(self, forward):
         self._began = (self.daemon.count_rising_edges(STEP), self.steps)
@@ -77,6 +84,35 @@ def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(axis):
     assert axis.daemon.modes == {DIR: OUTPUT, STEP: OUTPUT, SENSOR: 0}
     assert axis.daemon.levels == {DIR: 0, STEP: 0}
     assert axis.daemon.pulls == {SENSOR: PUD_UP}
+
+
+def opened(folder, **changes):
+    return contextlib.closing(Axis(folder, dataclasses.replace(X_PARAMETERS, **changes)))
+
+
+@each_case("pull, resistor", [("up", PUD_UP), ("down", PUD_DOWN), ("none", PUD_OFF)])
+def test_the_endstop_is_pulled_as_configured(tmp_path, pull, resistor):
+    with opened(tmp_path, endstop_pull=pull) as axis:
+        assert axis.daemon.pulls == {SENSOR: resistor}
+
+
+def test_an_axis_that_is_wired_the_other_way_round_finds_its_zero(tmp_path):
+    with opened(tmp_path, endstop_active="high", invert_direction=True) as axis:
+        axis.forward = 0
+        axis.daemon.inputs = lambda gpio: int(axis.steps <= -100)
+        axis.driver.homing(never)
+        assert axis.steps == 0
+        axis.driver.move_to_coordinate(1.0, never)
+        assert axis.steps == 100
+
+
+@each_case("active, level", [("low", 0), ("high", 1)])
+def test_the_motor_driver_is_enabled_before_the_first_step_and_after_the_end(
+    tmp_path, active, level
+):
+    with opened(tmp_path, enable_pin=18, enable_active=active) as axis:
+        assert (axis.daemon.modes[ENABLE], axis.daemon.levels[ENABLE]) == (OUTPUT, level)
+    assert (axis.daemon.modes[ENABLE], axis.daemon.levels[ENABLE]) == (OUTPUT, level)
 
 
 def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):

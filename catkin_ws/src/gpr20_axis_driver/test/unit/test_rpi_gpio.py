@@ -1,9 +1,20 @@
 """The pins of the real robot over RPi.GPIO."""
 
+import dataclasses
+
 import pytest
 from axis_machine import X_PARAMETERS, Count, SteppedClock
 from case_kit import each_case
-from recorded_rpi_gpio import HIGH, IN, LOW, OUT, PUD_OFF, PUD_UP, RecordedRpiGpio
+from recorded_rpi_gpio import (
+    HIGH,
+    IN,
+    LOW,
+    OUT,
+    PUD_DOWN,
+    PUD_OFF,
+    PUD_UP,
+    RecordedRpiGpio,
+)
 
 from gpr20_axis_driver.low.pins import StepperInterface
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
@@ -67,3 +78,42 @@ def test_closing_leaves_the_pins_low_and_then_releases_them(gpio, loop):
         ("cleanup", [16]),
     ]
     assert gpio.directions == {}
+
+
+def opened(gpio, **changes):
+    parameters = dataclasses.replace(X_PARAMETERS, **changes)
+    return PulseLoop(gpio, parameters, SteppedClock(), LateLimits.of(parameters), Count())
+
+
+@each_case("pull, resistor", [("up", PUD_UP), ("down", PUD_DOWN), ("none", PUD_OFF)])
+def test_the_endstop_is_pulled_as_configured(pull, resistor):
+    gpio = RecordedRpiGpio()
+    opened(gpio, endstop_pull=pull)
+    assert ("setup", 16, IN, resistor, -1) in gpio.calls
+
+
+@each_case("level, pressed", [(HIGH, True), (LOW, False)])
+def test_an_active_high_endstop_is_pressed_when_it_reads_high(level, pressed):
+    gpio = RecordedRpiGpio()
+    loop = opened(gpio, endstop_active="high")
+    gpio.inputs[16] = level
+    assert loop.run(Motion(False, 0, SLOW), never).endstop_pressed is pressed
+
+
+@each_case("forward, level", [(True, LOW), (False, HIGH)])
+def test_an_inverted_direction_pin_is_low_for_increasing_coordinates(forward, level):
+    gpio = RecordedRpiGpio()
+    opened(gpio, invert_direction=True).run(Motion(forward, 1, SLOW), never)
+    assert ("output", 13, level) in gpio.calls
+
+
+@each_case("active, level", [("low", LOW), ("high", HIGH)])
+def test_the_motor_driver_is_enabled_before_the_first_step_and_after_the_end(active, level):
+    gpio = RecordedRpiGpio()
+    loop = opened(gpio, enable_pin=18, enable_active=active)
+    enabled = ("setup", 18, OUT, PUD_OFF, level)
+    assert enabled in gpio.calls
+    loop.run(Motion(True, 1, SLOW), never)
+    loop.close()
+    assert [call for call in gpio.calls if call[1] == 18] == [enabled]
+    assert (gpio.directions, gpio.levels[18]) == ({18: OUT}, level)

@@ -40,7 +40,7 @@ def test_the_count_of_a_resting_motor_is_there_again(path, steps):
     again.close()
 
 
-def test_a_motor_that_was_turning_is_not_trusted(path):
+def test_a_motor_that_was_turning_is_not_trusted_until_it_is_placed(path):
     memory = reopen(path)
     memory.place(0)
     memory.begin()
@@ -49,8 +49,14 @@ def test_a_motor_that_was_turning_is_not_trusted(path):
     memory.close()
     again = reopen(path)
     assert not again.trusted
+    again.begin()
     again.rest()
-    assert (again.steps, again.trusted) == (-7, True)
+    assert (again.steps, again.trusted) == (-7, False)
+    again.place(-7)
+    again.begin()
+    again.count(2)
+    again.rest()
+    assert (again.steps, again.trusted) == (-5, True)
 
 
 def test_the_number_of_the_zero_grows_over_restarts(path):

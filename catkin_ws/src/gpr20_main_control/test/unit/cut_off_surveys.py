@@ -38,12 +38,21 @@ def stored_trace(index, **changes):
     return Trace(**{**fields, **changes})
 
 
+def recorded_axes(without=(), **changes):
+    """Return the parameters of the axes as a survey keeps them, changed."""
+    recorded = {axis_id.value: {**asdict(one), **changes} for axis_id, one in AXES.items()}
+    return {
+        axis: {key: value for key, value in values.items() if key not in without}
+        for axis, values in recorded.items()
+    }
+
+
 def reopened_survey(stored=(0, 1), report="", folder="/data/survey", **changes):
     """Return a survey of which these traces are stored, with some of its metadata changed."""
     metadata = {
         "simulated": True,
         "parameters": asdict(PARAMETERS),
-        "axes": {axis_id.value: asdict(one) for axis_id, one in AXES.items()},
+        "axes": recorded_axes(),
         **changes,
     }
     recent = tuple(stored_trace(index) for index in sorted(stored)[-8:])

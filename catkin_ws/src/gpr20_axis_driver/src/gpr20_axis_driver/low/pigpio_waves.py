@@ -16,6 +16,7 @@ from typing import IO, Any, Iterator, List, Optional, Sequence
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import PinLibraryError, PulseProcessError
 from gpr20_common.message import Message
+from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
 
 # GPIO numbers, which pigpio uses, of the pins of the 40-pin header (Raspberry Pi 4).
 GPIO_OF_BOARD = {
@@ -73,22 +74,23 @@ def lock_wave_transmitter(path: Path) -> IO[bytes]:
 class StepWaves:
     """The pins of one axis, its step pin driven by waves of whole steps."""
 
-    def __init__(self, pigpio: Any, dir_pin: int, step_pin: int, sensor_pin: Optional[int]) -> None:
-        """Connect, and leave both pins low.
+    def __init__(self, pigpio: Any, parameters: AxisParameters) -> None:
+        """Connect, leave step and direction low, and enable the motor driver.
 
         Args:
             pigpio: The library.
-            dir_pin: Direction pin [BOARD number].
-            step_pin: Step pin [BOARD number].
-            sensor_pin: Endstop's pin [BOARD number], if there is one.
+            parameters: The axis; its pins and how they are wired.
 
         Raises:
             PinLibraryError: The daemon does not answer.
         """
         self._pigpio = pigpio
-        self._dir = GPIO_OF_BOARD[dir_pin]
-        self._step = GPIO_OF_BOARD[step_pin]
+        self._parameters = parameters
+        self._dir = GPIO_OF_BOARD[parameters.dir_pin]
+        self._step = GPIO_OF_BOARD[parameters.step_pin]
+        sensor_pin = parameters.sensor_pin
         self._sensor = None if sensor_pin is None else GPIO_OF_BOARD[sensor_pin]
+        self._pressed = _level(parameters.endstop_active)
         self._pi = pigpio.pi(show_errors=False)
         if not self._pi.connected:
             raise PinLibraryError(
@@ -104,7 +106,7 @@ class StepWaves:
     def set_direction(self, forward: bool) -> None:
         """Choose the direction of the next steps; forward means increasing coordinates."""
         with self._errors():
-            self._pi.write(self._dir, int(forward))
+            self._pi.write(self._dir, int(forward != self._parameters.invert_direction))
 
     @property
     def has_endstop(self) -> bool:
@@ -112,9 +114,9 @@ class StepWaves:
         return self._sensor is not None
 
     def is_pressed(self) -> bool:
-        """Return whether the endstop, which pulls its pin low, is pressed now."""
+        """Return whether the endstop is pressed now."""
         with self._errors():
-            return self._pi.read(self._sensor) == 0
+            return self._pi.read(self._sensor) == self._pressed
 
     def send(self, pauses_us: Sequence[int]) -> int:
         """Transmit steps after the wave that is being transmitted; return the wave's number.
@@ -152,7 +154,7 @@ class StepWaves:
             self._pi.write(self._step, 0)
 
     def close(self) -> None:
-        """Leave both pins low and disconnect."""
+        """Leave step and direction low and disconnect; the motor driver stays enabled."""
         self.halt()
         with self._errors():
             self._pi.write(self._dir, 0)
@@ -164,9 +166,19 @@ class StepWaves:
         for gpio in (self._dir, self._step):
             self._pi.set_mode(gpio, self._pigpio.OUTPUT)
             self._pi.write(gpio, 0)
+        if self._parameters.enable_pin is not None:
+            enable = GPIO_OF_BOARD[self._parameters.enable_pin]
+            self._pi.set_mode(enable, self._pigpio.OUTPUT)
+            self._pi.write(enable, _level(self._parameters.enable_active))
         if self._sensor is not None:
+            resistors = {
+                Pull.UP: self._pigpio.PUD_UP,
+                Pull.DOWN: self._pigpio.PUD_DOWN,
+                Pull.NONE: self._pigpio.PUD_OFF,
+            }
+            pull = resistors[Pull(self._parameters.endstop_pull)]
             self._pi.set_mode(self._sensor, self._pigpio.INPUT)
-            self._pi.set_pull_up_down(self._sensor, self._pigpio.PUD_UP)
+            self._pi.set_pull_up_down(self._sensor, pull)
 
     @contextmanager
     def _errors(self) -> Iterator[None]:
@@ -181,3 +193,7 @@ class StepWaves:
                 ),
                 fault=faults.PIGPIO_FAILED,
             ) from error
+
+
+def _level(level: str) -> int:
+    return int(level == Level.HIGH.value)

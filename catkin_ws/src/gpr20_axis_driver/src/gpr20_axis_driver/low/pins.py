@@ -6,6 +6,7 @@ from typing import Any, Callable, List, Optional, Protocol
 
 from gpr20_axis_driver.axis_exceptions import PinLibraryError
 from gpr20_common.message import Message
+from gpr20_survey.axes.axis_parameters import Level, Pull
 
 
 class Pins(Protocol):
@@ -16,6 +17,8 @@ class Pins(Protocol):
     IN: int
     LOW: int
     HIGH: int
+    PUD_OFF: int
+    PUD_DOWN: int
     PUD_UP: int
 
     def setmode(self, mode: int) -> None:
@@ -40,21 +43,23 @@ class StepperInterface:
     """Turns a motor step by step through a DRV8825 motor driver.
 
     Attributes:
-        dir_pin: Direction pin [BOARD number], high for increasing coordinates.
+        dir_pin: Direction pin [BOARD number], high for increasing coordinates unless inverted.
         step_pin: Step pin [BOARD number].
     """
 
-    def __init__(self, pins: Pins, dir_pin: int, step_pin: int) -> None:
+    def __init__(self, pins: Pins, dir_pin: int, step_pin: int, inverted: bool = False) -> None:
         self.dir_pin = dir_pin
         self.step_pin = step_pin
         self._pins = pins
+        self._inverted = inverted
         pins.setmode(pins.BOARD)
         pins.setup(dir_pin, pins.OUT, initial=pins.LOW)
         pins.setup(step_pin, pins.OUT, initial=pins.LOW)
 
     def set_direction(self, forward: bool) -> None:
         """Choose the direction of the next steps; forward means increasing coordinates."""
-        self._pins.output(self.dir_pin, self._pins.HIGH if forward else self._pins.LOW)
+        high = forward != self._inverted
+        self._pins.output(self.dir_pin, self._pins.HIGH if high else self._pins.LOW)
 
     def step(self, hold: Callable[[], object]) -> None:
         """Make one step: the motor moves when the step pin rises.
@@ -79,22 +84,48 @@ class EndstopInterface:
     """Reads the switch at the end of an axis.
 
     Attributes:
-        sensor_pin: The switch's pin [BOARD number]; pulled up, it reads low when pressed.
+        sensor_pin: The switch's pin [BOARD number].
     """
 
-    def __init__(self, pins: Pins, sensor_pin: int) -> None:
+    def __init__(
+        self, pins: Pins, sensor_pin: int, active: Level = Level.LOW, pull: Pull = Pull.UP
+    ) -> None:
+        """Make the pin an input.
+
+        Args:
+            pins: The pins.
+            sensor_pin: The switch's pin [BOARD number].
+            active: What it reads while the switch is pressed.
+            pull: The computer's resistor at it.
+        """
         self.sensor_pin = sensor_pin
         self._pins = pins
+        self._pressed = _level(pins, active)
+        resistors = {Pull.UP: pins.PUD_UP, Pull.DOWN: pins.PUD_DOWN, Pull.NONE: pins.PUD_OFF}
         pins.setmode(pins.BOARD)
-        pins.setup(sensor_pin, pins.IN, pull_up_down=pins.PUD_UP)
+        pins.setup(sensor_pin, pins.IN, pull_up_down=resistors[pull])
 
     def sample(self) -> bool:
         """Return whether the switch is pressed now."""
-        return self._pins.input(self.sensor_pin) == self._pins.LOW
+        return self._pins.input(self.sensor_pin) == self._pressed
 
     def close(self) -> None:
         """Release the pin."""
         self._pins.cleanup([self.sensor_pin])
+
+
+def enable_motor_driver(pins: Pins, enable_pin: int, active: Level) -> None:
+    """Let the motor driver drive its motor.
+
+    Nothing disables it again, not even the end of the process: a motor without current can be
+    turned, and the position would be lost.
+    """
+    pins.setmode(pins.BOARD)
+    pins.setup(enable_pin, pins.OUT, initial=_level(pins, active))
+
+
+def _level(pins: Pins, level: Level) -> int:
+    return pins.HIGH if level is Level.HIGH else pins.LOW
 
 
 def raspberry_pi_pins() -> Pins:

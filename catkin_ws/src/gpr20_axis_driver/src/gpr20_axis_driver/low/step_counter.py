@@ -61,6 +61,7 @@ class StepCounter:
         self._memory = mmap.mmap(descriptor, FILE_BYTES)
         # An aligned 64-bit item is stored by one instruction: no reader sees half of one.
         self._words = memoryview(self._memory).cast("q")
+        self._exact = False
 
     @property
     def descriptor(self) -> int:
@@ -74,7 +75,10 @@ class StepCounter:
 
     @property
     def trusted(self) -> bool:
-        """Whether the count was exact when the motor last stopped, and nothing moved since."""
+        """Whether the count was exact when the motor last stopped, and nothing moved since.
+
+        A count becomes exact by `place` alone; motions only keep it.
+        """
         return self._words[_Word.RESTING] == self.steps ^ REST_KEY
 
     @property
@@ -116,6 +120,7 @@ class StepCounter:
 
     def begin(self) -> None:
         """Mark the count as not trusted, as a motion begins; durable before the first pulse."""
+        self._exact = self.trusted
         self._words[_Word.RESTING] = 0
         self._memory.flush()
 
@@ -124,15 +129,17 @@ class StepCounter:
         self._words[_Word.STEPS] += change
 
     def rest(self) -> None:
-        """Mark the count as exact, as the motor is at rest; durable on return."""
-        self._words[_Word.RESTING] = self.steps ^ REST_KEY
-        self._memory.flush()
+        """Mark the count as exact again, if it was before the motion; durable on return."""
+        if self._exact:
+            self._words[_Word.RESTING] = self.steps ^ REST_KEY
+            self._memory.flush()
 
     def place(self, steps: int) -> None:
         """Set the count of a motor that is at rest [motor steps]."""
         # Not trusted in between: a power cut cannot leave a wrong count that is trusted.
         self.begin()
         self._words[_Word.STEPS] = steps
+        self._exact = True
         self.rest()
 
     @property

@@ -173,7 +173,7 @@ class AxisDriver:
                 # Nothing found it now: it is the zero that was set then.
                 self._begin_zero(0, self._motions.zero.time_us)
             else:
-                Homing(self._parameters, self._run).run(stop_requested)
+                self._find_endstop(stop_requested)
                 lowest = self._parameters.distance_steps(self._parameters.min_coord)
                 self._begin_zero(lowest, self._time_of_day_us())
 
@@ -244,6 +244,15 @@ class AxisDriver:
             )
         return self._parameters.distance_steps(target)
 
+    def _find_endstop(self, stop_requested: StopRequested) -> None:
+        known_steps = self._motions.steps if self._motions.trusted else None
+        try:
+            Homing(self._parameters, self._run).run(known_steps, stop_requested)
+        except EndstopError:
+            # The switch is not where the count says: the count, or the switch, is wrong.
+            self._motions.distrust()
+            raise
+
     def _turn_to_stored_zero(self, stop_requested: StopRequested) -> None:
         if not self._motions.trusted:
             raise ZeroUnknownError(
@@ -266,6 +275,7 @@ class AxisDriver:
         unit = self._parameters.unit
         if ending is Ending.PRESSED:
             self._homing_done = False
+            self._motions.distrust()
             raise EndstopError(
                 Message(
                     "the endstop was pressed at {coordinate:.12g} {unit}, where it should be open: "

@@ -193,6 +193,9 @@ class ControllerMotions:
             fault=faults.ENDSTOP_SETS_ZERO,
         )
 
+    def distrust(self) -> None:
+        """Leave it to the controller, which alone knows where its axis is."""
+
     def revive(self) -> None:
         """Replace a controller that has failed.
 

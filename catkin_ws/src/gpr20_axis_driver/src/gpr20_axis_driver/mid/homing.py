@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Optional
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
@@ -22,20 +22,28 @@ TOUCH_TOLERANCE = 0.25
 class Homing:
     """Touch the endstop, back off, touch again, and back off to the zero.
 
-    Everything happens at the lowest speed and is bounded by the length of the axis.
+    Everything happens at the lowest speed. The first touch is bounded by the position, where it
+    is known, and by the length of the axis: an endstop that never closes must not let the carriage
+    push against its end for longer than necessary.
     """
 
     def __init__(self, parameters: AxisParameters, run: RunMotion) -> None:
         self._unit = parameters.unit
         self._step_size = parameters.step_size
-        self._travel_steps = parameters.travel_steps
+        self._whole_steps = int(parameters.travel_steps * TRAVEL_MARGIN)
+        self._zero_steps = parameters.distance_steps(parameters.min_coord)
+        self._margin_steps = parameters.distance_steps(parameters.homing_margin)
         self._backoff_steps = max(1, parameters.distance_steps(parameters.homing_backoff))
         # At the lowest speed the axis can stop on any step, so no ramp is needed.
         self._slow = Ramp(parameters.max_step, parameters.max_step, parameters.delta_step)
         self._run = run
 
-    def run(self, stop: StopRequested) -> None:
+    def run(self, known_steps: Optional[int], stop: StopRequested) -> None:
         """Carry out the whole homing; the axis is then at rest at its zero.
+
+        Args:
+            known_steps: Where the axis is [motor steps from coordinate zero]; None if unknown.
+            stop: Whether to end the homing.
 
         Raises:
             EndstopError: The switch is stuck or cannot be reached.
@@ -43,9 +51,9 @@ class Homing:
         """
         if self._step(True, 0, Until.NOTHING, stop).endstop_pressed:
             self._release(stop)
-        self._touch(int(self._travel_steps * TRAVEL_MARGIN) + self._backoff_steps, stop)
+        self._touch(self._first_touch_steps(known_steps), known_steps, stop)
         self._back_off(stop)
-        made = self._touch(2 * self._backoff_steps, stop)
+        made = self._touch(2 * self._backoff_steps, None, stop)
         if abs(made - self._backoff_steps) > max(1, int(TOUCH_TOLERANCE * self._backoff_steps)):
             raise EndstopError(
                 Message(
@@ -60,8 +68,29 @@ class Homing:
             )
         self._back_off(stop)
 
-    def _touch(self, most_steps: int, stop: StopRequested) -> int:
+    def _first_touch_steps(self, known_steps: Optional[int]) -> int:
+        """Return the most steps to the switch, which is a back-off below the zero."""
+        steps = self._whole_steps
+        if known_steps is not None:
+            above_zero = max(0, known_steps - self._zero_steps)
+            steps = min(steps, above_zero + self._margin_steps)
+        return steps + self._backoff_steps
+
+    def _touch(self, most_steps: int, known_steps: Optional[int], stop: StopRequested) -> int:
         report = self._step(False, most_steps, Until.PRESSED, stop)
+        if not report.endstop_pressed and known_steps is not None:
+            raise EndstopError(
+                Message(
+                    "the endstop was not reached within {distance:g} {unit} from {coordinate:g} "
+                    "{unit}: it is stuck open or unplugged, the motor does not turn, or the axis "
+                    "was moved by hand; check the switch, its cable and the motor; the next homing "
+                    "searches the whole axis",
+                    distance=most_steps * self._step_size,
+                    coordinate=known_steps * self._step_size,
+                    unit=self._unit,
+                ),
+                fault=faults.ENDSTOP_NOT_REACHED,
+            )
         if not report.endstop_pressed:
             raise EndstopError(
                 Message(

@@ -132,6 +132,10 @@ class PulseClient:
         """Set the position of the motor, which is at rest [motor steps]."""
         self._counter.place(steps)
 
+    def distrust(self) -> None:
+        """Note that the count is not the position of the motor, until it is placed again."""
+        self._counter.begin()
+
     def revive(self) -> None:
         """Start the process again if it has died.
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 from array import array
 from typing import Optional, Tuple
 
-from gpr20_axis_driver.low.pins import EndstopInterface, Pins, StepperInterface
+from gpr20_axis_driver.low.pins import (
+    EndstopInterface,
+    Pins,
+    StepperInterface,
+    enable_motor_driver,
+)
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_axis_driver.motion import (
     Ending,
@@ -17,7 +22,7 @@ from gpr20_axis_driver.motion import (
     Until,
 )
 from gpr20_common.low.clock import Clock
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
 from gpr20_survey.axes.ramp import Ramp
 
 
@@ -95,11 +100,20 @@ class PulseLoop:
         limits: LateLimits,
         counter: StepCounter,
     ) -> None:
-        """Set up the pins of the axis, step and direction low."""
-        self._stepper = StepperInterface(pins, parameters.dir_pin, parameters.step_pin)
+        """Set up the pins of the axis, step and direction low, and enable its motor driver."""
+        self._stepper = StepperInterface(
+            pins, parameters.dir_pin, parameters.step_pin, parameters.invert_direction
+        )
+        if parameters.enable_pin is not None:
+            enable_motor_driver(pins, parameters.enable_pin, Level(parameters.enable_active))
         self._endstop: Optional[EndstopInterface] = None
         if parameters.sensor_pin is not None:
-            self._endstop = EndstopInterface(pins, parameters.sensor_pin)
+            self._endstop = EndstopInterface(
+                pins,
+                parameters.sensor_pin,
+                Level(parameters.endstop_active),
+                Pull(parameters.endstop_pull),
+            )
         self._clock = clock
         self._limits = limits
         self._counter = counter

@@ -46,9 +46,7 @@ class WaveRunner:
         counter: StepCounter,
     ) -> None:
         self._lock = lock
-        self._waves = StepWaves(
-            pigpio, parameters.dir_pin, parameters.step_pin, parameters.sensor_pin
-        )
+        self._waves = StepWaves(pigpio, parameters)
         self._limits = LateLimits.of(parameters)
         self._clock = clock
         self._counter = counter

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, Mapping, Set, Tuple, Type
+from typing import Any, Dict, Mapping, Set, Tuple, Type, TypeVar
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
@@ -26,6 +26,7 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 DEFAULT_FOLDER = "~/.gpr20/robot"
 AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
+Record = TypeVar("Record")
 
 
 @dataclass(frozen=True)
@@ -136,6 +137,7 @@ def _axes(path: Path, built: Path) -> Sections:
             message = Message("{place} is unknown; allowed: {known}", place=repr(key), known=known)
             raise _wrong(path, message)
     found: Sections = {}
+    axes: Dict[str, AxisParameters] = {}
     for axis, section in AXIS_SECTIONS.items():
         own = values.get(axis) or {}
         if not isinstance(own, dict):
@@ -146,13 +148,39 @@ def _axes(path: Path, built: Path) -> Sections:
                 ),
             )
         found[section] = {**defaults[axis], **own}
-        _check(path, AxisParameters, found[section], axis)
+        axes[axis] = _check(path, AxisParameters, found[section], axis)
+    _refuse_shared_pins(path, axes)
     return found
 
 
-def _check(path: Path, kind: Type, values: Mapping[str, Any], place: str = "") -> None:
+def _refuse_shared_pins(path: Path, axes: Mapping[str, AxisParameters]) -> None:
+    """Refuse a pin of two axes, unless it enables the motor drivers of both."""
+    users: Dict[int, Tuple[str, Set[str]]] = {}
+    for axis, parameters in axes.items():
+        # Another controller uses no pins.
+        pins = {} if parameters.controller else parameters.pins
+        for name, pin in pins.items():
+            use = f"{name} {parameters.enable_active}" if name == "enable_pin" else f"{axis} {name}"
+            first, uses = users.setdefault(pin, (f"{axis}/{name}", set()))
+            uses.add(use)
+            if len(uses) > 1:
+                raise _wrong(
+                    path,
+                    Message(
+                        "{first} and {second} both use pin {pin}; give each a pin of its own: axes "
+                        "can share only {shared}, with the same {level}",
+                        first=first,
+                        second=f"{axis}/{name}",
+                        pin=pin,
+                        shared="enable_pin",
+                        level="enable_active",
+                    ),
+                )
+
+
+def _check(path: Path, kind: Type[Record], values: Mapping[str, Any], place: str = "") -> Record:
     try:
-        record_from(kind, values, place)
+        return record_from(kind, values, place)
     except InvalidValueError as error:
         raise _wrong(path, error.message, place) from error
 

@@ -1,7 +1,7 @@
 """Interrupted surveys continue with exactly the points that are missing."""
 
 import pytest
-from cut_off_surveys import SURVEY_ID, reopened_survey
+from cut_off_surveys import SURVEY_ID, recorded_axes, reopened_survey
 from fault_kit import raises_fault
 
 from gpr20_main_control import faults
@@ -57,12 +57,24 @@ def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench
     )
 
 
+def test_a_survey_of_a_version_that_knew_fewer_parameters_of_an_axis_is_resumed(bench):
+    later = (
+        *("homing_margin", "endstop_active", "endstop_pull"),
+        *("invert_direction", "enable_pin", "enable_active"),
+    )
+    bench.storage.reopened = reopened_survey([0], axes=recorded_axes(without=later))
+    bench.control.resume("survey")
+    bench.wait_for(State.FINISHED)
+    assert [sample.index for sample in bench.storage.samples] == list(range(1, 24))
+
+
 @pytest.mark.parametrize(
     "changes, fault",
     [
         ({"simulated": False}, faults.OTHER_ROBOT),
         ({"parameters": {}}, faults.RECORD_DAMAGED),
         ({"axes": {}}, faults.OTHER_AXES),
+        ({"axes": recorded_axes(invert_direction=True)}, faults.OTHER_AXES),
     ],
 )
 def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench, changes, fault):

@@ -22,12 +22,14 @@ def build_simulated_axis(axis_id: AxisId, parameters: AxisParameters) -> AxisNod
     """Build the node of an axis whose pins move the simulated carriage."""
     robot_namespace = rospy.get_namespace().rstrip("/").rsplit("/", 1)[0] + "/"
     part = open_simulated_part(robot_namespace)
+    # As on the robot, an axis with an endstop does not know where it is before it is homed.
+    first_steps = None if parameters.finds_zero else part.state.steps(axis_id)
     hardware = SimulatedHardware(
         parameters,
         shared_state_path(robot_namespace),
         axis_id,
         mechanics_of(part.scene.robot, axis_id),
         part.clock.factor,
-        part.state.steps(axis_id),
+        first_steps,
     )
     return build_pin_axis(axis_id, hardware)

@@ -15,7 +15,7 @@ from gpr20_common.mid.hardware import Hardware
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.mid.carriage import WIRING, AxisMotor
+from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
 from gpr20_simulator.mid.world.scene import AxisMechanics
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -68,7 +68,6 @@ class SimulatedHardware:
     def open(self, counter: StepCounter) -> MotionRunner:
         """Open the pins; called in the process that makes the pulses."""
         motor = AxisMotor(open_shared_state(self.state_path, {}), self.axis, self.mechanics)
-        wiring = WIRING[self.axis]
-        pins = SimulatedPins(motor, wiring.dir_pin, wiring.step_pin, wiring.sensor_pin)
+        pins = SimulatedPins(motor, wiring_of(self.axis, self.mechanics))
         limits = LateLimits.of(self.parameters) if self.realtime else NO_LIMITS
         return PulseLoop(pins, self.parameters, self.clock, limits, counter)

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Dict, Optional
+from dataclasses import replace
+from typing import Dict
 
+from gpr20_simulator.low.pins import Wiring
 from gpr20_simulator.low.shared_state import EndstopFault, SharedState
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import AxisMechanics, RobotMechanics
 from gpr20_survey.axes.axis_id import AxisId
-
-
-@dataclass(frozen=True)
-class Wiring:
-    """Pins of one axis [BOARD numbers]; an axis without endstop has no sensor pin."""
-
-    dir_pin: int
-    step_pin: int
-    sensor_pin: Optional[int]
-
 
 # As on the robot. A driver that is configured with other pins moves nothing.
 WIRING: Dict[AxisId, Wiring] = {
@@ -31,6 +22,17 @@ WIRING: Dict[AxisId, Wiring] = {
 def mechanics_of(robot: RobotMechanics, axis: AxisId) -> AxisMechanics:
     """Return what the motor of an axis moves."""
     return {AxisId.X: robot.x, AxisId.Y: robot.y, AxisId.Z: robot.z}[axis]
+
+
+def wiring_of(axis: AxisId, mechanics: AxisMechanics) -> Wiring:
+    """Return how an axis is wired."""
+    return replace(
+        WIRING[axis],
+        endstop_active=mechanics.endstop_active,
+        direction_inverted=mechanics.direction_inverted,
+        enable_pin=mechanics.enable_pin,
+        enable_active=mechanics.enable_active,
+    )
 
 
 def start_steps(robot: RobotMechanics) -> Dict[AxisId, int]:

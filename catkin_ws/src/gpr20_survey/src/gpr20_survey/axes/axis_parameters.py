@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from decimal import Decimal
 from pathlib import PurePosixPath
 from typing import Any, Dict, Optional, Type
@@ -41,6 +41,21 @@ class Backend(enum.Enum):
     PIGPIO = "pigpio"
 
 
+class Level(enum.Enum):
+    """A level of a pin."""
+
+    LOW = "low"
+    HIGH = "high"
+
+
+class Pull(enum.Enum):
+    """The resistor inside the computer that pulls an input."""
+
+    UP = "up"
+    DOWN = "down"
+    NONE = "none"
+
+
 class AxisType(enum.Enum):
     """How an axis moves."""
 
@@ -67,6 +82,15 @@ class AxisParameters:
         sensor_pin: Endstop's pin [BOARD number]; none on an axis without endstop.
         homing_backoff: Distance from the endstop's switching point to coordinate
             `min_coord`, so that a move to the end does not press the switch.
+        homing_margin: Where the position is known, homing goes this far beyond the place where the
+            endstop must be; where it is not, homing searches the whole axis.
+        endstop_active: Level of the endstop's pin while it is pressed, low or high.
+        endstop_pull: Resistor of the computer that pulls the endstop's pin: up, down or none.
+        invert_direction: Whether the direction pin is low, instead of high, for increasing
+            coordinates.
+        enable_pin: Enable pin of the motor driver [BOARD number]; none if its input is wired
+            permanently. The driver is enabled before the first step and stays so.
+        enable_active: Level at which the motor driver is enabled: low for a DRV8825, or high.
         late_limit_s: A pulse that is later slows the rest of the move down [s]; also what a
             pause can be shorter than its due length.
         gap_limit_s: A pulse that is later ends a move that was faster than the slowest
@@ -93,6 +117,12 @@ class AxisParameters:
     type: str
     sensor_pin: Optional[int] = None
     homing_backoff: float = 1.0
+    homing_margin: float = 10.0
+    endstop_active: str = Level.LOW.value
+    endstop_pull: str = Pull.UP.value
+    invert_direction: bool = False
+    enable_pin: Optional[int] = None
+    enable_active: str = Level.LOW.value
     late_limit_s: float = 0.0005
     gap_limit_s: float = 0.05
     lease_limit_s: float = 2.0
@@ -104,13 +134,12 @@ class AxisParameters:
 
     def __post_init__(self) -> None:
         self._check_pins()
+        self._check_levels()
         self._check_sizes()
         self._check_pulses()
 
     def _check_pins(self) -> None:
-        pins = {"dir_pin": self.dir_pin, "step_pin": self.step_pin}
-        if self.sensor_pin is not None:
-            pins["sensor_pin"] = self.sensor_pin
+        pins = self.pins
         for name, pin in pins.items():
             if pin not in BOARD_PINS:
                 raise InvalidValueError(
@@ -128,9 +157,31 @@ class AxisParameters:
                 Message("{pins}: all pins must be different", pins=listed), fault=CONFIGURATION
             )
 
+    def _check_levels(self) -> None:
+        _check_one_of("endstop_active", self.endstop_active, Level)
+        _check_one_of("endstop_pull", self.endstop_pull, Pull)
+        _check_one_of("enable_active", self.enable_active, Level)
+        defaults = {one.name: one.default for one in fields(AxisParameters)}
+        for name, pin in (
+            ("endstop_active", "sensor_pin"),
+            ("endstop_pull", "sensor_pin"),
+            ("enable_active", "enable_pin"),
+        ):
+            value = getattr(self, name)
+            if getattr(self, pin) is None and value != defaults[name]:
+                raise InvalidValueError(
+                    Message(
+                        "{name} is {value}, but the axis has no {pin}; set the pin, or leave "
+                        "{name} out",
+                        name=name,
+                        value=value,
+                        pin=pin,
+                    ),
+                    fault=CONFIGURATION,
+                )
+
     def _check_sizes(self) -> None:
-        if self.type not in {one.value for one in AxisType}:
-            raise InvalidValueError(_not_one_of("type", self.type, AxisType))
+        _check_one_of("type", self.type, AxisType)
         number_between("step_size", self.step_size, MIN_STEP_SIZE, MAX_STEP_SIZE, self.unit)
         number_between("delta_step", self.delta_step, MIN_DELTA_S, MAX_PAUSE_S, "s")
         number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
@@ -165,13 +216,13 @@ class AxisParameters:
             )
         else:
             positive_number("homing_backoff", self.homing_backoff, self.unit)
+        number_between("homing_margin", self.homing_margin, 0.0, 1.0e5, self.unit)
 
     def _check_pulses(self) -> None:
         number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
         number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
         number_between("lease_limit_s", self.lease_limit_s, MIN_LEASE_S, MAX_LEASE_S, "s")
-        if self.backend not in {one.value for one in Backend}:
-            raise InvalidValueError(_not_one_of("backend", self.backend, Backend))
+        _check_one_of("backend", self.backend, Backend)
         if self.controller and not is_extension(self.controller):
             raise InvalidValueError(
                 Message(
@@ -206,6 +257,13 @@ class AxisParameters:
             )
 
     @property
+    def pins(self) -> Dict[str, int]:
+        """The pins that the axis uses [BOARD numbers], by the names of their parameters."""
+        names = ("dir_pin", "step_pin", "sensor_pin", "enable_pin")
+        pins = {name: getattr(self, name) for name in names}
+        return {name: pin for name, pin in pins.items() if pin is not None}
+
+    @property
     def unit(self) -> str:
         """Unit of the coordinates: mm or deg."""
         return "mm" if self.type == AxisType.LINEAR.value else "deg"
@@ -230,10 +288,14 @@ class AxisParameters:
         return self.distance_steps(self.max_coord - self.min_coord)
 
 
-def _not_one_of(name: str, value: str, allowed: Type[enum.Enum]) -> Message:
-    return Message(
-        "{place} is {value}; it must be one of {allowed}",
-        place=name,
-        value=repr(value),
-        allowed=", ".join(str(one.value) for one in allowed),
-    )
+def _check_one_of(name: str, value: str, allowed: Type[enum.Enum]) -> None:
+    values = [str(one.value) for one in allowed]
+    if value not in values:
+        raise InvalidValueError(
+            Message(
+                "{place} is {value}; it must be one of {allowed}",
+                place=name,
+                value=repr(value),
+                allowed=", ".join(values),
+            )
+        )

@@ -35,6 +35,7 @@ from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robots_client import RobotsClient
 from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
+from gpr20_user_interface.low.hang_guard import HangGuard
 from gpr20_user_interface.low.next_window import open_in
 from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.screen_saver import ScreenSaver
@@ -66,6 +67,8 @@ REMEMBERED = "auto"
 SETTINGS_LIMIT_S = 5.0
 # To leave the graph without a display.
 LEAVE_LIMIT_S = 3.0
+# Between two signs of life of a window that is started again when it hangs.
+BEAT_MS = 1000
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
@@ -219,7 +222,9 @@ def _run(given: argparse.Namespace) -> Ending:
         on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
-            return _show(application, signals)
+            # Only the window of a robot is started again.
+            guard = HangGuard() if given.wait_for_display else None
+            return _show(application, signals, guard)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
             return Ending(EXIT_WRONG_PARAMETER)
@@ -248,7 +253,9 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
     leave_now(status)
 
 
-def _show(application: QApplication, signals: StopSignals) -> Ending:
+def _show(
+    application: QApplication, signals: StopSignals, guard: Optional[HangGuard] = None
+) -> Ending:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
@@ -271,7 +278,13 @@ def _show(application: QApplication, signals: StopSignals) -> Ending:
     # What came before the event loop may have been handled without effect.
     if signals.received or rospy.is_shutdown():
         _quit_soon()
+    if guard is not None:
+        beats = QTimer(interface.window)
+        beats.timeout.connect(guard.beat)
+        beats.start(BEAT_MS)
     status = application.exec_()
+    if guard is not None:
+        guard.end()
     _note(screen_saver.restore())
     keeper.close()
     interface.end()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import MISSING, asdict, dataclass, fields, replace
 from typing import Any, Dict, List, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
@@ -16,6 +16,7 @@ from gpr20_main_control.mid.survey.survey_report import (
     recorded_analyzers,
     recorded_zeros,
 )
+from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
@@ -30,7 +31,14 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Parameters of an axis that decide where its coordinates are on the ground.
-GRID_PARAMETERS = ("step_size", "min_coord", "max_coord", "type", "homing_backoff")
+GRID_PARAMETERS = (
+    "step_size",
+    "min_coord",
+    "max_coord",
+    "type",
+    "homing_backoff",
+    "invert_direction",
+)
 
 
 @dataclass(frozen=True)
@@ -237,10 +245,14 @@ def _other_robot(folder: str, simulated: bool) -> Message:
 
 
 def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder: str) -> None:
+    # A survey of an earlier version lacks what it did not know; it had the defaults of today.
+    defaults = {
+        one.name: one.default for one in fields(AxisParameters) if one.default is not MISSING
+    }
     for axis_id, parameters in config.axes.items():
         present = asdict(parameters)
         for name in GRID_PARAMETERS:
-            former = recorded.get(axis_id.value, {}).get(name)
+            former = recorded.get(axis_id.value, {}).get(name, defaults.get(name))
             if former != present[name]:
                 raise RequestRefusedError(
                     Message(

@@ -18,6 +18,7 @@ from gpr20_common.mid.records import bounded, record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SceneError
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_survey.axes.axis_parameters import Level
 
 
 class Shape(enum.Enum):
@@ -131,6 +132,10 @@ class AxisMechanics:
         endstop: The endstop is pressed at this place and below; None: there is none.
         lower_stop: The axis cannot go lower [mm or deg].
         upper_stop: The axis cannot go higher [mm or deg].
+        endstop_active: Level to which the endstop connects its pin while it is pressed.
+        direction_inverted: Whether the direction pin is low for increasing coordinates.
+        enable_pin: Enable pin of the motor driver [BOARD number]; None: it is always enabled.
+        enable_active: Level at which the motor driver is enabled.
     """
 
     size_per_step: float = bounded(1e-4, 45.0)
@@ -138,6 +143,10 @@ class AxisMechanics:
     endstop: Optional[float] = bounded(-5000.0, 5000.0)
     lower_stop: float = bounded(-5000.0, 5000.0)
     upper_stop: float = bounded(-5000.0, 5000.0)
+    endstop_active: Level = Level.LOW
+    direction_inverted: bool = False
+    enable_pin: Optional[int] = None
+    enable_active: Level = Level.LOW
 
 
 X_AXIS = AxisMechanics(

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Nodes that are alive but answer nothing are ended and restarted; the survey continues."""
+
+import os
+import shutil
+import signal
+import time
+import unittest
+from urllib.parse import urlsplit
+
+import psutil
+import rosgraph
+import rospy
+import rostest
+from survey_client import SurveyClient, json_traces, node_pid
+
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_common.sent_message import message_from
+from gpr20_msgs.msg import ControlStatus
+
+TRACES = 18
+# The limit of the watchdog, its rounds, the restart, and what a computer may stall [s].
+RESTART_LIMIT_S = 40.0
+# A node that hangs for less than this [s] is only late.
+EARLIEST_S = 9.0
+# What people are asked to wait until a part is back: the remedy of a part that is OFFLINE [s].
+MINUTE_S = 60.0
+
+
+def wait_until(condition, failure):
+    """Wait until a condition holds."""
+    deadline_s = time.monotonic() + RESTART_LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, failure
+        time.sleep(0.05)
+
+
+def port_of(node):
+    """Return the port on which a node answers; None while the master does not know it."""
+    try:
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+    except rosgraph.MasterException:
+        return None
+    return urlsplit(uri).port
+
+
+def is_watched(node):
+    """Return whether a watchdog has asked the node: it keeps the connection."""
+    ports = [
+        connection.raddr.port
+        for process in psutil.Process().parent().children()
+        if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline())
+        for connection in process.connections()
+        if connection.status == psutil.CONN_ESTABLISHED
+    ]
+    return port_of(node) in ports
+
+
+class HungNodesTest(unittest.TestCase):
+    """The tests run in the order of their names; the robot keeps its state between them."""
+
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("hung_nodes_rostest")
+        cls.client = SurveyClient()
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.client.data)
+
+    def freeze(self, node):
+        """Halt a node that is watched; return its process id."""
+        wait_until(lambda: is_watched(node), f"nobody watches {node}")
+        pid = node_pid(node)
+        os.kill(pid, signal.SIGSTOP)
+        return pid
+
+    def wait_for_end_of(self, pid):
+        """Wait until a process has been ended; return how long that took [s]."""
+        begun_s = time.monotonic()
+        wait_until(lambda: not psutil.pid_exists(pid), f"process {pid} was not ended")
+        return time.monotonic() - begun_s
+
+    def check_whole(self, survey_id):
+        folder = self.client.folder(survey_id)
+        stored = json_traces(folder)
+        self.assertEqual([one["index"] for one in stored], list(range(TRACES)))
+        found = verify_survey(folder)
+        self.assertEqual((found.status, found.faults), (COMPLETE, []))
+
+    def test_01_a_frozen_storage_is_restarted_and_the_survey_continues_by_itself(self):
+        survey_id = self.client.begin()
+        self.client.wait_for_visited(4)
+        begun_s = time.monotonic()
+        pid = self.freeze("/vna_processing")
+        acknowledged = max(one.visited_points for one in self.client.progress)
+        self.client.forget()
+        frozen_s = self.wait_for_end_of(pid)
+        self.assertGreater(frozen_s, EARLIEST_S)
+        traces = self.client.folder(survey_id) / "traces"
+        self.assertGreaterEqual(len(list(traces.glob("*.json"))), acknowledged)
+        status = self.client.wait_for_status(
+            ControlStatus.FINISHED, ControlStatus.PAUSED, ControlStatus.FAILED
+        )
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.assertLess(time.monotonic() - begun_s, MINUTE_S)
+        codes = [one.code for one in self.client.statuses]
+        self.assertNotIn(ControlStatus.PAUSED, codes)
+        waiting = [one for one in self.client.statuses if one.code == ControlStatus.CHECKING]
+        self.assertTrue(any("vna_processing" in message_from(one).all_details for one in waiting))
+        self.assertTrue(any("continues by itself" in one.message for one in waiting))
+        self.check_whole(survey_id)
+        print(f"storage: ended after {frozen_s:.1f} s")
+
+    def test_02_a_frozen_control_is_restarted_and_its_survey_is_resumed(self):
+        survey_id = self.client.begin()
+        self.client.wait_for_visited(4)
+        pid = self.freeze("/main_control")
+        self.client.forget()
+        frozen_s = self.wait_for_end_of(pid)
+        self.assertGreater(frozen_s, EARLIEST_S)
+        self.client.wait_for_status(ControlStatus.IDLE)
+        self.client.go_on(self.client.folder(survey_id).name)
+        status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
+        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.check_whole(survey_id)
+        print(f"control: ended after {frozen_s:.1f} s")
+
+    def test_03_a_frozen_window_is_restarted(self):
+        pid = self.freeze("/user_interface")
+        port = port_of("/user_interface")
+        self.wait_for_end_of(pid)
+        wait_until(lambda: port_of("/user_interface") not in (None, port), "no other window")
+        self.assertNotEqual(node_pid("/user_interface"), pid)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("gpr20", "hung_nodes", HungNodesTest)

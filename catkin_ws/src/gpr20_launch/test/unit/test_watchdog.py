@@ -1,0 +1,149 @@
+"""Which nodes the watchdog ends, and which it leaves alone."""
+
+import pytest
+from case_kit import each_case
+
+from gpr20_launch.low.node_answer import Answer
+from gpr20_launch.mid.watchdog import PERIOD_S, RESPAWN_LIMIT_S, STALL_S, Watchdog
+
+LIMIT_S = 10.0
+STORAGE, CONTROL = 11, 12
+ALIVE, SILENT, UNKNOWN = Answer.ALIVE, Answer.SILENT, Answer.UNKNOWN
+
+
+class Nodes:
+    """Two nodes; a request to a silent one takes as long as it may."""
+
+    def __init__(self):
+        self.now = 0.0
+        self.found = {STORAGE: "/vna_processing", CONTROL: "/main_control"}
+        self.answers = {STORAGE: ALIVE, CONTROL: ALIVE}
+        self.working = set()
+        self.traced = set()
+        self.killed = []
+
+    def now_s(self):
+        return self.now
+
+    def find(self):
+        return dict(self.found)
+
+    def ask(self, number, name):
+        assert self.found[number] == name
+        answer = self.answers[number]
+        self.now += 2.0 if answer is SILENT else 0.0
+        return answer
+
+    def is_working(self, number):
+        return number in self.working
+
+    def is_traced(self, number):
+        return number in self.traced
+
+    def kill(self, number, name):
+        self.killed.append((self.now, name))
+        del self.found[number]
+
+
+class Robot(Nodes):
+    def __init__(self):
+        super().__init__()
+        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None)
+
+    def run(self, duration_s):
+        end_s = self.now + duration_s
+        while self.now < end_s:
+            self.watchdog.look()
+            self.now += PERIOD_S
+
+
+@pytest.fixture
+def robot():
+    robot = Robot()
+    robot.run(4.0)
+    return robot
+
+
+def test_a_node_that_answers_nothing_is_ended_after_the_limit_and_no_other(robot):
+    begun_s = robot.now
+    robot.answers[STORAGE] = SILENT
+    robot.run(60.0)
+    ((ended_s, name),) = robot.killed
+    assert name == "/vna_processing"
+    assert LIMIT_S <= ended_s - begun_s <= LIMIT_S + 2 * PERIOD_S
+
+
+@each_case("answer", [ALIVE, UNKNOWN])
+def test_one_answer_or_one_doubt_begins_the_time_again(answer):
+    robot = Robot()
+    for _ in range(20):
+        robot.answers[STORAGE] = SILENT
+        robot.run(LIMIT_S - 3.0)
+        robot.answers[STORAGE] = answer
+        robot.run(PERIOD_S)
+    assert robot.killed == []
+
+
+def test_what_cannot_be_asked_is_never_ended(robot):
+    robot.answers = {STORAGE: UNKNOWN, CONTROL: UNKNOWN}
+    robot.run(600.0)
+    assert robot.killed == []
+
+
+def test_a_node_at_work_gets_longer_and_is_ended_in_the_end(robot):
+    begun_s = robot.now
+    robot.answers[STORAGE] = SILENT
+    robot.working.add(STORAGE)
+    robot.run(5.0 * LIMIT_S)
+    assert robot.killed == []
+    robot.run(2.0 * LIMIT_S)
+    assert robot.killed[0][0] - begun_s == pytest.approx(6.0 * LIMIT_S, abs=2 * PERIOD_S)
+
+
+def test_a_node_that_worked_for_a_moment_of_its_silence_counts_as_busy(robot):
+    robot.answers[STORAGE] = SILENT
+    robot.working.add(STORAGE)
+    robot.run(3.0)
+    robot.working.clear()
+    robot.run(2.0 * LIMIT_S)
+    assert robot.killed == []
+
+
+def test_a_node_under_a_debugger_is_left_alone_until_the_debugger_is_gone(robot):
+    robot.answers[STORAGE] = SILENT
+    robot.traced.add(STORAGE)
+    robot.run(100.0)
+    assert robot.killed == []
+    robot.traced.clear()
+    robot.run(10.0)
+    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
+
+
+def test_a_computer_that_was_held_up_ends_nobody_for_it(robot):
+    robot.answers = {STORAGE: SILENT, CONTROL: SILENT}
+    robot.run(4.0)
+    robot.now += STALL_S + 100.0
+    robot.run(4.0)
+    robot.answers = {STORAGE: ALIVE, CONTROL: ALIVE}
+    robot.run(60.0)
+    assert robot.killed == []
+
+
+def test_a_node_that_took_the_place_of_another_begins_with_no_silence(robot):
+    robot.answers[STORAGE] = SILENT
+    robot.run(6.0)
+    robot.found[13] = robot.found.pop(STORAGE)
+    robot.answers[13] = SILENT
+    robot.run(6.0)
+    assert robot.killed == []
+
+
+def test_a_node_that_is_not_restarted_makes_the_launch_incomplete(robot):
+    name = robot.found.pop(STORAGE)
+    robot.run(RESPAWN_LIMIT_S - PERIOD_S)
+    assert robot.watchdog.complete
+    robot.run(2 * PERIOD_S)
+    assert not robot.watchdog.complete
+    robot.found[13], robot.answers[13] = name, ALIVE
+    robot.run(PERIOD_S)
+    assert robot.watchdog.complete
