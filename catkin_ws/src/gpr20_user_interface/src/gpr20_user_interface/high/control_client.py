@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from typing import Any, Callable, Dict, Tuple
+from functools import partial
+from typing import Any, Callable, Dict
 
 import rosgraph
 import rospy
@@ -13,26 +15,29 @@ from sensor_msgs.msg import Range
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
-from gpr20_doctor.high.node_reports import node_healths
+from gpr20_doctor.high.node_reports import axis_position, node_healths
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
+    CurrentCoordinate,
     Replay,
     RobotConfiguration,
     SurveyData,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface import faults
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.replay_watch import ReplayWatch
+from gpr20_user_interface.high.robot_stop import RobotStop
 from gpr20_user_interface.high.robot_travel import axis_limits
-from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
 from gpr20_user_interface.mid.events import (
     Accepted,
     AnnotationDefaults,
@@ -42,15 +47,12 @@ from gpr20_user_interface.mid.events import (
     Request,
 )
 from gpr20_user_interface.mid.message_source import is_player
+from gpr20_user_interface.mid.service_events import AxisMeasured
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
-# STOP must not wait for a main control that hangs: then it goes to the axes directly.
-STOP_TIMEOUT_S = 2.0
-# A STOP that was not answered is repeated: the survey would continue when the link is back.
-STOP_RETRY_S = 2.0
-STOP_RETRIES_S = 900.0
-AXES = ("x", "y", "z")
+# An axis that moves reports itself at 50 Hz: fewer are enough for what people see.
+MOVING_PERIOD_S = 0.1
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
@@ -61,35 +63,6 @@ def main_control_name() -> str:
     return str(rospy.resolve_name("main_control"))
 
 
-class DirectServiceClient(ServiceClient):
-    """Remembers the address of a service: STOP must work while the master is away."""
-
-    def __init__(self, name: str, service_class: Any) -> None:
-        # A STOP that arrives late is still wanted.
-        super().__init__(name, service_class, discard_late=False)
-        self._address = ""
-
-    def remember(self) -> None:
-        """Ask the master for the address; a service that is not there has its last one.
-
-        Raises:
-            OSError: The master does not answer.
-            rosgraph.MasterException: Its answer makes no sense.
-        """
-        master = rosgraph.Master(rospy.get_name())
-        try:
-            self._address = master.lookupService(rospy.resolve_name(self.name))
-        except rosgraph.MasterError:
-            # There is no such service now.
-            return
-
-    def _look_up(self, attempt: int, limit_s: float) -> str:
-        # After a failure the master is asked: the service may have another address now.
-        if attempt == 0 and self._address:
-            return self._address
-        return super()._look_up(attempt, limit_s)
-
-
 class ControlClient(RosEvents):
     """Passes everything about the main control to a listener; asks it without waiting."""
 
@@ -97,25 +70,22 @@ class ControlClient(RosEvents):
         super().__init__(listener)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
-        self._stop = DirectServiceClient("stop_survey", Command)
+        self._stop = RobotStop(self._emit)
         self._pause = ServiceClient("pause_survey", Command)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
-        self._axis_stops = {
-            axis: DirectServiceClient(f"{axis}_axis/stop", Command) for axis in AXES
-        }
         self._pause_replay = ServiceClient("replay/pause", Command)
         self._continue_replay = ServiceClient("replay/continue", Command)
         self._master = MasterWatch()
         self._watch = ReplayWatch(main_control_name(), self._emit)
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
-        self._repeating_stop = threading.Lock()
-        self._stop_obsolete = threading.Event()
         self._clock = Clock()
+        # When a move of each axis was last passed on [s].
+        self._moved_s: Dict[AxisId, float] = {}
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
-        self._stop_obsolete.set()
+        self._stop.forget()
         self._watch.close()
         super().close()
 
@@ -127,8 +97,15 @@ class ControlClient(RosEvents):
         self._subscribe_raw("robot_configuration", RobotConfiguration, self._on_robot, None)
 
     def listen_to_robot(self) -> None:
-        """Subscribe to position, height and health of the robot."""
+        """Subscribe to motion, position, height and health of the robot."""
         subscribe = self._subscribe
+        for axis in AxisId:
+            self._subscribe_raw(
+                f"{axis.value}_axis/current_coord",
+                CurrentCoordinate,
+                partial(self._on_axis, axis),
+                10,
+            )
         subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
         subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
         subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
@@ -145,13 +122,12 @@ class ControlClient(RosEvents):
             annotation: What people add to the survey; empty fields become the robot's defaults.
             refines: Id of the survey that this one measures more finely; empty: none.
         """
-        self._stop_obsolete.set()
+        self._stop.forget()
         self._ask(Request.START, lambda: self._ask_start(parameters, annotation, refines))
 
-    def stop_survey(self) -> None:
-        """Ask to stop the survey, until the main control answers; the answer is an event."""
-        self._stop_obsolete.clear()
-        in_background(self._stop_until_answered)
+    def stop(self) -> None:
+        """Ask every axis and the main control to stop, at the same time; the answers are events."""
+        self._stop.press()
 
     def pause_survey(self) -> None:
         """Ask to pause the survey; the answer is an event."""
@@ -164,7 +140,7 @@ class ControlClient(RosEvents):
             survey_id: Id or folder; empty: the paused survey.
             accept_analyzer: Identity of another analyzer that the operator accepts.
         """
-        self._stop_obsolete.set()
+        self._stop.forget()
         self._ask(Request.RESUME, lambda: self._ask_resume(survey_id, accept_analyzer))
 
     def set_replay_paused(self, paused: bool) -> None:
@@ -181,8 +157,7 @@ class ControlClient(RosEvents):
     def _check_master(self) -> None:
         try:
             self._master.check()
-            for service in (self._stop, *self._axis_stops.values()):
-                service.remember()
+            self._stop.remember()
             self._emit(self._limits)
         except (rosgraph.MasterException, OSError) as error:
             reason = Message("the ROS master does not answer", details=error)
@@ -209,71 +184,6 @@ class ControlClient(RosEvents):
         note = conversions.annotation_message(annotation)
         return self._start.call(START_TIMEOUT_S, annotation=note, refines=refines)
 
-    def _stop_until_answered(self) -> None:
-        try:
-            answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
-        except ServiceUnavailableError as error:
-            self._stop_directly(_no_answer(error))
-            self._repeat_stop()
-            return
-        if answer.success:
-            self._emit(answer)
-        else:
-            # A main control that was restarted does not know that an axis still moves.
-            self._stop_directly(answer.message)
-
-    def _stop_directly(self, reason: Message) -> None:
-        """Ask the axes to stop, and report their answers."""
-        answers, all_answered = self._stop_axes()
-        message = Message(
-            "{reason}; the axes were asked to stop directly; {answers}",
-            reason=reason,
-            answers=answers,
-        )
-        if not all_answered:
-            message = message.with_fault(faults.STOP_UNCONFIRMED)
-        self._emit(Answer(Request.STOP, False, message, contact=all_answered))
-
-    def _repeat_stop(self) -> None:
-        # One thread is enough, however often STOP is pressed.
-        if not self._repeating_stop.acquire(blocking=False):
-            return
-        try:
-            end_s = self._clock.now_s() + STOP_RETRIES_S
-            while self._clock.now_s() < end_s:
-                if self._clock.wait_s(self._stop_obsolete, STOP_RETRY_S):
-                    return
-                try:
-                    answer = _answer_from(Request.STOP, self._stop.call(STOP_TIMEOUT_S))
-                except ServiceUnavailableError as error:
-                    rospy.logwarn_throttle(10.0, f"STOP is not answered: {error}")
-                    continue
-                self._emit(answer)
-                return
-        finally:
-            self._repeating_stop.release()
-
-    def _stop_axes(self) -> Tuple[Message, bool]:
-        """Ask every axis to stop; return their answers, and whether all have answered."""
-        answers: Dict[str, Tuple[Message, bool]] = {}
-        threads = [
-            threading.Thread(target=lambda axis=axis: answers.update({axis: self._stop_axis(axis)}))
-            for axis in AXES
-        ]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        said = in_a_row(answers[axis][0] for axis in sorted(answers))
-        return said, all(answered for _, answered in answers.values())
-
-    def _stop_axis(self, axis: str) -> Tuple[Message, bool]:
-        try:
-            answer = self._axis_stops[axis].call(STOP_TIMEOUT_S)
-        except ServiceUnavailableError as error:
-            return Message("{axis} axis does NOT answer", axis=axis, details=error), False
-        return Message("{axis} axis: {answer}", axis=axis, answer=message_from(answer)), True
-
     def _ask_resume(self, survey_id: str, accept_analyzer: str) -> Any:
         return self._resume.call(START_TIMEOUT_S, survey=survey_id, accept_analyzer=accept_analyzer)
 
@@ -283,6 +193,18 @@ class ControlClient(RosEvents):
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for health in node_healths(message, rospy.get_namespace()):
             self._emit_received(message, health)
+
+    def _on_axis(self, axis: AxisId, message: CurrentCoordinate) -> None:
+        if message.moving:
+            now_s = self._clock.now_s()
+            if now_s - self._moved_s.get(axis, -math.inf) < MOVING_PERIOD_S:
+                return
+            self._moved_s[axis] = now_s
+        else:
+            self._moved_s.pop(axis, None)
+        # Robots of an earlier version do not say who holds an axis.
+        owner = str(getattr(message, "owner", ""))
+        self._emit_received(message, AxisMeasured(axis, axis_position(message), owner))
 
     def _on_replay(self, message: Replay) -> None:
         self._watch.note(message)
@@ -304,16 +226,10 @@ def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
     try:
         return _answer_from(request, ask())
     except (ServiceUnavailableError, rospy.ROSException) as error:
-        return Answer(request, False, _no_answer(error), contact=False)
+        return Answer(request, False, no_answer(error), contact=False)
 
 
 def _answer_from(request: Request, response: Any) -> Answer:
     survey_id = getattr(response, "survey_id", "")
     other_analyzer = getattr(response, "other_analyzer", "")
     return Answer(request, response.success, message_from(response), survey_id, other_analyzer)
-
-
-def _no_answer(error: Exception) -> Message:
-    return Message(
-        "the main control does not answer; check that it is running", details=error
-    ).with_fault(faults.PART_SILENT)
