@@ -121,7 +121,7 @@ def test_a_move_that_a_slow_main_control_began_after_the_stop_is_said(robot):
 
 
 def test_the_answers_are_shown_where_no_survey_was_stopped(robot):
-    for answer, words in ((NOTHING, "no survey is running"), (SILENT, "nobody there")):
+    for answer, words in ((NOTHING, ": no survey is running"), (SILENT, " does NOT answer")):
         robot.report(X, Y, Z)
         robot.press(X, Y, Z)
         robot.stop.on_event(answer)
@@ -130,15 +130,13 @@ def test_the_answers_are_shown_where_no_survey_was_stopped(robot):
         assert not robot.text()
         card = robot.stop.outcome
         assert str(card.title).startswith("Every axis rests.")
-        assert f"z axis: at rest; main control: {words}" in str(card.text)
+        assert f"z axis: at rest; main control{words}" in str(card.text)
         assert (card.then is not None) is (answer is SILENT)
 
 
 def test_the_end_of_the_survey_confirms_a_stop_unless_an_axis_says_that_it_moves(robot):
     def ended(message):
-        return replace(
-            robot.shown, state=ControlState(SurveyState.STOPPED, message, "id", True)
-        )
+        return replace(robot.shown, state=ControlState(SurveyState.STOPPED, message, "id", True))
 
     robot.shown = replace(robot.shown, axes=())
     robot.press()

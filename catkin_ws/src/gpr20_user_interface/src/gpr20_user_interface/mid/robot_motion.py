@@ -34,9 +34,10 @@ def motion_of(snapshot: Snapshot) -> Optional[Message]:
     said = [_axis(one) for one in moving]
     if snapshot.service is not None:
         said.append(Message("in service: {activity}", activity=snapshot.service))
+    motion = in_a_row(said)
     if snapshot.alarm is not None:
-        said.append(snapshot.alarm.message)
-    return in_a_row(said).with_fault(faults.ROBOT_MOVES)
+        motion = Message("{motion}. {alarm}", motion=motion, alarm=snapshot.alarm.message)
+    return motion.with_fault(faults.ROBOT_MOVES)
 
 
 def _is_survey(snapshot: Snapshot, axis: AxisReport) -> bool:

@@ -127,17 +127,23 @@ class StopConfirmation:
 
     def _known(self, reports: Dict[AxisId, AxisReport]) -> Message:
         axes = [self._state_of(axis, reports.get(axis)) for axis in AxisId]
+        return in_a_row([*axes, self._state_of_control()])
+
+    def _state_of_control(self) -> Message:
         if self._control is None:
-            control = Message("main control: no answer yet")
-        else:
-            control = Message("main control: {answer}", answer=self._control.message)
-        return in_a_row([*axes, control])
+            return Message("main control: no answer yet")
+        if not self._control.contact:
+            return Message("main control does NOT answer")
+        return Message("main control: {answer}", answer=self._control.message)
 
     def _state_of(self, axis: AxisId, report: Optional[AxisReport]) -> Message:
         if self._pressed_s is not None and self._rests(report, self._pressed_s):
             return Message("{axis} axis: at rest", axis=axis.value)
-        if self._axes.get(axis) is False:
+        answered = self._axes.get(axis)
+        if answered is False:
             return Message("{axis} axis does NOT answer", axis=axis.value)
         if report is not None and report.moving:
             return Message("{axis} axis: MOVES", axis=axis.value)
+        if answered:
+            return Message("{axis} axis: stopping", axis=axis.value)
         return Message("{axis} axis: no answer yet", axis=axis.value)
