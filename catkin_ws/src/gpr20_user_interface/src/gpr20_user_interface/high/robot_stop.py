@@ -95,13 +95,11 @@ class RobotStop:
 
     def _stop_axis(self, axis: AxisId) -> None:
         try:
-            answer = message_from(self._axes[axis].call(STOP_TIMEOUT_S))
+            answered = bool(self._axes[axis].call(STOP_TIMEOUT_S).success)
         except ServiceUnavailableError as error:
-            rospy.logerr("the %s axis does not answer STOP: %s", axis.value, error)
-            self._emit(AxisStopAnswer(axis, False))
-        else:
-            rospy.loginfo("STOP, %s axis: %s", axis.value, answer)
-            self._emit(AxisStopAnswer(axis, True))
+            rospy.logwarn("the %s axis does not answer STOP: %s", axis.value, error)
+            answered = False
+        self._emit(AxisStopAnswer(axis, answered))
 
     def _stop_survey(self) -> None:
         try:
