@@ -217,12 +217,12 @@ class Window(WindowCase):
     def test_every_press_of_stop_reaches_the_axes_whatever_the_control_says(self) -> None:
         stopped = self.advertise_axes()
         warning = self.window.stop_warning
-        # No survey runs: a goal from a terminal may move an axis.
-        self.press_stop(stopped)
-        wait_until(lambda: "main control: no survey" in warning.text.whole, "it is refused")
         self.start()
         self.press_stop(stopped)
         wait_until(lambda: self.title() == "STOPPED", "the survey ends")
+        # No survey runs now, but a goal from a terminal may move an axis.
+        self.press_stop(stopped)
+        wait_until(lambda: "main control: no survey" in warning.text.whole, "it is refused")
         self.fake.close()
         self.press_stop(stopped)
         wait_until(lambda: "main control does NOT" in warning.text.whole, "it is not there")
