@@ -1,20 +1,18 @@
 """Whatever moves the robot, every tab says so, and STOP can be pressed."""
 
 import itertools
-import math
 
 import pytest
 from case_kit import each_case
 from fake_clock import FakeClock
 from finger import Finger, place_of
-from view_kit import RESTING, snapshot
+from view_kit import moving, snapshot
 from window_helpers import close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.axis_report import AxisReport
 from gpr20_user_interface.mid.events import Request
 from gpr20_user_interface.mid.job import JobLevel, band_of
 from gpr20_user_interface.views.main_window import TabName
@@ -23,10 +21,6 @@ from gpr20_user_interface.views.state_band import StateBand
 from gpr20_user_interface.views.translation import Languages
 
 SURVEY_MOVES = ("HOMING", "SURVEYING", "PAUSING", "STOPPING")
-
-
-def moving(*axes, owner=""):
-    return (*RESTING, *(AxisReport(axis, True, owner, math.inf) for axis in axes))
 
 
 X_MOVES = moving(AxisId.X)

@@ -29,6 +29,11 @@ NOW_US = 1_795_000_000_000_000
 RESTING = tuple(AxisReport(axis, False, "", math.inf) for axis in AxisId)
 
 
+def moving(*axes, owner=""):
+    """Return the reports of a robot of which these axes move, held by a node."""
+    return tuple(AxisReport(axis, axis in axes, owner, math.inf) for axis in AxisId)
+
+
 def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVEY, **changes):
     values = {
         "vna_address": "127.0.0.1",
