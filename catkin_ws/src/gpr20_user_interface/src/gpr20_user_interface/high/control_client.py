@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from functools import partial
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, Tuple
 
 import rosgraph
 import rospy
@@ -51,8 +51,9 @@ from gpr20_user_interface.mid.service_events import AxisMeasured
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
-# An axis that moves reports itself at 50 Hz: fewer are enough for what people see.
-MOVING_PERIOD_S = 0.1
+# An axis reports itself at 10 Hz at rest and at 50 Hz while it moves: fewer are enough for what
+# people see, and for a STOP, which is confirmed within 1 s.
+AXIS_PERIOD_S = 0.2
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
@@ -80,8 +81,8 @@ class ControlClient(RosEvents):
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
         self._clock = Clock()
-        # When a move of each axis was last passed on [s].
-        self._moved_s: Dict[AxisId, float] = {}
+        # When a report of each axis was last passed on, by its sender [s].
+        self._reported_s: Dict[Tuple[AxisId, str], float] = {}
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
@@ -104,7 +105,7 @@ class ControlClient(RosEvents):
                 f"{axis.value}_axis/current_coord",
                 CurrentCoordinate,
                 partial(self._on_axis, axis),
-                10,
+                1,
             )
         subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
         subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
@@ -195,13 +196,10 @@ class ControlClient(RosEvents):
             self._emit_received(message, health)
 
     def _on_axis(self, axis: AxisId, message: CurrentCoordinate) -> None:
-        if message.moving:
-            now_s = self._clock.now_s()
-            if now_s - self._moved_s.get(axis, -math.inf) < MOVING_PERIOD_S:
-                return
-            self._moved_s[axis] = now_s
-        else:
-            self._moved_s.pop(axis, None)
+        source, now_s = (axis, connection_header(message)["callerid"]), self._clock.now_s()
+        if now_s - self._reported_s.get(source, -math.inf) < AXIS_PERIOD_S:
+            return
+        self._reported_s[source] = now_s
         # Robots of an earlier version do not say who holds an axis.
         owner = str(getattr(message, "owner", ""))
         self._emit_received(message, AxisMeasured(axis, axis_position(message), owner))
