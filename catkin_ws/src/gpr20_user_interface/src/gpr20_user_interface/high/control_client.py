@@ -81,8 +81,9 @@ class ControlClient(RosEvents):
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
         self._clock = Clock()
-        # When a report of each axis was last passed on, by its sender [s].
-        self._reported_s: Dict[Tuple[AxisId, str], float] = {}
+        # The last report of each axis that was passed on, by its sender: whether it moved, and when
+        # [s].
+        self._reports: Dict[Tuple[AxisId, str], Tuple[bool, float]] = {}
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
@@ -197,9 +198,12 @@ class ControlClient(RosEvents):
 
     def _on_axis(self, axis: AxisId, message: CurrentCoordinate) -> None:
         source, now_s = (axis, connection_header(message)["callerid"]), self._clock.now_s()
-        if now_s - self._reported_s.get(source, -math.inf) < AXIS_PERIOD_S:
+        moved, reported_s = self._reports.get(source, (False, -math.inf))
+        # A motion that begins is passed on at once, however short it is.
+        begins = message.moving and not moved
+        if now_s - reported_s < AXIS_PERIOD_S and not begins:
             return
-        self._reported_s[source] = now_s
+        self._reports[source] = message.moving, now_s
         # Robots of an earlier version do not say who holds an axis.
         owner = str(getattr(message, "owner", ""))
         self._emit_received(message, AxisMeasured(axis, axis_position(message), owner))
