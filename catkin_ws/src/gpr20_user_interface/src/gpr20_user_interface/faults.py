@@ -40,6 +40,13 @@ PART_SILENT = Fault("window.part_silent", remedies.WAIT_FOR_PART)
 STOP_UNCONFIRMED = Fault(
     "window.stop_unconfirmed", remedies.MOTORS_OFF, may_move=True, replaces=True
 )
+ROBOT_MOVES = Fault(
+    "window.robot_moves",
+    Message("Keep your hands clear. STOP stops every axis, whoever moves it."),
+    Severity.WARNING,
+    may_move=True,
+    replaces=True,
+)
 NOT_STARTED = Fault(
     "window.not_started",
     Message("Nothing to do: nothing was started. Run the command again to start a survey."),

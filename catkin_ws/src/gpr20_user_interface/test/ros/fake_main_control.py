@@ -88,7 +88,6 @@ class FakeMainControl:
         self._parameters: Optional[SurveyParameters] = None
         self._visited = 0
         self.code = ControlStatus.IDLE
-        self._kept = self.code
         self.survey_id = ""
         self.starts = 0
         self.annotation = EMPTY
@@ -138,11 +137,7 @@ class FakeMainControl:
 
     def end_silently(self) -> None:
         """End the survey without a word, as if the word were still on its way."""
-        self._kept = self.code
         self.code = ControlStatus.FINISHED
-
-    def go_on_silently(self) -> None:
-        self.code = self._kept
 
     def close(self) -> None:
         self._closed.set()

@@ -1,11 +1,13 @@
 import itertools
+from dataclasses import replace
 
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
 from test_fault_messages import ASKED_STOP, FULL, paused
-from view_kit import description, make_grid, snapshot
+from view_kit import RESTING, description, make_grid, snapshot
 from window_helpers import click, hold_to_start, show, wishes
 
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, TargetPosition
@@ -159,8 +161,8 @@ def test_a_replay_opens_no_card(window):
     assert not window.job.plan.isVisible() and not window.job.notes.isVisible()
 
 
-def test_a_stop_without_a_master_says_at_once_to_switch_off_the_motors(window):
-    gone = shown(SurveyState.SURVEYING, master_alive=False, alarm=Alarm(AlarmKind.MASTER_GONE))
+def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):
+    gone = shown(SurveyState.SURVEYING, axes=(), alarm=Alarm(AlarmKind.MASTER_GONE))
     show(window, gone)
     QTest.mousePress(window.top_bar.stop, 1)
     warning = window.stop_warning
@@ -180,18 +182,20 @@ def test_a_stop_without_a_master_says_at_once_to_switch_off_the_motors(window):
 
 
 def test_a_stop_that_is_not_answered_is_said_within_300_ms(window):
-    show(window, shown(SurveyState.SURVEYING))
+    axes = tuple(replace(one, received_s=Clock().now_s()) for one in RESTING)
+    show(window, shown(SurveyState.SURVEYING, axes=axes))
     QTest.mousePress(window.top_bar.stop, 1)
     assert not window.stop_warning.isVisible()
     QTest.qWait(300)
     assert window.stop_warning.isVisible()
     window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
+    assert window.stop_warning.isVisible()
     show(window, shown(SurveyState.SURVEYING))
     assert not window.stop_warning.isVisible()
 
 
 def test_the_warning_is_closed_by_a_hold_and_not_by_a_tap(window):
-    show(window, shown(SurveyState.SURVEYING, master_alive=False))
+    show(window, shown(SurveyState.SURVEYING, axes=()))
     click(window.top_bar.stop)
     button = window.stop_warning.close_button
     click(button)

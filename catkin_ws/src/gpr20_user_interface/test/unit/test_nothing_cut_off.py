@@ -1,5 +1,7 @@
 """Every text of the tabs and dialogs fits, in each language and size of the screen."""
 
+import itertools
+
 import numpy as np
 from finger import place_of
 from layout_kit import LONG, assert_fits, assert_touchable, busiest, screen, seen, spoken
@@ -8,7 +10,17 @@ from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QPushButton
 from test_fault_messages import paused
-from view_kit import SURVEY, depth_echo, description, make_grid, past_survey, state_of, trace_at
+from view_kit import (
+    RESTING,
+    SURVEY,
+    depth_echo,
+    description,
+    make_grid,
+    moving,
+    past_survey,
+    state_of,
+    trace_at,
+)
 from window_helpers import click, show
 
 from gpr20_common.message import Message, verbatim
@@ -102,10 +114,11 @@ def test_nothing_of_the_pages_of_status_is_cut_off(spoken):
 
 
 def test_no_alarm_is_cut_off(spoken):
-    for kind in AlarmKind:
+    motion = moving(*AxisId, owner="/a_program_with_a_long_name_1795493315529903")
+    for kind, axes in itertools.product(AlarmKind, (RESTING, motion)):
         # What is shown for the first time has its size with the next refresh.
         for _ in range(2):
-            show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG))))
+            show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG)), axes=axes))
             QTest.qWait(1)
         message = spoken.top_bar.message
         assert message.whole and message.fontMetrics().lineSpacing() * 2 <= message.height()
@@ -122,7 +135,7 @@ def test_nothing_of_the_card_of_a_fault_and_of_the_stop_warning_is_cut_off(spoke
         assert_fits(spoken, spoken.notice)
         assert spoken.notice.reason.fontMetrics().height() * 2 <= spoken.notice.height() / 3
         spoken.notice.hide()
-    show(spoken, busiest(master_alive=False))
+    show(spoken, busiest(axes=()))
     click(spoken.top_bar.stop)
     assert spoken.stop_warning.isVisible()
     assert_fits(spoken, spoken.stop_warning)

@@ -9,10 +9,13 @@ import pytest
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.mid.events import Answer, AxisLimits, ControlState, Progress, Request
 from gpr20_user_interface.mid.message_source import MessageSources, Received, SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
+from gpr20_user_interface.mid.service_events import AxisMeasured
 from gpr20_user_interface.mid.shown_model import ROBOT_LIMIT_S, ShownModel
 from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, SurveyModel
 
@@ -47,7 +50,7 @@ def assert_harmless(snapshot):
     """A replay offers no request to a robot and raises no alarm."""
     assert snapshot.replay is not None
     assert snapshot.alarm is None
-    offers = (snapshot.can_stop, snapshot.can_start, snapshot.can_pause, snapshot.can_resume)
+    offers = (snapshot.can_start, snapshot.can_pause, snapshot.can_resume)
     assert not any(offers)
     assert snapshot.fields_locked
 
@@ -81,7 +84,7 @@ def test_a_mark_beside_a_robot_does_not_hide_stop(clock):
         for _ in range(5):
             model.handle(Received(marked_by, MARK))
             snapshot = model.snapshot()
-            assert snapshot.replay is None and snapshot.can_stop, (code, marked_by)
+            assert snapshot.replay is None, (code, marked_by)
             clock.advance(ROBOT_LIMIT_S)
 
 
@@ -99,7 +102,28 @@ def test_an_axis_without_main_control_is_a_robot(model):
     axis = NodeHealth("x_axis/axis_driver", HealthLevel.OK, verbatim("homed"), {})
     model.handle(Received(AXIS, axis))
     snapshot = model.snapshot()
-    assert snapshot.replay is None and snapshot.can_stop and snapshot.alarm is not None
+    assert snapshot.replay is None and snapshot.alarm is not None
+
+
+def moves(axis, moving):
+    return AxisMeasured(axis, AxisPosition(1.0, True, moving))
+
+
+def test_a_robot_that_was_left_moving_is_not_hidden_by_a_replay(model, clock):
+    model.handle(Received(ROSBAG, state(SurveyState.SURVEYING)))
+    model.handle(Received(AXIS, moves(AxisId.X, True)))
+    clock.advance(100.0 * ROBOT_LIMIT_S)
+    assert model.snapshot().replay is None
+    model.handle(Received(AXIS, moves(AxisId.X, False)))
+    clock.advance(ROBOT_LIMIT_S + 0.1)
+    assert_harmless(model.snapshot())
+
+
+def test_only_its_own_driver_says_that_an_axis_rests(model):
+    model.handle(Received(AXIS, moves(AxisId.X, True)))
+    for source in (ROSBAG, PLAYER, "/y_axis/axis_driver", "/robot2/x_axis/axis_driver"):
+        model.handle(Received(source, moves(AxisId.X, False)))
+        assert [one.axis for one in model.snapshot().moving] == [AxisId.X], source
 
 
 def test_a_player_that_is_recognized_late_leaves_nothing_in_the_robot(model, clock):
@@ -181,8 +205,6 @@ class Oracle:
             assert snapshot.replay is None
         if CONTROL in self.heard_s and snapshot.replay is None:
             assert snapshot.state == control
-            if control is not None and control.code in RUNNING:
-                assert snapshot.can_stop
         replays = [source for source in self.heard_s if source in self.marked]
         if not self.robots() and not self.asked and replays:
             assert_harmless(snapshot)

@@ -34,7 +34,7 @@ def model(clock):
 
 
 def allowed(snapshot):
-    names = ("start", "stop", "pause", "resume")
+    names = ("start", "pause", "resume")
     return [name for name in names if getattr(snapshot, f"can_{name}")]
 
 
@@ -43,15 +43,14 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert not snapshot.control_alive
     assert snapshot.control_silent_s is None
     assert (snapshot.state, snapshot.progress, snapshot.current, snapshot.height_m) == (None,) * 4
-    # What does not report may be moving.
-    assert allowed(snapshot) == ["stop"]
+    assert allowed(snapshot) == []
 
 
 def test_buttons_follow_what_main_control_says(model):
     extra = {SurveyState.PAUSED: ["resume"], SurveyState.SURVEYING: ["pause"]}
     for code in SurveyState:
         model.handle(state(code))
-        expected = ["stop"] if code in RUNNING else ["start"]
+        expected = [] if code in RUNNING else ["start"]
         snapshot = model.snapshot()
         assert allowed(snapshot) == expected + extra.get(code, []), code
         assert snapshot.fields_locked == (code in RUNNING)
@@ -62,17 +61,17 @@ def test_buttons_follow_what_main_control_says(model):
 def test_stop_that_was_asked_for_is_not_taken_for_done(model):
     model.handle(state(SurveyState.SURVEYING))
     model.request_sent(Request.STOP)
-    assert allowed(model.snapshot()) == ["stop"]
+    assert allowed(model.snapshot()) == []
     model.handle(Answer(Request.STOP, True, verbatim("stopping")))
     snapshot = model.snapshot()
     assert snapshot.running and snapshot.fields_locked
-    assert snapshot.can_stop and not snapshot.can_start
+    assert not snapshot.can_start
 
 
-def test_start_that_is_being_asked_for_locks_start_and_unlocks_stop(model):
+def test_start_that_is_being_asked_for_locks_start(model):
     model.handle(state(SurveyState.CONFIGURED))
     model.request_sent(Request.START)
-    assert allowed(model.snapshot()) == ["stop"]
+    assert allowed(model.snapshot()) == []
     model.handle(Answer(Request.START, False, verbatim("no")))
     assert allowed(model.snapshot()) == ["start"]
 
@@ -81,7 +80,7 @@ def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock
     model.handle(state(SurveyState.CONFIGURED, ""))
     model.request_sent(Request.START)
     model.handle(Answer(Request.START, True, verbatim("started"), "new"))
-    assert allowed(model.snapshot()) == ["stop"]
+    assert allowed(model.snapshot()) == []
     model.handle(state(SurveyState.FAILED, "new"))
     assert allowed(model.snapshot()) == ["start"]
 
@@ -110,7 +109,7 @@ def test_pause_and_resume_are_asked_for_once_at_a_time(model):
     ):
         model.handle(state(code))
         model.request_sent(request)
-        assert allowed(model.snapshot()) == ["stop"]
+        assert allowed(model.snapshot()) == []
         model.handle(Answer(request, True, verbatim("")))
 
 
@@ -123,7 +122,7 @@ def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, cloc
     assert not snapshot.control_alive
     assert snapshot.control_silent_s == pytest.approx(CONTROL_SILENCE_S + 0.1)
     assert snapshot.state.code is SurveyState.FINISHED
-    assert allowed(snapshot) == ["stop"]
+    assert allowed(snapshot) == []
     model.handle(PROGRESS)
     assert allowed(model.snapshot()) == ["start"]
 
@@ -131,7 +130,7 @@ def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, cloc
 def test_running_survey_can_be_stopped_while_main_control_is_silent(model, clock):
     model.handle(state(SurveyState.PAUSED, simulated=True))
     clock.advance(100)
-    assert allowed(model.snapshot()) == ["stop"]
+    assert allowed(model.snapshot()) == []
     assert model.snapshot().simulated
 
 
@@ -197,8 +196,6 @@ def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_r
         for begun in (SurveyState.IDLE, SurveyState.CONFIGURED):
             model.handle(state(begun, ""))
             assert model.snapshot().alarm == interrupted, code
-        # An axis may still end the move that the one before has asked for.
-        assert model.snapshot().can_stop
         model.handle(state(SurveyState.CHECKING, "next"))
         assert model.snapshot().alarm is None
 

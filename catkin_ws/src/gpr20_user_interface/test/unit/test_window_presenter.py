@@ -33,7 +33,7 @@ class ControlThatRecords:
     def start_survey(self, parameters, annotation, refines):
         self.asked.append(parameters)
 
-    def stop_survey(self):
+    def stop(self):
         self.asked.append("stop")
 
     def pause_survey(self):

@@ -1,16 +1,19 @@
 """Plans of surveys and sweeps over a ground that is known, for the tests of map and radar."""
 
 import json
+import math
 
 import numpy as np
 
 from gpr20_common.message import verbatim
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
+from gpr20_user_interface.mid.axis_report import AxisReport
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
 from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
 from gpr20_user_interface.mid.survey_model import Snapshot
@@ -22,6 +25,13 @@ FOLDER = "20261121T051000_7c9e6679"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 NOW_US = 1_795_000_000_000_000
+# Whenever STOP is pressed, they have said so after it.
+RESTING = tuple(AxisReport(axis, False, "", math.inf) for axis in AxisId)
+
+
+def moving(*axes, owner=""):
+    """Return the reports of a robot of which these axes move, held by a node."""
+    return tuple(AxisReport(axis, axis in axes, owner, math.inf) for axis in AxisId)
 
 
 def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVEY, **changes):
@@ -113,6 +123,7 @@ def snapshot(code=None, alive=True, **other):
         "pending": frozenset(),
         "travel": TRAVEL,
         "defaults": RobotDefaults("127.0.0.1", Site()),
+        "axes": RESTING,
         **other,
     }
     return Snapshot(**values)

@@ -8,6 +8,8 @@ from typing import Any, Callable, List
 import rospy
 
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.message import Message
+from gpr20_user_interface import faults
 from gpr20_user_interface.mid.message_source import Received
 
 
@@ -64,3 +66,10 @@ class RosEvents:
 def in_background(work: Callable[[], None]) -> None:
     """Work in a daemon thread: if it never ends, the process still can."""
     threading.Thread(target=work, daemon=True).start()
+
+
+def no_answer(error: Exception) -> Message:
+    """Return what people read when the main control does not answer a request."""
+    return Message(
+        "the main control does not answer; check that it is running", details=error
+    ).with_fault(faults.PART_SILENT)

@@ -127,7 +127,7 @@ def _run_session(
     """Follow a survey to its end, and print how it ended."""
     requests: Dict[Request, Callable[[], None]] = {
         Request.START: lambda: client.start_survey(options.parameters, options.annotation),
-        Request.STOP: client.stop_survey,
+        Request.STOP: client.stop,
         Request.RESUME: lambda: client.resume_survey(
             options.resume_id, options.accept_analyzer, options.accept_zeros
         ),

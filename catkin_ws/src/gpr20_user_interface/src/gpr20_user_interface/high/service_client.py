@@ -15,20 +15,19 @@ from std_msgs.msg import Bool
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
-from gpr20_doctor.high.node_reports import axis_position, node_healths
+from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
-from gpr20_msgs.msg import CurrentCoordinate, ServiceStatus
+from gpr20_msgs.msg import ServiceStatus
 from gpr20_msgs.srv import GetHeight, ServiceMove, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
 from gpr20_user_interface import faults
 from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
 from gpr20_user_interface.mid.service_events import (
     AxisAction,
-    AxisMeasured,
     AxisMoved,
     ClockOffset,
     EndstopState,
@@ -67,7 +66,7 @@ class ServiceToolsClient(RosEvents):
         super().close()
 
     def set_watched(self, watched: bool) -> None:
-        """Follow axes, endstops and clocks, or no longer: each message costs time."""
+        """Follow endstops and clocks, or no longer: each message costs time."""
         self._wanted = watched
         # A subscription waits for the master, which may be away.
         in_background(self._follow)
@@ -87,20 +86,10 @@ class ServiceToolsClient(RosEvents):
             )
             for axis in ENDSTOP_AXES
         ]
-        axes = [
-            rospy.Subscriber(
-                f"{axis.value}_axis/current_coord",
-                CurrentCoordinate,
-                self._on_axis,
-                axis,
-                queue_size=1,
-            )
-            for axis in AxisId
-        ]
         diagnostics = rospy.Subscriber(
             "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20
         )
-        return [*endstops, *axes, diagnostics]
+        return [*endstops, diagnostics]
 
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero; the answer is an event."""
@@ -111,7 +100,7 @@ class ServiceToolsClient(RosEvents):
                     MOVE_TIMEOUT_S, axis=axis.value, action=int(action), distance=distance
                 )
             except ServiceUnavailableError as error:
-                return AxisMoved(False, _no_answer(error))
+                return AxisMoved(False, no_answer(error))
             return AxisMoved(response.success, message_from(response))
 
         in_background(lambda: self._emit(ask()))
@@ -138,7 +127,7 @@ class ServiceToolsClient(RosEvents):
             try:
                 response = self._analyzer.call(ANALYZER_TIMEOUT_S)
             except ServiceUnavailableError as error:
-                return AnalyzerTest("", failure=_no_answer(error))
+                return AnalyzerTest("", failure=no_answer(error))
             return analyzer_test_of(response)
 
         in_background(lambda: self._emit(ask()))
@@ -158,16 +147,7 @@ class ServiceToolsClient(RosEvents):
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
         self._emit_received(message, EndstopState(axis, message.data))
 
-    def _on_axis(self, message: CurrentCoordinate, axis: AxisId) -> None:
-        self._emit_received(message, AxisMeasured(axis, axis_position(message)))
-
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
         for health in node_healths(message, rospy.get_namespace()):
             self._emit_received(message, ClockOffset(health.name, offset_s))
-
-
-def _no_answer(error: Exception) -> Message:
-    return Message(
-        "the main control does not answer; check that it is running", details=error
-    ).with_fault(faults.PART_SILENT)

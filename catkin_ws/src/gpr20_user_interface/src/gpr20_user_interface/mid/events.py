@@ -8,6 +8,7 @@ from typing import Mapping, Optional, Union
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.robot_description import NodeDescription
@@ -181,7 +182,7 @@ class Answer:
         survey_id: Of the survey that begins; empty if none does.
         other_analyzer: Identity of the present analyzer, if it is not that of the survey, which
             is resumed only if the operator accepts it; else empty.
-        contact: Whether who was asked has answered; for STOP, the main control or every axis.
+        contact: Whether the main control has answered.
     """
 
     request: Request
@@ -190,6 +191,14 @@ class Answer:
     survey_id: str = ""
     other_analyzer: str = ""
     contact: bool = True
+
+
+@dataclass(frozen=True)
+class AxisStopAnswer:
+    """Whether an axis has answered STOP in time."""
+
+    axis: AxisId
+    answered: bool
 
 
 @dataclass(frozen=True)
@@ -223,5 +232,6 @@ Event = Union[
     Accepted,
     AnnotationDefaults,
     Answer,
+    AxisStopAnswer,
     StopRequested,
 ]

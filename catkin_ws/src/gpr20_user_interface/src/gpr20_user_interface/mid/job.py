@@ -13,6 +13,7 @@ from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.mid.events import Progress
 from gpr20_user_interface.mid.fault_messages import is_fault, is_notice, reason_of
 from gpr20_user_interface.mid.robot_health import AlarmKind
+from gpr20_user_interface.mid.robot_motion import TITLE, motion_of
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.time_words import time_left
 
@@ -84,6 +85,15 @@ def job_of(snapshot: Snapshot) -> Job:
         _left(snapshot, progress),
         line_of(snapshot),
     )
+
+
+def band_of(snapshot: Snapshot) -> Job:
+    """Return what the band on every tab shows: motion that no survey explains comes first."""
+    job, motion = job_of(snapshot), motion_of(snapshot)
+    if motion is None:
+        return job
+    level = JobLevel.FAULT if job.level is JobLevel.FAULT else JobLevel.ATTENTION
+    return Job(level, TITLE, motion)
 
 
 def time_passes(snapshot: Snapshot) -> bool:

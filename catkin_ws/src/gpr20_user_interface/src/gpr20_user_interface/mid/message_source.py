@@ -6,6 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Set
 
+from gpr20_survey.axes.axis_id import AxisId
+
 # How `rosbag play`, whose older recordings hold no mark, and replay.launch name their nodes. The
 # mark of a replay may come after its other messages.
 PLAYERS = re.compile(r".*/(play_[0-9]+|replay)")
@@ -45,6 +47,10 @@ class MessageSources:
     def __init__(self, main_control: str) -> None:
         self.main_control = main_control
         self._marked: Set[str] = set()
+
+    def axis_driver(self, axis: AxisId) -> str:
+        """Return the full name of the robot's driver of an axis."""
+        return f"{self.main_control.rpartition('/')[0]}/{axis.value}_axis/axis_driver"
 
     def note_mark(self, source: str) -> bool:
         """Note that a node sent a mark; return whether this is news about it."""

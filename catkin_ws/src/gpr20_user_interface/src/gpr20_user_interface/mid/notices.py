@@ -11,8 +11,9 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.titles import level_title, node_title
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState
+from gpr20_user_interface.mid.events import Answer, ControlState
 from gpr20_user_interface.mid.fault_messages import reason_of
+from gpr20_user_interface.mid.robot_motion import TITLE
 
 NO_REPORT = Message("no report")
 
@@ -42,7 +43,6 @@ class Refused(enum.Enum):
     """What did not succeed: a request to the robot, or the use of a profile."""
 
     START = "start"
-    STOP = "stop"
     PAUSE = "pause"
     RESUME = "resume"
     PROFILE = "profile"
@@ -56,10 +56,6 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     Refused.START: (
         Message("The survey was not started."),
         Message("Then start the survey again."),
-    ),
-    Refused.STOP: (
-        Message("STOP was not accepted."),
-        Message("If the robot moves, press STOP again or switch off the motors' power."),
     ),
     Refused.PAUSE: (
         Message("The survey was not paused."),
@@ -98,6 +94,29 @@ def refusal_notice(refused: Refused, reason: Message) -> Notice:
     title, then = _REFUSALS[refused]
     final = refused is Refused.RESUME and not reason.can_continue
     return Notice(title, reason, remedy(reason), None if final else then, _details(reason))
+
+
+def stop_notice(answer: Answer, known: Message) -> Notice:
+    """Return what a dialog says after a STOP that stopped no survey; every axis rests.
+
+    Args:
+        answer: Of the main control.
+        known: What is known of each axis and of the main control.
+    """
+    if answer.contact:
+        return Notice(Message("Every axis rests."), known, details=_details(answer.message))
+    return Notice(
+        Message("Every axis rests. The main control does not answer."),
+        known,
+        remedy(answer.message),
+        Message("If the robot moves, press STOP again or switch off the motors' power."),
+        _details(answer.message),
+    )
+
+
+def motion_notice(motion: Message) -> Notice:
+    """Return what a dialog says about motion that no survey explains."""
+    return Notice(TITLE, motion, remedy(motion), details=_details(motion))
 
 
 def fault_notice(state: ControlState) -> Notice:

@@ -37,10 +37,17 @@ class EndstopState:
 
 @dataclass(frozen=True)
 class AxisMeasured:
-    """One message of an axis's `current_coord`."""
+    """One message of an axis's `current_coord`.
+
+    Attributes:
+        axis: Which axis.
+        position: Its state.
+        owner: Full name of the node that holds it; empty: nobody, or it is not known.
+    """
 
     axis: AxisId
     position: AxisPosition
+    owner: str = ""
 
 
 @dataclass(frozen=True)

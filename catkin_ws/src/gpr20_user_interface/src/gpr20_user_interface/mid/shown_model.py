@@ -20,7 +20,7 @@ from gpr20_user_interface.mid.events import (
 from gpr20_user_interface.mid.message_source import MessageSources, Received, SourceGone
 from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
 from gpr20_user_interface.mid.robot_health import SIMULATOR, HealthReport
-from gpr20_user_interface.mid.service_events import ServiceActivity
+from gpr20_user_interface.mid.service_events import AxisMeasured, ServiceActivity
 from gpr20_user_interface.mid.survey_model import Refusal, Snapshot, SurveyModel
 
 # A robot that was heard within this time [s] is there, whatever is replayed beside it. Longer than
@@ -68,7 +68,8 @@ class ShownModel:
     """Takes events, gives snapshots of the robot or of a replay. Belongs to one thread.
 
     A robot always comes first. A replay is shown only if no robot was heard within ROBOT_LIMIT_S,
-    none was left with a survey in progress, and no request to one is pending.
+    none was left moving or with a survey in progress, and no request to one is pending: then there
+    is nothing to stop.
 
     Args:
         clock: Measures how long the robot has been silent.
@@ -128,10 +129,14 @@ class ShownModel:
         if any(now_s - heard_s <= ROBOT_LIMIT_S for heard_s in self._robot_heard_s.values()):
             return True
         robot = self._robot.snapshot()
-        return bool(robot.pending) or (robot.state is not None and robot.state.code in RUNNING)
+        if robot.pending or robot.moving:
+            return True
+        return robot.state is not None and robot.state.code in RUNNING
 
     def _is_strange(self, source: str, event: object) -> bool:
-        """Return whether a node speaks for the main control although there is one."""
+        """Return whether a node speaks for an axis, or for the main control that there is."""
+        if isinstance(event, AxisMeasured):
+            return source != self._sources.axis_driver(event.axis)
         control = self._sources.main_control
         known = control in self._robot_heard_s
         return known and source != control and isinstance(event, CONTROL_EVENTS)
@@ -149,9 +154,8 @@ class ShownModel:
     def _take_robot(self, source: str, event: object) -> Optional[Refusal]:
         if isinstance(event, NodeHealth) and event.name not in (*EXPECTED_NODES, SIMULATOR):
             return None
-        kind = (type(event), event.name) if isinstance(event, NodeHealth) else (type(event),)
-        if isinstance(event, (*ROBOT_EVENTS, NodeHealth)):
-            self._last.setdefault(source, {})[kind] = event
+        if isinstance(event, (*ROBOT_EVENTS, NodeHealth, AxisMeasured)):
+            self._last.setdefault(source, {})[_kind(event)] = event
         if self._is_strange(source, event):
             return None
         is_news = source not in self._robot_heard_s
@@ -202,3 +206,9 @@ class ShownModel:
 
 def _survey_id(event: object) -> str:
     return event.survey_id if isinstance(event, (ControlState, Progress)) else ""
+
+
+def _kind(event: object) -> Tuple[Any, ...]:
+    if isinstance(event, NodeHealth):
+        return NodeHealth, event.name
+    return (AxisMeasured, event.axis) if isinstance(event, AxisMeasured) else (type(event),)

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import Dict, Optional
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
-from gpr20_doctor.mid.node_health import HealthLevel
+from gpr20_common.message import Message, in_a_row
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.mid.events import Answer, Request
+from gpr20_user_interface.mid.axis_report import AxisReport
+from gpr20_user_interface.mid.events import Answer, AxisStopAnswer, Request
 from gpr20_user_interface.mid.fault_messages import axis_may_move
-from gpr20_user_interface.mid.survey_model import Snapshot
+from gpr20_user_interface.mid.notices import Notice, stop_notice
+from gpr20_user_interface.mid.survey_model import STALE_S, Snapshot
 
-# A main control that works answers sooner [s].
+# An axis that works answers sooner [s].
 ANSWER_S = 0.2
-AXIS_NODES = ("x_axis/axis_driver", "y_axis/axis_driver", "z_axis/axis_driver")
+# From its top speed an axis comes to rest in 0.3 s, and reports it 10 times a second [s].
+REST_S = 1.0
+# A stop request ends every motion within this time [s]; as in the main control.
+EFFECT_S = 0.2
 
 
 @dataclass(frozen=True)
@@ -32,74 +37,113 @@ class StopWarning:
 
 
 class StopConfirmation:
-    """Follows a STOP from the press to its confirmation. Belongs to one thread."""
+    """Follows a STOP from the press until each axis has said that it rests.
+
+    Belongs to one thread. An answer proves only that the request has arrived: an axis rests when
+    it reports so itself, after the press.
+
+    Attributes:
+        outcome: What the operator should read about a STOP after which everything rests; None:
+            nothing. Who shows it clears it.
+    """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._pressed_s: Optional[float] = None
         self._state_at_press: Optional[SurveyState] = None
-        # Why the stop is doubtful although nothing has failed yet.
-        self._doubt: Optional[Message] = None
-        # Whether a STOP that the main control has accepted may not reach the axes.
-        self._cut_off = False
-        self._answer: Optional[Message] = None
+        # Whether an axis was silent before the press: nobody need wait to say so.
+        self._silent = False
+        self._axes: Dict[AxisId, bool] = {}
+        self._control: Optional[Answer] = None
+        self._answered_s = 0.0
+        self.outcome: Optional[Notice] = None
 
     def press(self, snapshot: Snapshot) -> None:
         """Note that STOP was pressed."""
-        self._pressed_s = self._clock.now_s()
+        now_s = self._pressed_s = self._clock.now_s()
         self._state_at_press = None if snapshot.state is None else snapshot.state.code
-        axes_silent = _axes_are_silent(snapshot)
-        self._cut_off = axes_silent or not snapshot.master_alive
-        self._doubt = _doubt(snapshot, axes_silent)
-        self._answer = None
+        heard = [one.axis for one in snapshot.axes if now_s - one.received_s <= STALE_S]
+        self._silent = len(heard) < len(AxisId)
+        self._axes, self._control, self.outcome = {}, None, None
 
     def on_event(self, event: object) -> None:
         """Take an event."""
-        if not isinstance(event, Answer) or event.request is not Request.STOP:
+        if isinstance(event, AxisStopAnswer):
+            self._axes[event.axis] = event.answered
+        elif isinstance(event, Answer) and event.request is Request.STOP:
+            self._control = event
+        else:
             return
-        if event.success and self._cut_off:
-            return  # only the end of the survey, or the answers of the axes, confirm it
-        self._answer = event.message
-        if event.contact:
-            self.close()
+        self._answered_s = self._clock.now_s()
 
     def close(self) -> None:
         """Note that the operator has read the warning, or that it is over."""
         self._pressed_s = None
 
     def warning(self, snapshot: Snapshot) -> Optional[StopWarning]:
-        """Return what is shown now; None: STOP was not pressed, or is confirmed."""
+        """Return what is shown now; None: STOP was not pressed, or every axis rests."""
         if self._pressed_s is None:
             return None
-        if self._is_confirmed_by(snapshot):
+        reports = {one.axis: one for one in snapshot.axes}
+        if self._is_said_by_control(snapshot) or self._is_over(reports):
             self.close()
             return None
-        late = self._clock.now_s() - self._pressed_s >= ANSWER_S
-        if self._doubt is None and not late:
+        if not any(self._is_late(axis, reports.get(axis)) for axis in AxisId):
             return None
-        why = self._answer or self._doubt or Message("The robot has not answered yet.")
-        return StopWarning(Message("SWITCH OFF THE MOTORS' POWER"), why)
+        return StopWarning(Message("SWITCH OFF THE MOTORS' POWER"), self._known(reports))
 
-    def _is_confirmed_by(self, snapshot: Snapshot) -> bool:
+    def _is_late(self, axis: AxisId, report: Optional[AxisReport]) -> bool:
+        """Return whether an axis should have said by now that it rests."""
+        assert self._pressed_s is not None
+        if self._rests(report, self._pressed_s):
+            return False
+        limit_s = REST_S if self._axes.get(axis) else ANSWER_S
+        return self._silent or self._clock.now_s() - self._pressed_s >= limit_s
+
+    def _is_over(self, reports: Dict[AxisId, AxisReport]) -> bool:
+        """Return whether all have answered, and no axis has moved after that."""
+        control = self._control
+        if control is None or len(self._axes) < len(AxisId):
+            return False
+        # A main control that was slow may have begun another move before it answered.
+        since_s = self._answered_s + EFFECT_S
+        if not all(self._rests(reports.get(axis), since_s) for axis in AxisId):
+            return False
+        if not control.success:
+            self.outcome = stop_notice(control, self._known(reports))
+        return True
+
+    def _is_said_by_control(self, snapshot: Snapshot) -> bool:
+        """Return whether the main control has seen every axis rest."""
         state = snapshot.state
         if state is None or not snapshot.control_alive or state.code is self._state_at_press:
             return False
-        if state.code in ENDED:
-            return not axis_may_move(state)
-        return state.code is SurveyState.STOPPING and not self._cut_off
+        reported = any(one.moving for one in snapshot.axes)
+        return state.code in ENDED and not axis_may_move(state) and not reported
 
+    @staticmethod
+    def _rests(report: Optional[AxisReport], since_s: float) -> bool:
+        return report is not None and not report.moving and report.received_s > since_s
 
-def _axes_are_silent(snapshot: Snapshot) -> bool:
-    reporting = [one.name for one in snapshot.health.nodes if one.level is not HealthLevel.STALE]
-    # If no node reports, the reports are missing and not the axes.
-    return bool(reporting) and not any(name in reporting for name in AXIS_NODES)
+    def _known(self, reports: Dict[AxisId, AxisReport]) -> Message:
+        axes = [self._state_of(axis, reports.get(axis)) for axis in AxisId]
+        return in_a_row([*axes, self._state_of_control()])
 
+    def _state_of_control(self) -> Message:
+        if self._control is None:
+            return Message("main control: no answer yet")
+        if not self._control.contact:
+            return Message("main control does NOT answer")
+        return Message("main control: {answer}", answer=self._control.message)
 
-def _doubt(snapshot: Snapshot, axes_silent: bool) -> Optional[Message]:
-    if not snapshot.master_alive:
-        return Message("The ROS master does not answer: STOP is not confirmed.")
-    if not snapshot.control_alive:
-        return Message("The main control does not answer: STOP is not confirmed.")
-    if axes_silent:
-        return Message("No axis answers: STOP is not confirmed.")
-    return None
+    def _state_of(self, axis: AxisId, report: Optional[AxisReport]) -> Message:
+        if self._pressed_s is not None and self._rests(report, self._pressed_s):
+            return Message("{axis} axis: at rest", axis=axis.value)
+        answered = self._axes.get(axis)
+        if answered is False:
+            return Message("{axis} axis does NOT answer", axis=axis.value)
+        if report is not None and report.moving:
+            return Message("{axis} axis: MOVES", axis=axis.value)
+        if answered:
+            return Message("{axis} axis: stopping", axis=axis.value)
+        return Message("{axis} axis: no answer yet", axis=axis.value)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import FrozenSet, Generic, Optional, Set, TypeVar
+from typing import Dict, FrozenSet, Generic, Optional, Set, Tuple, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_user_interface.mid.axis_report import AxisReport
 from gpr20_user_interface.mid.events import (
     Answer,
     AxisLimits,
@@ -33,7 +35,7 @@ from gpr20_user_interface.mid.robot_health import (
     HealthReport,
     HealthTracker,
 )
-from gpr20_user_interface.mid.service_events import ServiceActivity
+from gpr20_user_interface.mid.service_events import AxisMeasured, ServiceActivity
 
 # The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
 CONTROL_SILENCE_S = 5.0
@@ -81,6 +83,8 @@ class Snapshot:
     master_alive: bool = True
     # What is done for maintenance, outside a survey.
     service: Optional[Message] = None
+    # The last report of each axis that was heard.
+    axes: Tuple[AxisReport, ...] = ()
     # What is shown is a replay, not a robot.
     replay: Optional[ReplayView] = None
 
@@ -114,18 +118,9 @@ class Snapshot:
         return self.control_alive and not self.fields_locked and self.service is None
 
     @property
-    def can_stop(self) -> bool:
-        """Whether there may be something to stop; a stop that is pending may be repeated.
-
-        The robot may move although there is no contact with the main control, or with the master
-        and so with the rest of the robot.
-        """
-        if self.replay is not None:
-            return False
-        asked = self.fields_locked or Request.RESUME in self.pending or self.service is not None
-        # A main control that was restarted knows nothing of what its axes still do.
-        interrupted = self.alarm is not None and self.alarm.kind is AlarmKind.SURVEY_INTERRUPTED
-        return asked or interrupted or not self.control_alive or not self.master_alive
+    def moving(self) -> Tuple[AxisReport, ...]:
+        """The axes that move by their last report, also if they are silent since."""
+        return tuple(one for one in self.axes if one.moving)
 
     @property
     def paused(self) -> bool:
@@ -180,6 +175,7 @@ class SurveyModel:
         self._limits = AxisLimits(None)
         self._parameters: Optional[SurveyParameters] = None
         self._service: Optional[Message] = None
+        self._axes: Dict[AxisId, AxisReport] = {}
         self._health = HealthTracker(clock)
         self._started_id = ""
         self._started_s = -math.inf
@@ -201,7 +197,8 @@ class SurveyModel:
             return None if failed is None else Refusal(failed, event.message)
         if isinstance(event, Answer):
             self._answered(event)
-            if event.success:
+            # StopConfirmation says what became of a STOP.
+            if event.success or event.request is Request.STOP:
                 return None
             return Refusal(event.request, event.message, event.other_analyzer)
         self._note(event)
@@ -222,6 +219,9 @@ class SurveyModel:
             self._parameters = event.parameters
         elif isinstance(event, ServiceActivity):
             self._service = event.activity
+        elif isinstance(event, AxisMeasured):
+            moving, now_s = event.position.moving, self._clock.now_s()
+            self._axes[event.axis] = AxisReport(event.axis, moving, event.owner, now_s)
         elif isinstance(event, NodeHealth):
             self._health.note(event)
 
@@ -245,6 +245,7 @@ class SurveyModel:
             defaults=self._limits.defaults,
             health=health,
             service=self._service,
+            axes=tuple(self._axes.values()),
             master_alive=self._limits.master_alive,
             alarm=self._worst_alarm(silent_s, health),
         )

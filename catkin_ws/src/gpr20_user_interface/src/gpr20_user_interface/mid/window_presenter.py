@@ -33,8 +33,8 @@ class SurveyControl(Protocol):
             refines: Id of the survey that this one measures more finely; empty: none.
         """
 
-    def stop_survey(self) -> None:
-        """Ask to stop."""
+    def stop(self) -> None:
+        """Ask whatever moves to stop, whoever moves it."""
 
     def pause_survey(self) -> None:
         """Ask to pause the survey."""
@@ -136,9 +136,9 @@ class WindowPresenter:
         self._control.start_survey(parameters, annotation, refines)
 
     def stop(self) -> None:
-        """Ask to stop the survey."""
+        """Stop whatever moves, and the survey."""
         self._model.request_sent(Request.STOP)
-        self._control.stop_survey()
+        self._control.stop()
 
     def pause(self) -> None:
         """Ask to pause the survey."""

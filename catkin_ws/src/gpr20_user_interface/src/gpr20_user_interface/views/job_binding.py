@@ -8,11 +8,11 @@ from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QStackedWidget, QWidget
 
 from gpr20_common.low.clock import Clock
-from gpr20_user_interface.mid.events import Answer
 from gpr20_user_interface.mid.fault_messages import FaultWatch, is_fault
 from gpr20_user_interface.mid.job import JobScreen
 from gpr20_user_interface.mid.message_source import Received
-from gpr20_user_interface.mid.notices import fault_notice, state_notice
+from gpr20_user_interface.mid.notices import fault_notice, motion_notice, state_notice
+from gpr20_user_interface.mid.robot_motion import motion_of
 from gpr20_user_interface.mid.stop_confirmation import ANSWER_S, StopConfirmation
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.survey_name import survey_name
@@ -36,6 +36,7 @@ class JobBinding(Binding):
         top_bar: State, PAUSE and STOP.
         pages: Of CONTROL: the plan, then the job.
         dialogs: Shows the cards.
+        clock: Measures how long a STOP is not confirmed.
 
     Attributes:
         view: The job screen.
@@ -50,6 +51,7 @@ class JobBinding(Binding):
         top_bar: TopBar,
         pages: QStackedWidget,
         dialogs: SurveyBinding,
+        clock: Clock,
     ) -> None:
         self._survey = survey
         self._traces = traces
@@ -57,7 +59,7 @@ class JobBinding(Binding):
         self._dialogs = dialogs
         self._screen = JobScreen()
         self._faults = FaultWatch()
-        self._stop = StopConfirmation(Clock())
+        self._stop = StopConfirmation(clock)
         # The survey that was described last, and its name.
         self._named = ("", "")
         self.view = JobView(traces.running.map)
@@ -78,8 +80,6 @@ class JobBinding(Binding):
     def on_event(self, event: object) -> None:
         """Follow what is known of a STOP, and the name of the survey."""
         self._stop.on_event(event)
-        if isinstance(event, Answer):
-            self._show_stop()
         content = event.event if isinstance(event, Received) else event
         if isinstance(content, SurveyDescribed) and self._survey.is_shown(event):
             self._named = survey_name(content.text)
@@ -118,7 +118,10 @@ class JobBinding(Binding):
             self._dialogs.hide_resumable()
 
     def _show_state(self) -> None:
-        state = self._survey.snapshot.state
+        state, motion = self._survey.snapshot.state, motion_of(self._survey.snapshot)
+        if motion is not None:
+            self._dialogs.notice.show_notice(motion_notice(motion))
+            return
         if state is None or self._survey.snapshot.replay is not None:
             return
         notice = fault_notice(state) if is_fault(state) else state_notice(state)
@@ -136,6 +139,9 @@ class JobBinding(Binding):
 
     def _show_stop(self) -> None:
         self.stop_warning.show_warning(self._stop.warning(self._survey.snapshot))
+        outcome, self._stop.outcome = self._stop.outcome, None
+        if outcome is not None:
+            self._dialogs.notice.show_notice(outcome)
 
     def _on_stop_warning_closed(self) -> None:
         self._stop.close()

@@ -96,7 +96,7 @@ class MainWindow(TranslatedWidget):
         self.plans = presenters.plans
         self._imaging = presenters.imaging
         self._make_tabs()
-        self._bind_tabs(presenters, languages)
+        self._bind_tabs(presenters, languages, clock)
         self._name_sheets()
         seen = (self.notice, self.question, self.stop_warning)
         self.settings = SettingsBinding(
@@ -225,7 +225,7 @@ class MainWindow(TranslatedWidget):
             TabName.SERVICE: self.service,
         }
 
-    def _bind_tabs(self, presenters: Presenters, languages: Languages) -> None:
+    def _bind_tabs(self, presenters: Presenters, languages: Languages, clock: Clock) -> None:
         """Connect each tab, and what it opens, with its presenters."""
         survey, traces = self.survey, self.traces
         self.start_sheet = StartSheet(self, survey, traces.past)
@@ -233,7 +233,8 @@ class MainWindow(TranslatedWidget):
             self, survey, self.top_bar, self.status, self.start_sheet
         )
         self.job_binding = JobBinding(
-            self, survey, traces, self.top_bar, self.control_pages, self.survey_binding
+            *(self, survey, traces, self.top_bar, self.control_pages, self.survey_binding),
+            clock,
         )
         self.job = self.job_binding.view
         self.control_binding = ControlBinding(

@@ -12,6 +12,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.mid.dimming import Dimming
+from gpr20_user_interface.mid.robot_motion import motion_of
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.mid.window_settings import Theme, WindowMemory
 from gpr20_user_interface.views.binding import Binding
@@ -70,7 +71,8 @@ class SettingsBinding(Binding):
         """Dim the window when it is time; not while there is something to see."""
         waits = snapshot.state is not None and snapshot.state.code in AWAKE
         seen = any(notice.isVisible() for notice in self._notices)
-        self._dimming.refresh(waits or seen or snapshot.alarm is not None)
+        moves = motion_of(snapshot) is not None
+        self._dimming.refresh(waits or seen or moves or snapshot.alarm is not None)
         self.cover.refresh()
 
     def _open(self) -> None:

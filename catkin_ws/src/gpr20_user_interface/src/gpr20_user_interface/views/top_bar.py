@@ -8,7 +8,7 @@ from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from gpr20_common.message import Message
-from gpr20_user_interface.mid.job import Job, job_of
+from gpr20_user_interface.mid.job import Job, band_of
 from gpr20_user_interface.mid.survey_model import Snapshot
 from gpr20_user_interface.views.lines_label import LinesLabel
 from gpr20_user_interface.views.look import GAP_PX, TOP_BAR_PX, look_of
@@ -18,7 +18,11 @@ from gpr20_user_interface.views.translation import TranslatedWidget, sentence_te
 
 
 class TopBar(TranslatedWidget):
-    """Shows the state of the robot, and stops it; during a replay, a bar that says so instead."""
+    """Shows the state of the robot, and stops it; during a replay, a bar that says so instead.
+
+    STOP is never disabled: whatever is known of the robot, it may move. Only a replay, which is
+    shown where there is no robot, has nothing to stop.
+    """
 
     pause_pressed = pyqtSignal()
     # Resuming moves the robot: the receiver asks first.
@@ -47,7 +51,7 @@ class TopBar(TranslatedWidget):
         # A key that is pressed by accident must not reach them; a finger always does.
         for button in (self.pause, self.stop):
             button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-            button.setEnabled(False)
+        self.pause.setEnabled(False)
         self.pause.hide()
         self.pause.clicked.connect(self._on_pause)
         self._lay_out()
@@ -78,7 +82,7 @@ class TopBar(TranslatedWidget):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         self._snapshot = snapshot
-        job = job_of(snapshot)
+        job = band_of(snapshot)
         self.band.show_level(job.level)
         self.sign.show_level(job.level)
         self.title.setText(title_text(job))
@@ -89,7 +93,6 @@ class TopBar(TranslatedWidget):
         self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
         self.pause.setVisible(snapshot.running)
         self.pause.setEnabled(snapshot.can_resume if paused else snapshot.can_pause)
-        self.stop.setEnabled(snapshot.can_stop)
         self.replay.refresh(snapshot)
         self._robot.setVisible(snapshot.replay is None)
         self.replay.setVisible(snapshot.replay is not None)

@@ -67,7 +67,7 @@ class TouchFilter(QObject):
             places: Where fingers have just come.
         """
         self._drop(self.guard.note_second_finger())
-        if self._stop.isEnabled() and self._stop in map(self._window.childAt, places):
+        if self._stop in map(self._window.childAt, places):
             self._stop.pressed.emit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
