@@ -209,7 +209,7 @@ class ControlClient(RosEvents):
             return
         self._reports[source] = message.moving, now_s
         # Robots of an earlier version do not say who holds an axis.
-        owner = str(getattr(message, "owner", ""))
+        owner = message.owner
         self._emit_received(message, AxisMeasured(axis, axis_position(message), owner))
 
     def _on_replay(self, message: Replay) -> None:
