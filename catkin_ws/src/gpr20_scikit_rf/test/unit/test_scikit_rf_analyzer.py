@@ -78,7 +78,7 @@ class Bench:
         self.analyzer = ScikitRfAnalyzer(
             self.parameters, self.deadline, **self.parameters.analyzer_options
         )
-        foreign = ForeignAnalyzer(self.analyzer, self.deadline)
+        foreign = ForeignAnalyzer(lambda _lent: self.analyzer, self.parameters, self.deadline)
         self.driver = VNADriver(foreign, self.parameters, self.deadline, lambda _text: None)
 
     def configured(self, **settings) -> SweepSettings:

@@ -20,6 +20,7 @@ TOO_SLOW = Fault(
     "vna.too_slow",
     Message("Wait one minute, then try again. If it happens again, check the VNA's cable."),
 )
+CLASS_STUCK = Fault("vna.class_stuck", remedies.RESTART_ROBOT)
 BUSY = Fault("vna.busy", remedies.TRY_LATER)
 SUPERSEDED = Fault("vna.superseded", remedies.TRY_LATER)
 SHUTTING_DOWN = Fault("vna.shutting_down", remedies.WAIT_FOR_PART)

@@ -104,7 +104,7 @@ def test_an_exception_of_any_kind_while_it_is_made_names_the_options(monkeypatch
 def test_an_exception_of_any_kind_counts_as_a_broken_link():
     deadline = RequestDeadline(Clock())
     deadline.begin(10.0)
-    analyzer = ForeignAnalyzer(BrokenAnalyzer(), deadline)
+    analyzer = ForeignAnalyzer(lambda _lent: BrokenAnalyzer(), VnaParameters(), deadline)
     for action in (analyzer.identify, analyzer.sweep, analyzer.confirm, analyzer.calibration):
         with raises_fault(faults.NO_LINK, "ZeroDivisionError", error=VnaConnectionError):
             action()

@@ -17,7 +17,8 @@ class Analyzer(Protocol):
     links. Making one opens no link: the check before a launch makes one, too. Every method may
     raise `VnaConnectionError`; after that the link is dead, and the driver calls `disconnect` and
     `connect`. The driver limits the time of each request, retries and reconnects; an analyzer does
-    not retry. One thread calls at a time.
+    not retry. One thread calls at a time, except for `check_sweep`. An object of another package
+    whose call does not return in time is given up, and another one is made.
     """
 
     def connect(self, address: str) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from typing import Callable, Optional, Sequence, Type, TypeVar, cast
+import math
+import threading
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, cast
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -11,12 +13,20 @@ from gpr20_common.mid.extension import check_options, load_extension, options_re
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition import faults
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError, VnaNoAnswerError
+from gpr20_vna_acquisition.low.call_thread import CallNotEndedError, CallThread
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+from gpr20_vna_acquisition.mid.refusals import not_connected
+from gpr20_vna_acquisition.mid.request_deadline import LentDeadline, RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import STEP_MARGIN_S, VnaParameters
 
 Result = TypeVar("Result")
+# When a request must end, its class may take so long to end it by itself [s]; and so long for each
+# of the calls that no request limits.
+OWN_END_S, LAST_CALL_S = 1.0, 2.0
+# So many calls that have never returned are the most that may be left behind.
+MOST_ABANDONED = 8
 
 
 def load_analyzer(parameters: VnaParameters) -> Type:
@@ -38,82 +48,213 @@ def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) 
         Gpr20Error: What the class itself says of its options.
     """
     found = load_analyzer(parameters)
-    try:
-        made = found(parameters, deadline, **parameters.analyzer_options)
-    except Gpr20Error:
-        raise
-    except Exception as error:  # the class is not ours: it may raise anything
-        raise options_refused(
-            "analyzer_options", found, f"{type(error).__name__}: {error}"
-        ) from error
-    return ForeignAnalyzer(cast(Analyzer, made), deadline)
+
+    def make(lent: LentDeadline) -> Analyzer:
+        try:
+            return cast(Analyzer, found(parameters, lent, **parameters.analyzer_options))
+        except Gpr20Error:
+            raise
+        except Exception as error:  # the class is not ours: it may raise anything
+            raise options_refused(
+                "analyzer_options", found, f"{type(error).__name__}: {error}"
+            ) from error
+
+    return ForeignAnalyzer(make, parameters, deadline)
+
+
+class _Instance:
+    """One object of the class, made and called in a thread of its own."""
+
+    def __init__(
+        self, make: Callable[[LentDeadline], Analyzer], deadline: RequestDeadline, limit_s: float
+    ) -> None:
+        self.deadline = LentDeadline(deadline)
+        self.thread = CallThread("analyzer")
+        try:
+            self.analyzer: Analyzer = self.thread.run(
+                lambda: make(self.deadline), limit_s, _unlimited
+            )
+        except BaseException:
+            self.end()
+            raise
+
+    def end(self) -> None:
+        """Let it do nothing any more; a call that still runs is not waited for."""
+        self.deadline.take_back()
+        self.thread.end()
 
 
 class ForeignAnalyzer:
-    """Implements `Analyzer`: passes every call on, and trusts no exception.
+    """Implements `Analyzer`: passes every call on, and trusts no exception and no return.
 
     An exception that the driver does not know becomes a `VnaConnectionError`: the driver then makes
-    a new link and tries again.
+    a new link and tries again. A call that does not return in time is abandoned with its object;
+    the next link is that of a new one.
     """
 
-    def __init__(self, analyzer: Analyzer, deadline: RequestDeadline) -> None:
-        self._analyzer = analyzer
+    def __init__(
+        self,
+        make: Callable[[LentDeadline], Analyzer],
+        parameters: VnaParameters,
+        deadline: RequestDeadline,
+    ) -> None:
+        """Make the first object.
+
+        Args:
+            make: Makes an object of the class.
+            parameters: The configuration.
+            deadline: Ends a request that takes too long.
+        """
+        self._make = make
+        self._parameters = parameters
         self._deadline = deadline
+        self._making = threading.Lock()
+        self._abandoned: List[CallThread] = []
+        self._trace_duration_s: Optional[float] = None
+        self._remarks: Sequence[Message] = ()
+        self._instance: Optional[_Instance] = None
+        self._present()
 
     def connect(self, address: str) -> None:
         """Open a link to an address; an open one is closed."""
-        self._guarded(lambda: self._analyzer.connect(address))
+        self._present()
+        self._call("connect", lambda analyzer: analyzer.connect(address), self._usual_limit_s)
 
     def identify(self) -> str:
         """Return the identification."""
-        return str(self._guarded(self._analyzer.identify))
+        return str(self._call("identify", lambda one: one.identify(), self._usual_limit_s))
 
     def check_sweep(self, settings: SweepSettings) -> None:
         """Refuse settings that this kind of analyzer does not have."""
-        self._analyzer.check_sweep(settings)
+        analyzer = self._present().analyzer
+        # Another request may occupy the object's own thread, and this one needs no link.
+        thread = CallThread("check_sweep")
+        try:
+            with self._trusting_nothing("check_sweep", thread):
+                thread.run(lambda: analyzer.check_sweep(settings), self._usual_limit_s, _unlimited)
+        finally:
+            thread.end()
 
     def configure(self, settings: SweepSettings) -> SweepSettings:
         """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
-        return self._guarded(lambda: self._analyzer.configure(settings))
+        return self._call(
+            "configure", lambda one: _checked(one.configure(settings), SweepSettings), math.inf
+        )
 
     def sweep(self) -> Sweep:
         """Trigger the sweeps of one trace, wait for their end and return the data."""
-        return self._guarded(self._analyzer.sweep)
+        limit_s = math.inf
+        if self._trace_duration_s is not None:
+            sweep_s = self._parameters.sweep_limit_s(self._trace_duration_s)
+            limit_s = sweep_s + self._usual_limit_s
+        return self._call("sweep", lambda one: _checked(one.sweep(), Sweep), limit_s)
 
     def confirm(self) -> None:
         """Return if every setting that the data depend on is still that of `configure`."""
-        self._guarded(self._analyzer.confirm)
+        self._call("confirm", lambda one: one.confirm(), self._usual_limit_s)
 
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration."""
-        return CalibrationStatus(self._guarded(self._analyzer.calibration))
+        return self._call(
+            "calibration", lambda one: CalibrationStatus(one.calibration()), self._usual_limit_s
+        )
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself; never fails."""
-        with contextlib.suppress(Exception):
-            self._analyzer.release()
+        self._last_call(lambda analyzer: analyzer.release())
 
     def disconnect(self) -> None:
         """End the link; never fails."""
-        with contextlib.suppress(Exception):
-            self._analyzer.disconnect()
+        self._last_call(lambda analyzer: analyzer.disconnect())
 
     @property
     def trace_duration_s(self) -> Optional[float]:
         """How long one trace takes [s]; None before `configure`."""
-        return self._analyzer.trace_duration_s
+        return self._trace_duration_s
 
     @property
     def remarks(self) -> Sequence[Message]:
         """What was learned about this instrument that a technician should know."""
-        return self._analyzer.remarks
+        return self._remarks
 
-    def _guarded(self, action: Callable[[], Result]) -> Result:
+    @property
+    def _usual_limit_s(self) -> float:
+        """How long a call may take that measures nothing [s]."""
+        parameters = self._parameters
+        steps_s = 3.0 * parameters.connect_timeout_s + 2.0 * parameters.answer_timeout_s
+        return steps_s + STEP_MARGIN_S
+
+    def _present(self) -> _Instance:
+        """Return the object; make one if the last one was abandoned."""
+        with self._making:
+            if self._instance is None:
+                self._check_not_stuck()
+                try:
+                    self._instance = _Instance(self._make, self._deadline, self._usual_limit_s)
+                except CallNotEndedError as error:
+                    raise self._silent("__init__", error) from error
+            return self._instance
+
+    def _check_not_stuck(self) -> None:
+        # Each costs a thread and its memory, and there is one attempt every few seconds.
+        self._abandoned = [one for one in self._abandoned if one.busy]
+        if len(self._abandoned) >= MOST_ABANDONED:
+            raise VnaConnectionError(
+                Message(
+                    "{count} calls of {analyzer} have never returned; no further one is made",
+                    count=len(self._abandoned),
+                    analyzer=self._parameters.analyzer,
+                ),
+                fault=faults.CLASS_STUCK,
+            )
+
+    def _call(self, name: str, action: Callable[[Analyzer], Result], limit_s: float) -> Result:
         self._deadline.check()
+        instance = self._instance
+        if instance is None:
+            raise not_connected()
+
+        def observed() -> Tuple[Result, Optional[float], Sequence[Message]]:
+            result = action(instance.analyzer)
+            return result, instance.analyzer.trace_duration_s, tuple(instance.analyzer.remarks)
+
+        with self._trusting_nothing(name, instance.thread):
+            found = instance.thread.run(observed, limit_s, self._request_check())
+        result, self._trace_duration_s, self._remarks = found
+        return cast(Result, result)
+
+    def _last_call(self, action: Callable[[Analyzer], None]) -> None:
+        instance = self._instance
+        if instance is None:
+            return
+        with contextlib.suppress(Exception):
+            instance.thread.run(lambda: action(instance.analyzer), LAST_CALL_S, _unlimited)
+        self._abandon_if_busy(instance.thread)
+
+    def _request_check(self) -> Callable[[], None]:
+        """Return a check that raises if the request must end, and the class does not end it."""
+        begun_s: Optional[float] = None
+
+        def check() -> None:
+            nonlocal begun_s
+            try:
+                self._deadline.check()
+            except VnaError:
+                now_s = self._deadline.now_s()
+                begun_s = now_s if begun_s is None else begun_s
+                if now_s - begun_s >= OWN_END_S:
+                    raise
+
+        return check
+
+    @contextlib.contextmanager
+    def _trusting_nothing(self, name: str, thread: CallThread) -> Iterator[None]:
         try:
-            return action()
+            yield
         except Gpr20Error:
             raise
+        except CallNotEndedError as error:
+            raise self._silent(name, error) from error
         except Exception as error:  # the class is not ours: it may raise anything
             raise VnaConnectionError(
                 Message(
@@ -121,3 +262,32 @@ class ForeignAnalyzer:
                     details=f"{type(error).__name__}: {error}",
                 )
             ) from error
+        finally:
+            self._abandon_if_busy(thread)
+
+    def _abandon_if_busy(self, thread: CallThread) -> None:
+        """Give up the object whose call still runs; what it returns later is seen by nobody."""
+        if not thread.busy:
+            return
+        self._abandoned.append(thread)
+        instance, self._instance = self._instance, None
+        if instance is not None:
+            instance.end()
+
+    def _silent(self, name: str, error: CallNotEndedError) -> VnaNoAnswerError:
+        return VnaNoAnswerError(
+            Message(
+                "the VNA does not answer; check its power and cable",
+                details=f"{self._parameters.analyzer}.{name}: {error}",
+            )
+        )
+
+
+def _checked(value: Any, kind: Type[Result]) -> Result:
+    if not isinstance(value, kind):
+        raise TypeError(f"returned {type(value).__name__}, not {kind.__name__}")
+    return value
+
+
+def _unlimited() -> None:
+    """Return: no request limits the call."""
