@@ -1,0 +1,91 @@
+"""All checks of an analyzer, one after the other, and the table of their results."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Callable, Dict, Iterator, Optional, Sequence
+
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaIdentityError, VnaTimeoutError
+from gpr20_vna_acquisition.mid.conformance import protocol_checks, wire_checks
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Outcome, Verdict
+from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
+
+VERDICT_WIDTH, CHECK_WIDTH = 12, 21
+FIRST = protocol_checks.identity.__name__
+# Without a right instrument that answers, nothing else can be checked.
+HOPELESS = (VnaConnectionError, VnaIdentityError, VnaTimeoutError)
+Check = Callable[[Bench], Outcome]
+Ask = Callable[[Message], None]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The result of one check.
+
+    Attributes:
+        check: Name of the check, for programs.
+        verdict: How it ended.
+        text: What was found.
+    """
+
+    check: str
+    verdict: Verdict
+    text: Message
+
+
+def results(bench: Bench, ask: Optional[Ask] = None) -> Iterator[Result]:
+    """Make every check and yield its result.
+
+    Args:
+        bench: The analyzer.
+        ask: Asks a person to do something and returns when it is done; None: nobody is there.
+    """
+    for name, check in _checks(bench, ask).items():
+        bench.begin()
+        try:
+            verdict, text = check(bench)
+        except Gpr20Error as error:
+            verdict, text = Verdict.FAILED, error.message
+            if name == FIRST and isinstance(error, HOPELESS):
+                yield Result(name, verdict, text)
+                return
+        finally:
+            bench.clear()
+        yield Result(name, verdict, text)
+
+
+def passed(found: Sequence[Result]) -> bool:
+    """Return whether no check failed."""
+    return bool(found) and all(one.verdict is not Verdict.FAILED for one in found)
+
+
+def line(result: Result, catalogue: Catalogue) -> str:
+    """Return the line of a result in the table."""
+    verdict = catalogue.text(result.verdict.title)
+    details = "; ".join(result.text.all_details)
+    text = catalogue.text(result.text) + (f" ({details})" if details else "")
+    return f"{verdict:{VERDICT_WIDTH}}{result.check:{CHECK_WIDTH}}{text}"
+
+
+def _checks(bench: Bench, ask: Optional[Ask]) -> Dict[str, Check]:
+    checks: Dict[str, Check] = dict(protocol_checks.CHECKS)
+    if bench.parameters.analyzer == MS2026C:
+        checks.update(wire_checks.CHECKS)
+    else:
+        checks.update(dict.fromkeys(wire_checks.CHECKS, _needs_messages))
+    checks["by_hand"] = (
+        _needs_a_person if ask is None else functools.partial(protocol_checks.by_hand, ask=ask)
+    )
+    return checks
+
+
+def _needs_messages(_bench: Bench) -> Outcome:
+    return Verdict.NOT_TESTED, Message("only the messages of the MS2026C are known")
+
+
+def _needs_a_person(_bench: Bench) -> Outcome:
+    return Verdict.NOT_TESTED, Message("a person is needed: give --by-hand")
