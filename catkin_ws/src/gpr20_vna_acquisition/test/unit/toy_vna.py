@@ -35,7 +35,7 @@ class ToyInstrument:
 
     def __init__(self) -> None:
         self.identity = f"{MAKER},{MODEL},1234567,1.0"
-        self.settings = SweepSettings(1e6, 2e6, 11, AnalyzerSettings(10_000.0, 1))
+        self.settings = SweepSettings(1e6, 2e6, 11, AnalyzerSettings(100_000.0, 1))
         self.level = 0.1
         self.sweeps = 0
         self.made: List[ToyVna] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
-from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, cast
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, cast
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -14,17 +14,22 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError, VnaNoAnswerError
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.call_thread import CallNotEndedError, CallThread
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.analyzer_instance import (
+    AnalyzerInstance,
+    checked,
+    request_check,
+    unlimited,
+)
 from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import LentDeadline, RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import STEP_MARGIN_S, VnaParameters
 
 Result = TypeVar("Result")
-# When a request must end, its class may take so long to end it by itself [s]; and so long for each
-# of the calls that no request limits.
-OWN_END_S, LAST_CALL_S = 1.0, 2.0
+# Each of the calls that no request limits may take so long [s].
+LAST_CALL_S = 2.0
 # So many calls that have never returned are the most that may be left behind.
 MOST_ABANDONED = 8
 
@@ -62,28 +67,6 @@ def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) 
     return ForeignAnalyzer(make, parameters, deadline)
 
 
-class _Instance:
-    """One object of the class, made and called in a thread of its own."""
-
-    def __init__(
-        self, make: Callable[[LentDeadline], Analyzer], deadline: RequestDeadline, limit_s: float
-    ) -> None:
-        self.deadline = LentDeadline(deadline)
-        self.thread = CallThread("analyzer")
-        try:
-            self.analyzer: Analyzer = self.thread.run(
-                lambda: make(self.deadline), limit_s, _unlimited
-            )
-        except BaseException:
-            self.end()
-            raise
-
-    def end(self) -> None:
-        """Let it do nothing any more; a call that still runs is not waited for."""
-        self.deadline.take_back()
-        self.thread.end()
-
-
 class ForeignAnalyzer:
     """Implements `Analyzer`: passes every call on, and trusts no exception and no return.
 
@@ -112,7 +95,7 @@ class ForeignAnalyzer:
         self._abandoned: List[CallThread] = []
         self._trace_duration_s: Optional[float] = None
         self._remarks: Sequence[Message] = ()
-        self._instance: Optional[_Instance] = None
+        self._instance: Optional[AnalyzerInstance] = None
         self._present()
 
     def connect(self, address: str) -> None:
@@ -131,14 +114,14 @@ class ForeignAnalyzer:
         thread = CallThread("check_sweep")
         try:
             with self._trusting_nothing("check_sweep", thread):
-                thread.run(lambda: analyzer.check_sweep(settings), self._usual_limit_s, _unlimited)
+                thread.run(lambda: analyzer.check_sweep(settings), self._usual_limit_s, unlimited)
         finally:
             thread.end()
 
     def configure(self, settings: SweepSettings) -> SweepSettings:
         """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
         return self._call(
-            "configure", lambda one: _checked(one.configure(settings), SweepSettings), math.inf
+            "configure", lambda one: checked(one.configure(settings), SweepSettings), math.inf
         )
 
     def sweep(self) -> Sweep:
@@ -147,7 +130,7 @@ class ForeignAnalyzer:
         if self._trace_duration_s is not None:
             sweep_s = self._parameters.sweep_limit_s(self._trace_duration_s)
             limit_s = sweep_s + self._usual_limit_s
-        return self._call("sweep", lambda one: _checked(one.sweep(), Sweep), limit_s)
+        return self._call("sweep", lambda one: checked(one.sweep(), Sweep), limit_s)
 
     def confirm(self) -> None:
         """Return if every setting that the data depend on is still that of `configure`."""
@@ -184,13 +167,15 @@ class ForeignAnalyzer:
         steps_s = 3.0 * parameters.connect_timeout_s + 2.0 * parameters.answer_timeout_s
         return steps_s + STEP_MARGIN_S
 
-    def _present(self) -> _Instance:
+    def _present(self) -> AnalyzerInstance:
         """Return the object; make one if the last one was abandoned."""
         with self._making:
             if self._instance is None:
                 self._check_not_stuck()
                 try:
-                    self._instance = _Instance(self._make, self._deadline, self._usual_limit_s)
+                    self._instance = AnalyzerInstance(
+                        self._make, self._deadline, self._usual_limit_s
+                    )
                 except CallNotEndedError as error:
                     raise self._silent("__init__", error) from error
             return self._instance
@@ -219,7 +204,7 @@ class ForeignAnalyzer:
             return result, instance.analyzer.trace_duration_s, tuple(instance.analyzer.remarks)
 
         with self._trusting_nothing(name, instance.thread):
-            found = instance.thread.run(observed, limit_s, self._request_check())
+            found = instance.thread.run(observed, limit_s, request_check(self._deadline))
         result, self._trace_duration_s, self._remarks = found
         return cast(Result, result)
 
@@ -228,24 +213,8 @@ class ForeignAnalyzer:
         if instance is None:
             return
         with contextlib.suppress(Exception):
-            instance.thread.run(lambda: action(instance.analyzer), LAST_CALL_S, _unlimited)
+            instance.thread.run(lambda: action(instance.analyzer), LAST_CALL_S, unlimited)
         self._abandon_if_busy(instance.thread)
-
-    def _request_check(self) -> Callable[[], None]:
-        """Return a check that raises if the request must end, and the class does not end it."""
-        begun_s: Optional[float] = None
-
-        def check() -> None:
-            nonlocal begun_s
-            try:
-                self._deadline.check()
-            except VnaError:
-                now_s = self._deadline.now_s()
-                begun_s = now_s if begun_s is None else begun_s
-                if now_s - begun_s >= OWN_END_S:
-                    raise
-
-        return check
 
     @contextlib.contextmanager
     def _trusting_nothing(self, name: str, thread: CallThread) -> Iterator[None]:
@@ -281,13 +250,3 @@ class ForeignAnalyzer:
                 details=f"{self._parameters.analyzer}.{name}: {error}",
             )
         )
-
-
-def _checked(value: Any, kind: Type[Result]) -> Result:
-    if not isinstance(value, kind):
-        raise TypeError(f"returned {type(value).__name__}, not {kind.__name__}")
-    return value
-
-
-def _unlimited() -> None:
-    """Return: no request limits the call."""

@@ -47,7 +47,9 @@ def identity(bench: Bench) -> Outcome:
     analyzer = bench.made()
     found = [bench.linked(analyzer), analyzer.identify()]
     analyzer.disconnect()
-    found += [bench.linked(analyzer), bench.linked(bench.made())]
+    found.append(bench.linked(analyzer))
+    analyzer.disconnect()
+    found.append(bench.linked(bench.made()))
     check_identity(found[0], bench.parameters)
     for other in found:
         if other != found[0]:
@@ -232,6 +234,7 @@ def time_limit(bench: Bench) -> Outcome:
     refusal_of(analyzer.sweep)
     late_s = bench.clock.now_s() - begun_s - limit_s
     bench.begin()
+    analyzer.disconnect()
     bench.change_by_another(usual)
     return Verdict.MEASURED, Message(
         "a sweep of {duration:.3g} s that must end after {limit:.2g} s ends {late:.2g} s later",
