@@ -15,6 +15,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.records import record_from
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Verdict
+from gpr20_vna_acquisition.mid.conformance.suite import passed, results
 from gpr20_vna_acquisition.mid.foreign_analyzer import (
     ForeignAnalyzer,
     load_analyzer,
@@ -110,3 +113,21 @@ def test_an_exception_of_any_kind_counts_as_a_broken_link():
             action()
     analyzer.release()
     analyzer.disconnect()
+
+
+def test_the_class_of_the_page_passes_its_check_also_when_answers_are_lost(vna):
+    parameters = VnaParameters(
+        analyzer="socket_vna:SocketVna",
+        analyzer_options={"port": vna.port},
+        address=ADDRESS,
+        maker="CMT",
+        model="S5085",
+        answer_timeout_s=0.3,
+        sweep_timeout_s=0.3,
+    )
+    with TcpRelay("127.0.0.1", vna.port) as relay:
+        bench = Bench(parameters, lambda _address: None, Extent(21, (1e4,), sweeps=4, limit_s=10.0))
+        found = {one.check: one for one in results(bench, relay=relay)}
+    assert passed(list(found.values())), [str(one.text) for one in found.values()]
+    for check in ("lost_answers", "identity_by_hand", "settings_by_another"):
+        assert found[check].verdict is Verdict.PASSED

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
@@ -18,6 +19,7 @@ from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
+from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent
 from gpr20_vna_acquisition.mid.conformance.record import store
@@ -39,8 +41,7 @@ def main() -> int:
     folder = given.config.expanduser().absolute()
     try:
         parameters = _parameters(folder, given)
-        bench = Bench(parameters, _connector(parameters), Extent())
-        found = check(bench, catalogue, _ask if given.by_hand else None)
+        found = _checked(parameters, given, catalogue)
         path = store(folder, parameters, found)
     except Gpr20Error as error:
         print(f"check_analyzer: {catalogue.text(error.message)}", file=sys.stderr)
@@ -54,17 +55,32 @@ def main() -> int:
     return 0 if passed(found) else 1
 
 
-def check(bench: Bench, catalogue: Catalogue, ask: Optional[Ask]) -> Sequence[Result]:
+def _checked(
+    parameters: VnaParameters, given: argparse.Namespace, catalogue: Catalogue
+) -> Sequence[Result]:
+    ask = _ask if given.by_hand else None
+    if not given.relay:
+        return check(Bench(parameters, _connector(parameters), Extent()), catalogue, ask)
+    host, port = given.relay
+    with TcpRelay(host, port) as relay:
+        relayed = replace(parameters, address=parameters.address.replace(host, ADDRESS))
+        return check(Bench(relayed, _connector(relayed), Extent()), catalogue, ask, relay)
+
+
+def check(
+    bench: Bench, catalogue: Catalogue, ask: Optional[Ask], relay: Optional[TcpRelay] = None
+) -> Sequence[Result]:
     """Make every check and print its result.
 
     Args:
         bench: The analyzer.
         catalogue: Translates.
         ask: Asks a person to do something and returns when it is done; None: nobody is there.
+        relay: Passes on what a class and its instrument say; None: they speak directly.
     """
     print(catalogue.text(BEGIN), flush=True)
     found: List[Result] = []
-    for one in results(bench, ask):
+    for one in results(bench, ask, relay):
         print(line(one, catalogue), flush=True)
         found.append(one)
     verdict = Message("PASSED") if passed(found) else Message("FAILED")
@@ -98,7 +114,21 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--by-hand", action="store_true", help="also ask to take a cable off the VNA"
     )
+    parser.add_argument(
+        "--relay",
+        type=_host_and_port,
+        metavar="HOST:PORT",
+        help="only for a class that uses one TCP port: where the instrument is; its answers are "
+        "passed on by this program, which also loses and changes some",
+    )
     return parser
+
+
+def _host_and_port(text: str) -> Tuple[str, int]:
+    host, _colon, port = text.rpartition(":")
+    if not host or not port.isdigit():
+        raise argparse.ArgumentTypeError("give HOST:PORT")
+    return host, int(port)
 
 
 def _pair(text: str) -> Tuple[str, Any]:

@@ -130,6 +130,13 @@ class Bench:
         self.linked(analyzer)
         return analyzer, analyzer.configure(settings)
 
+    def relink(self, analyzer: Analyzer, accepted: SweepSettings) -> None:
+        """Make a new link, and the settings again where they are not confirmed."""
+        analyzer.disconnect()
+        self.linked(analyzer)
+        if refusal_of(analyzer.confirm) is not None:
+            analyzer.configure(accepted)
+
     def change_by_another(self, *settings: SweepSettings) -> None:
         """Let another object make settings, one after the other, over a link of its own."""
         other = self.made()

@@ -13,7 +13,6 @@ from gpr20_common.message import Message, verbatim
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaIdentityError,
-    VnaNotReadyError,
     VnaSettingError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
@@ -213,11 +212,7 @@ def reconnection(bench: Bench) -> Outcome:
     analyzer.disconnect()
     if refusal_of(analyzer.sweep) is None:
         raise NotAsPromisedError(Message("it gives data without a link"))
-    bench.linked(analyzer)
-    try:
-        analyzer.confirm()
-    except (VnaSettingError, VnaNotReadyError):
-        analyzer.configure(accepted)
+    bench.relink(analyzer, accepted)
     confirmed(analyzer, 2)
     return Verdict.PASSED, Message("a link that ended is made again")
 

@@ -10,7 +10,8 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaIdentityError, VnaTimeoutError
-from gpr20_vna_acquisition.mid.conformance import protocol_checks, wire_checks
+from gpr20_vna_acquisition.low.tcp_relay import TcpRelay
+from gpr20_vna_acquisition.mid.conformance import protocol_checks, relay_checks, wire_checks
 from gpr20_vna_acquisition.mid.conformance.bench import Bench, Outcome, Verdict
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
 
@@ -37,14 +38,17 @@ class Result:
     text: Message
 
 
-def results(bench: Bench, ask: Optional[Ask] = None) -> Iterator[Result]:
+def results(
+    bench: Bench, ask: Optional[Ask] = None, relay: Optional[TcpRelay] = None
+) -> Iterator[Result]:
     """Make every check and yield its result.
 
     Args:
         bench: The analyzer.
         ask: Asks a person to do something and returns when it is done; None: nobody is there.
+        relay: Passes on what the class and the instrument say; None: they speak directly.
     """
-    for name, check in _checks(bench, ask).items():
+    for name, check in _checks(bench, ask, relay).items():
         bench.begin()
         try:
             verdict, text = check(bench)
@@ -71,12 +75,14 @@ def line(result: Result, catalogue: Catalogue) -> str:
     return f"{verdict:{VERDICT_WIDTH}}{result.check:{CHECK_WIDTH}}{text}"
 
 
-def _checks(bench: Bench, ask: Optional[Ask]) -> Dict[str, Check]:
+def _checks(bench: Bench, ask: Optional[Ask], relay: Optional[TcpRelay]) -> Dict[str, Check]:
     checks: Dict[str, Check] = dict(protocol_checks.CHECKS)
     if bench.parameters.analyzer == MS2026C:
         checks.update(wire_checks.CHECKS)
     else:
         checks.update(dict.fromkeys(wire_checks.CHECKS, _needs_messages))
+        given = relay_checks.checks(relay) if relay else {}
+        checks.update(given or dict.fromkeys(relay_checks.NAMES, _needs_a_relay))
     checks["by_hand"] = (
         _needs_a_person if ask is None else functools.partial(protocol_checks.by_hand, ask=ask)
     )
@@ -85,6 +91,10 @@ def _checks(bench: Bench, ask: Optional[Ask]) -> Dict[str, Check]:
 
 def _needs_messages(_bench: Bench) -> Outcome:
     return Verdict.NOT_TESTED, Message("only the messages of the MS2026C are known")
+
+
+def _needs_a_relay(_bench: Bench) -> Outcome:
+    return Verdict.NOT_TESTED, Message("a relay is needed: give --relay HOST:PORT")
 
 
 def _needs_a_person(_bench: Bench) -> Outcome:

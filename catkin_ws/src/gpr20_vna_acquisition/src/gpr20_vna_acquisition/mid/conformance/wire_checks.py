@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import Callable, Dict, Iterator, List, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaError,
     VnaNoAnswerError,
+    VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.block_parser import parse_numbers
@@ -104,10 +105,20 @@ def lost_answers(bench: Bench) -> Outcome:
     trouble = Trouble()
     analyzer, accepted = _set_up(bench, trouble)
     for trouble.silent, trouble.drops in ((1, 0), (0, 1)):
-        if not isinstance(refusal_of(analyzer.sweep), VnaConnectionError):
-            raise NotAsPromisedError(Message("it gives data that were not transferred"))
-        _relink(bench, analyzer, accepted)
+        check_lost(refusal_of(analyzer.sweep))
+        bench.relink(analyzer, accepted)
         confirmed(analyzer, 1)
+    return links_serve_again()
+
+
+def check_lost(refusal: Optional[VnaError]) -> None:
+    """Check that a sweep whose data did not arrive was refused, and not by a promise broken."""
+    if not isinstance(refusal, (VnaConnectionError, VnaTimeoutError)):
+        raise refusal or NotAsPromisedError(Message("it gives data that were not transferred"))
+
+
+def links_serve_again() -> Outcome:
+    """Return that answers which were lost did no harm."""
     return Verdict.PASSED, Message("a hang and a lost link are errors; a new link serves again")
 
 
@@ -121,7 +132,7 @@ def setting_by_hand(bench: Bench) -> Outcome:
         bench.pause_s(SHORTEST_MOVE_S)
         check_noticed(refusal_of(analyzer.confirm))
     trouble.during_sweep = ()
-    _relink(bench, analyzer, accepted)
+    bench.relink(analyzer, accepted)
     trouble.during_sweep = (CHANGED, PUT_BACK.format(accepted.analyzer.if_bandwidth_hz))
     return Verdict.PASSED, put_back(refusal_of(lambda: confirmed(analyzer, 1)) is not None)
 
@@ -130,9 +141,26 @@ def identity_by_hand(bench: Bench) -> Outcome:
     """Another serial number is seen at the next link; whether before."""
     trouble = Trouble()
     analyzer, _accepted = _set_up(bench, trouble)
+
+    def replace(former: bytes, other: bytes) -> None:
+        trouble.replaced = former, other
+
+    return serial_noticed(bench, analyzer, replace)
+
+
+def serial_noticed(
+    bench: Bench, analyzer: Analyzer, replace: Callable[[bytes, bytes], None]
+) -> Outcome:
+    """Return whether an analyzer, which is set up, notices another serial number.
+
+    Args:
+        bench: Makes its links.
+        analyzer: The analyzer.
+        replace: Replaces something in all answers.
+    """
     former = analyzer.identify()
     serial = former.split(",")[2].encode("latin-1")
-    trouble.replaced = (serial, OTHER_SERIAL * len(serial))
+    replace(serial, OTHER_SERIAL * len(serial))
     if refusal_of(lambda: confirmed(analyzer, 1)) is not None:
         return Verdict.PASSED, Message("another serial number is noticed at once")
     analyzer.disconnect()
@@ -161,13 +189,6 @@ def _set_up(bench: Bench, trouble: Trouble) -> Tuple[Analyzer, SweepSettings]:
     analyzer = bench.made(faulty(bench.connect_vxi11, trouble, bench.clock))
     bench.linked(analyzer)
     return analyzer, analyzer.configure(bench.low)
-
-
-def _relink(bench: Bench, analyzer: Analyzer, accepted: SweepSettings) -> None:
-    analyzer.disconnect()
-    bench.linked(analyzer)
-    if refusal_of(analyzer.confirm) is not None:
-        analyzer.configure(accepted)
 
 
 def _only_fresh(bench: Bench, *troubles: Trouble) -> Outcome:
