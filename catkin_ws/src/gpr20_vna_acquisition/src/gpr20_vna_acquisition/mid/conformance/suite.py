@@ -70,8 +70,7 @@ def passed(found: Sequence[Result]) -> bool:
 def line(result: Result, catalogue: Catalogue) -> str:
     """Return the line of a result in the table."""
     verdict = catalogue.text(result.verdict.title)
-    details = "; ".join(result.text.all_details)
-    text = catalogue.text(result.text) + (f" ({details})" if details else "")
+    text = " ".join((catalogue.text(result.text), *(f"({one})" for one in result.text.all_details)))
     return f"{verdict:{VERDICT_WIDTH}}{result.check:{CHECK_WIDTH}}{text}"
 
 
