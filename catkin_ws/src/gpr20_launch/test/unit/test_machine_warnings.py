@@ -9,7 +9,7 @@ from gpr20_launch import faults
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SIMULATED, SURVEY, LaunchRequest
 from gpr20_launch.mid.machine_warnings import machine_warnings
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
-from gpr20_vna_acquisition.mid.conformance.bench import Verdict
+from gpr20_vna_acquisition.mid.conformance.bench import Status
 from gpr20_vna_acquisition.mid.conformance.record import store
 from gpr20_vna_acquisition.mid.conformance.suite import Result
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -69,8 +69,8 @@ def test_a_class_for_the_analyzer_that_never_passed_its_check_is_warned_of(tmp_p
     code = faults.UNCHECKED_ANALYZER.code
     assert code in codes() and code in codes(part=SERVER)
     assert code not in codes(part=ROBOT) + codes(robot=SIMULATED) + codes(analyzer={})
-    for verdict in (Verdict.FAILED, Verdict.PASSED):
+    for status in (Status.FAILED, Status.PASSED):
         assert code in codes()
-        found = [Result("identity", verdict, verbatim("found"))]
+        found = [Result("identity", status, verbatim("found"))]
         store(tmp_path, VnaParameters(**own), found)
     assert code not in codes()

@@ -21,7 +21,7 @@ from gpr20_simulator.mid.world.scene import read_scene
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.high import check_analyzer
 from gpr20_vna_acquisition.mid import refusals
-from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Verdict
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Status
 from gpr20_vna_acquisition.mid.conformance.record import FILE, has_passed, store
 from gpr20_vna_acquisition.mid.conformance.suite import Result, passed, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -212,15 +212,15 @@ class ConfirmsNothing(ToyVna):
 def failures(name: str, **changed):
     """Yield the checks that fail."""
     bench = bench_of(name, **changed)
-    return (one.check for one in results(bench) if one.verdict is Verdict.FAILED)
+    return (one.check for one in results(bench) if one.status is Status.FAILED)
 
 
 def test_a_good_class_passes_and_what_needs_its_messages_is_not_tested():
     found = list(results(bench_of("Good")))
     assert passed(found), found
-    verdicts = {one.check: one.verdict for one in found}
-    assert verdicts["late_memory"] is verdicts["by_hand"] is Verdict.NOT_TESTED
-    assert verdicts["first_sweep"] is verdicts["sweep_times"] is Verdict.PASSED
+    statuses = {one.check: one.status for one in found}
+    assert statuses["late_memory"] is statuses["by_hand"] is Status.NOT_TESTED
+    assert statuses["first_sweep"] is statuses["sweep_times"] is Status.PASSED
 
 
 @each_case(
@@ -259,7 +259,7 @@ def test_a_class_that_hangs_is_caught_in_time(blocks, check):
 
 
 def test_a_person_who_changes_what_is_measured_shows_whether_the_next_sweep_is_old():
-    for name, expected in (("Good", Verdict.PASSED), ("LearnsAndIsLate", Verdict.FAILED)):
+    for name, expected in (("Good", Status.PASSED), ("LearnsAndIsLate", Status.FAILED)):
         bench = bench_of(name)
         instrument = bench.parameters.analyzer_options["instrument"]
 
@@ -267,7 +267,7 @@ def test_a_person_who_changes_what_is_measured_shows_whether_the_next_sweep_is_o
             instrument.level = 1e-3
 
         found = {one.check: one for one in results(bench, take_the_cable_off)}
-        assert found["by_hand"].verdict is expected, found["by_hand"]
+        assert found["by_hand"].status is expected, found["by_hand"]
 
 
 class LearnsAndIsLate(PreviousSweep):
@@ -285,7 +285,7 @@ def test_the_simulated_ms2026c_passes():
         read_scene(str(SCENE)), AnalyzerOptions(seconds_per_point=1e-4)
     ) as simulation:
         found = {one.check: one for one in results(simulation.bench(QUICK), simulation.move)}
-    failed = {one.check for one in found.values() if one.verdict is Verdict.FAILED}
+    failed = {one.check for one in found.values() if one.status is Status.FAILED}
     assert failed <= {"late_memory"}, [found[one] for one in failed]
     assert found["completion_bit"].text.values["end_ms"] >= 21 * 0.1
     assert found["display_memory"].text.values["lag_ms"] < 50.0
@@ -306,8 +306,8 @@ def test_a_record_holds_for_the_source_and_the_options_that_were_checked(tmp_pat
     options = {"instrument": 1}
     values = {"analyzer": "checked_vna:ToyVna", "analyzer_options": options}
     parameters = VnaParameters(**values)
-    good = [Result("identity", Verdict.PASSED, verbatim("Toy"))]
-    bad = [*good, Result("settings", Verdict.FAILED, verbatim("no"))]
+    good = [Result("identity", Status.PASSED, verbatim("Toy"))]
+    bad = [*good, Result("settings", Status.FAILED, verbatim("no"))]
     assert not has_passed(tmp_path, parameters)
     store(tmp_path, parameters, bad)
     assert not has_passed(tmp_path, parameters)

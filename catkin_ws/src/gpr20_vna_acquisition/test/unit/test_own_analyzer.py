@@ -16,7 +16,7 @@ from gpr20_common.mid.records import record_from
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
-from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Verdict
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Status
 from gpr20_vna_acquisition.mid.conformance.suite import passed, results
 from gpr20_vna_acquisition.mid.foreign_analyzer import (
     ForeignAnalyzer,
@@ -130,4 +130,4 @@ def test_the_class_of_the_page_passes_its_check_also_when_answers_are_lost(vna):
         found = {one.check: one for one in results(bench, relay=relay)}
     assert passed(list(found.values())), [str(one.text) for one in found.values()]
     for check in ("lost_answers", "identity_by_hand", "settings_by_another"):
-        assert found[check].verdict is Verdict.PASSED
+        assert found[check].status is Status.PASSED

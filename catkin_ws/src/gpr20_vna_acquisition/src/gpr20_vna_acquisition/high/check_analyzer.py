@@ -83,8 +83,8 @@ def check(
     for one in results(bench, ask, relay):
         print(line(one, catalogue), flush=True)
         found.append(one)
-    verdict = Message("PASSED") if passed(found) else Message("FAILED")
-    print(catalogue.text(verdict), flush=True)
+    status = Message("PASSED") if passed(found) else Message("FAILED")
+    print(catalogue.text(status), flush=True)
     return found
 
 

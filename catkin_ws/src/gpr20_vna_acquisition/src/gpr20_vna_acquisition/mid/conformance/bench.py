@@ -22,7 +22,7 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 WHOLE_HZ = 1e6
 
 
-class Verdict(enum.Enum):
+class Status(enum.Enum):
     """How a check ended."""
 
     PASSED = "passed"
@@ -32,16 +32,16 @@ class Verdict(enum.Enum):
 
     @property
     def title(self) -> Message:
-        """The verdict in a word or two."""
+        """The status in a word or two."""
         return {
-            Verdict.PASSED: Message("PASSED"),
-            Verdict.FAILED: Message("FAILED"),
-            Verdict.MEASURED: Message("MEASURED"),
-            Verdict.NOT_TESTED: Message("NOT TESTED"),
+            Status.PASSED: Message("PASSED"),
+            Status.FAILED: Message("FAILED"),
+            Status.MEASURED: Message("MEASURED"),
+            Status.NOT_TESTED: Message("NOT TESTED"),
         }[self]
 
 
-Outcome = Tuple[Verdict, Message]
+Outcome = Tuple[Status, Message]
 
 
 class NotAsPromisedError(VnaError):

@@ -8,7 +8,7 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_vna_acquisition.mid.conformance.bench import NotAsPromisedError, Outcome, Verdict
+from gpr20_vna_acquisition.mid.conformance.bench import NotAsPromisedError, Outcome, Status
 from gpr20_vna_acquisition.mid.refusals import old_data
 
 # Sweeps of different things differ by so many times more than those of the same one.
@@ -20,10 +20,10 @@ def judged_first(before: Sweep, after: Sequence[Sweep], alike: Message) -> Outco
     first, second, third = after
     noise = _difference(second, third)
     if _difference(before, third) < CLEAR_DIFFERENCE * noise:
-        return Verdict.NOT_TESTED, alike
+        return Status.NOT_TESTED, alike
     if _difference(first, before) < _difference(first, third):
         raise old_data()
-    return Verdict.PASSED, Message("the first sweep after a change shows it")
+    return Status.PASSED, Message("the first sweep after a change shows it")
 
 
 def _difference(one: Sweep, other: Sweep) -> float:

@@ -20,7 +20,7 @@ from gpr20_vna_acquisition.mid.conformance.bench import (
     Bench,
     NotAsPromisedError,
     Outcome,
-    Verdict,
+    Status,
     check_noticed,
     confirmed,
     put_back,
@@ -59,7 +59,7 @@ def identity(bench: Bench) -> Outcome:
                     other=other,
                 )
             )
-    return Verdict.PASSED, verbatim(found[0])
+    return Status.PASSED, verbatim(found[0])
 
 
 def other_identity(bench: Bench) -> Outcome:
@@ -72,7 +72,7 @@ def other_identity(bench: Bench) -> Outcome:
         if not isinstance(refusal, VnaIdentityError):
             raise refusal
         analyzer.disconnect()
-    return Verdict.PASSED, Message("another maker or model is refused")
+    return Status.PASSED, Message("another maker or model is refused")
 
 
 def settings(bench: Bench) -> Outcome:
@@ -84,7 +84,7 @@ def settings(bench: Bench) -> Outcome:
     _check_made(analyzer, again, accepted)
     if again != accepted:
         raise _other_settings(again, accepted)
-    return Verdict.PASSED, accepted.analyzer.message
+    return Status.PASSED, accepted.analyzer.message
 
 
 def sweep_times(bench: Bench) -> Outcome:
@@ -113,8 +113,8 @@ def sweep_times(bench: Bench) -> Outcome:
         shown.append(f"{bandwidth_hz:g} Hz: {sweep.duration_s:.3g} s")
     analyzer.configure(usual)
     if not shown:
-        return Verdict.NOT_TESTED, Message("it sets none of the IF bandwidths")
-    return Verdict.PASSED, Message(
+        return Status.NOT_TESTED, Message("it sets none of the IF bandwidths")
+    return Status.PASSED, Message(
         "a sweep of {points} points takes {times}",
         points=bench.extent.points,
         times=", ".join(shown),
@@ -144,7 +144,7 @@ def new_sweeps(bench: Bench) -> Outcome:
                 )
             )
         begun_us = sweep.sweep_ended_us
-    return Verdict.PASSED, Message(
+    return Status.PASSED, Message(
         "{count} sweeps of {points} points, all different; one takes {duration:.3g} s",
         count=len(sweeps),
         points=accepted.points,
@@ -191,7 +191,7 @@ def settings_by_another(bench: Bench) -> Outcome:
     if analyzer.configure(accepted) != accepted:
         raise _other_settings(analyzer.configure(accepted), accepted)
     confirmed(analyzer, 1)
-    return Verdict.PASSED, Message("settings that were changed are noticed and made again")
+    return Status.PASSED, Message("settings that were changed are noticed and made again")
 
 
 def settings_put_back(bench: Bench) -> Outcome:
@@ -201,7 +201,7 @@ def settings_put_back(bench: Bench) -> Outcome:
     analyzer.disconnect()
     bench.change_by_another(bench.high, accepted)
     bench.linked(analyzer)
-    return Verdict.MEASURED, put_back(refusal_of(analyzer.confirm) is not None)
+    return Status.MEASURED, put_back(refusal_of(analyzer.confirm) is not None)
 
 
 def reconnection(bench: Bench) -> Outcome:
@@ -214,7 +214,7 @@ def reconnection(bench: Bench) -> Outcome:
         raise NotAsPromisedError(Message("it gives data without a link"))
     bench.relink(analyzer, accepted)
     confirmed(analyzer, 2)
-    return Verdict.PASSED, Message("a link that ended is made again")
+    return Status.PASSED, Message("a link that ended is made again")
 
 
 def time_limit(bench: Bench) -> Outcome:
@@ -231,7 +231,7 @@ def time_limit(bench: Bench) -> Outcome:
     bench.begin()
     analyzer.disconnect()
     bench.change_by_another(usual)
-    return Verdict.MEASURED, Message(
+    return Status.MEASURED, Message(
         "a sweep of {duration:.3g} s that must end after {limit:.2g} s ends {late:.2g} s later",
         duration=4.0 * limit_s,
         limit=limit_s,

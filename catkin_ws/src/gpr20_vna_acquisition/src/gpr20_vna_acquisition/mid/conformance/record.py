@@ -54,7 +54,7 @@ def store(folder: Path, parameters: VnaParameters, found: Sequence[Result]) -> P
         "results": [
             {
                 "check": one.check,
-                "verdict": one.verdict.value,
+                "status": one.status.value,
                 "text": str(one.text),
                 "values": {name: value for name, value in one.text.values.items()},
             }

@@ -12,10 +12,10 @@ from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaIdentityError, VnaTimeoutError
 from gpr20_vna_acquisition.low.tcp_relay import TcpRelay
 from gpr20_vna_acquisition.mid.conformance import protocol_checks, relay_checks, wire_checks
-from gpr20_vna_acquisition.mid.conformance.bench import Bench, Outcome, Verdict
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Outcome, Status
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
 
-VERDICT_WIDTH, CHECK_WIDTH = 12, 21
+STATUS_WIDTH, CHECK_WIDTH = 12, 21
 FIRST = protocol_checks.identity.__name__
 # Without a right instrument that answers, nothing else can be checked.
 HOPELESS = (VnaConnectionError, VnaIdentityError, VnaTimeoutError)
@@ -29,12 +29,12 @@ class Result:
 
     Attributes:
         check: Name of the check, for programs.
-        verdict: How it ended.
+        status: How it ended.
         text: What was found.
     """
 
     check: str
-    verdict: Verdict
+    status: Status
     text: Message
 
 
@@ -51,27 +51,27 @@ def results(
     for name, check in _checks(bench, ask, relay).items():
         bench.begin()
         try:
-            verdict, text = check(bench)
+            status, text = check(bench)
         except Gpr20Error as error:
-            verdict, text = Verdict.FAILED, error.message
+            status, text = Status.FAILED, error.message
             if name == FIRST and isinstance(error, HOPELESS):
-                yield Result(name, verdict, text)
+                yield Result(name, status, text)
                 return
         finally:
             bench.clear()
-        yield Result(name, verdict, text)
+        yield Result(name, status, text)
 
 
 def passed(found: Sequence[Result]) -> bool:
     """Return whether no check failed."""
-    return bool(found) and all(one.verdict is not Verdict.FAILED for one in found)
+    return bool(found) and all(one.status is not Status.FAILED for one in found)
 
 
 def line(result: Result, catalogue: Catalogue) -> str:
     """Return the line of a result in the table."""
-    verdict = catalogue.text(result.verdict.title)
+    status = catalogue.text(result.status.title)
     text = " ".join((catalogue.text(result.text), *(f"({one})" for one in result.text.all_details)))
-    return f"{verdict:{VERDICT_WIDTH}}{result.check:{CHECK_WIDTH}}{text}"
+    return f"{status:{STATUS_WIDTH}}{result.check:{CHECK_WIDTH}}{text}"
 
 
 def _checks(bench: Bench, ask: Optional[Ask], relay: Optional[TcpRelay]) -> Dict[str, Check]:
@@ -89,12 +89,12 @@ def _checks(bench: Bench, ask: Optional[Ask], relay: Optional[TcpRelay]) -> Dict
 
 
 def _needs_messages(_bench: Bench) -> Outcome:
-    return Verdict.NOT_TESTED, Message("only the messages of the MS2026C are known")
+    return Status.NOT_TESTED, Message("only the messages of the MS2026C are known")
 
 
 def _needs_a_relay(_bench: Bench) -> Outcome:
-    return Verdict.NOT_TESTED, Message("a relay is needed: give --relay HOST:PORT")
+    return Status.NOT_TESTED, Message("a relay is needed: give --relay HOST:PORT")
 
 
 def _needs_a_person(_bench: Bench) -> Outcome:
-    return Verdict.NOT_TESTED, Message("a person is needed: give --by-hand")
+    return Status.NOT_TESTED, Message("a person is needed: give --by-hand")

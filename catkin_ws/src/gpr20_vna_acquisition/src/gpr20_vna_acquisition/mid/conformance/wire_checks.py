@@ -21,7 +21,7 @@ from gpr20_vna_acquisition.mid.conformance.bench import (
     Bench,
     NotAsPromisedError,
     Outcome,
-    Verdict,
+    Status,
     check_noticed,
     confirmed,
     put_back,
@@ -59,7 +59,7 @@ def unknown_queries(bench: Bench) -> Outcome:
                 shown.append(f"{query} -")
     with _link(bench) as link:
         link.ask_raw("*IDN?")
-    return Verdict.MEASURED, Message(
+    return Status.MEASURED, Message(
         "answers to unknown queries, - for none within {limit:g} s",
         limit=UNKNOWN_LIMIT_S,
         details=", ".join(shown),
@@ -69,7 +69,7 @@ def unknown_queries(bench: Bench) -> Outcome:
 def completion_bit(bench: Bench) -> Outcome:
     """How the bit of the end behaves after a trigger."""
     ends = [one[:2] for one in _watched(bench, 0.0)]
-    return Verdict.MEASURED, Message(
+    return Status.MEASURED, Message(
         "the bit of the sweep before is seen for up to {stale_ms:.1f} ms after a trigger; that of "
         "the sweep itself comes after {end_ms:.1f} ms",
         stale_ms=1e3 * max(stale_s for stale_s, _end_s in ends),
@@ -80,7 +80,7 @@ def completion_bit(bench: Bench) -> Outcome:
 def display_memory(bench: Bench) -> Outcome:
     """How long after the completion bit the data still change."""
     watched = _watched(bench, bench.extent.longest_lag_s)
-    return Verdict.MEASURED, Message(
+    return Status.MEASURED, Message(
         "the data follow the completion bit by up to {lag_ms:.1f} ms; watched for {watched:g} s",
         lag_ms=1e3 * max(lag_s for _stale_s, _end_s, lag_s in watched),
         watched=bench.extent.longest_lag_s,
@@ -119,7 +119,7 @@ def check_lost(refusal: Optional[VnaError]) -> None:
 
 def links_serve_again() -> Outcome:
     """Return that answers which were lost did no harm."""
-    return Verdict.PASSED, Message("a hang and a lost link are errors; a new link serves again")
+    return Status.PASSED, Message("a hang and a lost link are errors; a new link serves again")
 
 
 def setting_by_hand(bench: Bench) -> Outcome:
@@ -134,7 +134,7 @@ def setting_by_hand(bench: Bench) -> Outcome:
     trouble.during_sweep = ()
     bench.relink(analyzer, accepted)
     trouble.during_sweep = (CHANGED, PUT_BACK.format(accepted.analyzer.if_bandwidth_hz))
-    return Verdict.PASSED, put_back(refusal_of(lambda: confirmed(analyzer, 1)) is not None)
+    return Status.PASSED, put_back(refusal_of(lambda: confirmed(analyzer, 1)) is not None)
 
 
 def identity_by_hand(bench: Bench) -> Outcome:
@@ -162,11 +162,11 @@ def serial_noticed(
     serial = former.split(",")[2].encode("latin-1")
     replace(serial, OTHER_SERIAL * len(serial))
     if refusal_of(lambda: confirmed(analyzer, 1)) is not None:
-        return Verdict.PASSED, Message("another serial number is noticed at once")
+        return Status.PASSED, Message("another serial number is noticed at once")
     analyzer.disconnect()
     if bench.linked(analyzer) == former:
         raise NotAsPromisedError(Message("it does not notice another serial number"))
-    return Verdict.PASSED, Message("another serial number is noticed at the next link")
+    return Status.PASSED, Message("another serial number is noticed at the next link")
 
 
 CHECKS: Dict[str, Callable[[Bench], Outcome]] = {
@@ -196,7 +196,7 @@ def _only_fresh(bench: Bench, *troubles: Trouble) -> Outcome:
     # The display has as many points as the sweeps will have.
     bench.set_up(bench.low)[0].disconnect()
     refused = [_refused(bench, one) for one in troubles]
-    return Verdict.PASSED, Message(
+    return Status.PASSED, Message(
         "of {count} sweeps none that was confirmed is old; {refused} were refused",
         count=bench.extent.traces * len(troubles),
         refused=sum(refused),
