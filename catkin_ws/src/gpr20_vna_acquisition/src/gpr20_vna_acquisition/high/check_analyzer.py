@@ -42,6 +42,8 @@ def main() -> int:
     try:
         parameters = _parameters(folder, given)
         found = _checked(parameters, given, catalogue)
+        if len(found) == 1:
+            return 1  # no right instrument answers: that says nothing of the class
         path = store(folder, parameters, found)
     except Gpr20Error as error:
         print(f"check_analyzer: {catalogue.text(error.message)}", file=sys.stderr)

@@ -64,6 +64,7 @@ def store(folder: Path, parameters: VnaParameters, found: Sequence[Result]) -> P
     text = json.dumps(
         {"format": FORMAT, "analyzers": [*others, record]}, indent=2, default=str, sort_keys=True
     )
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / FILE
     replace_file(path, text.encode("utf-8"))
     return path
