@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import Callable, Optional, Sequence, Type, TypeVar, cast
+from typing import Any, Callable, Mapping, Optional, Sequence, Type, TypeVar, cast
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -12,7 +12,7 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.analyzer import Analyzer, DrivenAnalyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -30,7 +30,7 @@ def load_analyzer(parameters: VnaParameters) -> Type:
     return found
 
 
-def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) -> Analyzer:
+def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) -> DrivenAnalyzer:
     """Return the analyzer that the parameters name; it has no link yet.
 
     Raises:
@@ -107,6 +107,25 @@ class ForeignAnalyzer:
     def remarks(self) -> Sequence[Message]:
         """What was learned about this instrument that a technician should know."""
         return self._analyzer.remarks
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether two of its sweeps always differ; true unless the class says otherwise."""
+        return bool(getattr(self._analyzer, "has_noise", True))
+
+    @property
+    def temperature_c(self) -> Optional[float]:
+        """Its temperature at the last `confirm` [degC]; None if the class does not say."""
+        value = getattr(self._analyzer, "temperature_c", None)
+        return None if value is None else float(value)
+
+    def calibration_details(self) -> Mapping[str, Any]:
+        """Return what else the class says of the calibration."""
+        return dict(self._guarded(getattr(self._analyzer, "calibration_details", dict)))
+
+    def forget(self) -> None:
+        """Forget what was learned about the instrument, if the class can."""
+        self._guarded(getattr(self._analyzer, "forget", lambda: None))
 
     def _guarded(self, action: Callable[[], Result]) -> Result:
         self._deadline.check()
