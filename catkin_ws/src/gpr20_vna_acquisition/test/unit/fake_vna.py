@@ -106,6 +106,8 @@ class FakeVna:
             "TRACE_MATH_TYPES": "0",
         }
         self.locked = False
+        # A name that the preamble does not have.
+        self.left_out = ""
         # Called with each query or command; may change the fake or raise.
         self.before: Callable[[str], None] = lambda message: None
         # Called with each data answer; returns what is sent instead.
@@ -182,16 +184,28 @@ class FakeVna:
         points = int(self.settings[":SENS:SWE:POIN"])
         return [start + i * (stop - start) / (points - 1) for i in range(points)]
 
+    def show_later(self, real: float, late_s: float) -> None:
+        """Let a sweep with this real part be shown after some time, as if it had just ended."""
+        numbers = self._finished()
+        numbers[0::2] = [real] * (len(numbers) // 2)
+        self._coming.append((self.clock.time_s + late_s, numbers))
+
+    def set_late(self, late_s: float) -> None:
+        """Show what is shown now until the next sweep has ended, and for some time after."""
+        self._late_shown, self.late_memory_s = self.points_data(), late_s
+
     def _preamble(self) -> bytes:
         values = {"AVERAGING_COUNT": str(self.averaged)}
         if self.preamble is not None:
-            values.update({
+            values.update(
+                {
                     name: self.settings[one]
                     for name, one in PREAMBLE_SETTINGS.items()
                     if one in self.settings
                 }
             )
             values.update(self.preamble)
+        values.pop(self.left_out, None)
         text = ",".join(f"{name}={value}" for name, value in values.items()).encode()
         return b"#9%09d%s\n" % (len(text), text)
 

@@ -47,9 +47,9 @@ class Ms2026cSweeps:
 
     The instrument shows the end of a sweep by a bit. The manual does not define how soon a trigger
     clears the bit of the sweep before, and the data are those of the display, whatever the bit
-    says: see `Display`. So the duration of a sweep is measured first, and a bit that was not seen cleared is
-    believed only when the sweep must have ended, and only with data that are new at every point
-    and do not change any more.
+    says: see `Display`. So the duration of a sweep is measured first, and a bit that was not seen
+    cleared is believed only when the sweep must have ended, and only with data that are new at
+    every point and do not change any more.
     """
 
     def __init__(

@@ -50,7 +50,7 @@ class Preamble:
     """One answer.
 
     Attributes:
-        values: What it says, by name.
+        said: What it says, by name.
     """
 
     def __init__(self, answer: bytes) -> None:
@@ -60,12 +60,12 @@ class Preamble:
             VnaDataError: It is not a complete block.
         """
         pairs = (pair.partition("=") for pair in text_block(answer).split(","))
-        self.values = {name.strip(): value.strip() for name, _equal, value in pairs}
+        self.said = {name.strip(): value.strip() for name, _equal, value in pairs}
 
     def number(self, *names: str) -> Optional[float]:
         """Return the first number of these names, without its unit; None if there is none."""
         for name in names:
-            found = _NUMBER.match(self.values.get(name, ""))
+            found = _NUMBER.match(self.said.get(name, ""))
             if found:
                 return float(found.group())
         return None
@@ -98,7 +98,7 @@ class Preamble:
 
     def covers(self, header: str) -> bool:
         """Return whether it shows every change of a setting."""
-        return any(name in self.values for name in NAMES_OF_SETTINGS.get(header, ()))
+        return any(name in self.said for name in NAMES_OF_SETTINGS.get(header, ()))
 
     def check_unprocessed(self) -> None:
         """Do nothing if the trace is what was measured.
@@ -122,10 +122,10 @@ class Preamble:
         Raises:
             VnaReplacedError: The other one is of another instrument.
         """
-        former, serial = self.values.get(SERIAL), now.values.get(SERIAL)
+        former, serial = self.said.get(SERIAL), now.said.get(SERIAL)
         if former != serial:
             raise replaced(str(serial), str(former))
-        pairs = ((name, self.values.get(name), now.values.get(name)) for name in _WATCHED)
+        pairs = ((name, self.said.get(name), now.said.get(name)) for name in _WATCHED)
         return [(name, str(one), str(other)) for name, one, other in pairs if one != other]
 
 
@@ -161,4 +161,3 @@ def replaced(now: str, former: str) -> VnaReplacedError:
             former=repr(former[:80]),
         )
     )
-

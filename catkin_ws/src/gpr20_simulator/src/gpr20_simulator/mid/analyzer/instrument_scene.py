@@ -48,13 +48,14 @@ class InstrumentScene:
         ascii_digits: Digits after the point in ASCII data; 8 keep a float32 exactly.
         averaging: When a triggered sweep with averaging is complete.
         message_s: Time that each message to the instrument takes [real s].
-        calibrated_parameters: Which S-parameters are calibrated: S11 = 1, S12 = 2, S21 = 4, S22 = 8.
+        calibrated_parameters: Which S-parameters are calibrated: the sum of S11 = 1, S12 = 2,
+            S21 = 4 and S22 = 8.
         calibration_type: How it was calibrated, as the instrument calls it.
         calibration_interpolated: Whether the calibration is interpolated between its points.
         temperature_c: What it says of its temperature [degC], in quarters.
         smoothing_percent: How much of the sweep is averaged for each point of the display [%].
         trace_math: How the display combines a trace with its memory: 0 not at all.
-        late_memory_s: Fault LATE_MEMORY: how long after the end of a sweep the display shows it [s].
+        late_memory_s: Fault LATE_MEMORY: how long after the end of a sweep the display has it [s].
         late_bit_s: Fault LATE_BIT: how long the bit stays set after a trigger [s].
         slow_point_s: Fault SLOW_POINTS: time of one frequency of a sweep [s].
         unanswered_queries: Fault UNANSWERED_QUERY: the queries that get no answer.
