@@ -126,8 +126,8 @@ class Ms2026c:
         try:
             display.prove(accepted)
         except VnaDataError:
-            # Another format would be the cause.
-            self._check_settings(accepted, preamble)
+            # A setting that was changed meanwhile, such as the format, is the cause.
+            self._check_settings(accepted, self._check_preamble(accepted))
             raise
 
     def calibration(self) -> CalibrationStatus:
