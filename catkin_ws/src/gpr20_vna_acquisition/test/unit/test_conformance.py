@@ -286,7 +286,7 @@ def test_the_simulated_ms2026c_passes():
     ) as simulation:
         found = {one.check: one for one in results(simulation.bench(QUICK), simulation.move)}
     failed = {one.check for one in found.values() if one.status is Status.FAILED}
-    assert failed <= {"late_memory"}, [found[one] for one in failed]
+    assert not failed, [found[one] for one in failed]
     assert found["completion_bit"].text.values["end_ms"] >= 21 * 0.1
     assert found["display_memory"].text.values["lag_ms"] < 50.0
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Type, TypeVar
+from dataclasses import dataclass
+from typing import Any, Callable, Optional, Tuple, Type, TypeVar
 
+from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaError
 from gpr20_vna_acquisition.low.call_thread import CallThread
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
@@ -12,6 +14,27 @@ from gpr20_vna_acquisition.mid.request_deadline import LentDeadline, RequestDead
 Result = TypeVar("Result")
 # When a request must end, its class may take so long to end it by itself [s].
 OWN_END_S = 1.0
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the properties of an object were after its last call."""
+
+    trace_duration_s: Optional[float] = None
+    remarks: Tuple[Message, ...] = ()
+    has_noise: bool = True
+    temperature_c: Optional[float] = None
+
+    @classmethod
+    def of(cls, analyzer: Analyzer) -> Known:
+        """Return them; the last two are optional for a class."""
+        temperature_c = getattr(analyzer, "temperature_c", None)
+        return cls(
+            analyzer.trace_duration_s,
+            tuple(analyzer.remarks),
+            bool(getattr(analyzer, "has_noise", True)),
+            None if temperature_c is None else float(temperature_c),
+        )
 
 
 class AnalyzerInstance:

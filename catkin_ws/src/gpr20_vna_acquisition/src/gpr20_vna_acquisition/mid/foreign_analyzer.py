@@ -5,7 +5,19 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
-from typing import Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, cast
+from typing import (
+    Any,
+    Callable,
+    Iterator,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+    Type,
+    TypeVar,
+    cast,
+)
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -16,9 +28,10 @@ from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.call_thread import CallNotEndedError, CallThread
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.analyzer import Analyzer, DrivenAnalyzer
 from gpr20_vna_acquisition.mid.analyzer_instance import (
     AnalyzerInstance,
+    Known,
     checked,
     request_check,
     unlimited,
@@ -45,7 +58,7 @@ def load_analyzer(parameters: VnaParameters) -> Type:
     return found
 
 
-def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) -> Analyzer:
+def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) -> DrivenAnalyzer:
     """Return the analyzer that the parameters name; it has no link yet.
 
     Raises:
@@ -93,8 +106,7 @@ class ForeignAnalyzer:
         self._deadline = deadline
         self._making = threading.Lock()
         self._abandoned: List[CallThread] = []
-        self._trace_duration_s: Optional[float] = None
-        self._remarks: Sequence[Message] = ()
+        self._known = Known()
         self._instance: Optional[AnalyzerInstance] = None
         self._present()
 
@@ -127,8 +139,8 @@ class ForeignAnalyzer:
     def sweep(self) -> Sweep:
         """Trigger the sweeps of one trace, wait for their end and return the data."""
         limit_s = math.inf
-        if self._trace_duration_s is not None:
-            sweep_s = self._parameters.sweep_limit_s(self._trace_duration_s)
+        if self._known.trace_duration_s is not None:
+            sweep_s = self._parameters.sweep_limit_s(self._known.trace_duration_s)
             limit_s = sweep_s + self._usual_limit_s
         return self._call("sweep", lambda one: checked(one.sweep(), Sweep), limit_s)
 
@@ -153,12 +165,35 @@ class ForeignAnalyzer:
     @property
     def trace_duration_s(self) -> Optional[float]:
         """How long one trace takes [s]; None before `configure`."""
-        return self._trace_duration_s
+        return self._known.trace_duration_s
 
     @property
     def remarks(self) -> Sequence[Message]:
         """What was learned about this instrument that a technician should know."""
-        return self._remarks
+        return self._known.remarks
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether two of its sweeps always differ; true unless the class says otherwise."""
+        return self._known.has_noise
+
+    @property
+    def temperature_c(self) -> Optional[float]:
+        """Its temperature at the last `confirm` [degC]; None if the class does not say."""
+        return self._known.temperature_c
+
+    def calibration_details(self) -> Mapping[str, Any]:
+        """Return what else the class says of the calibration."""
+        return self._call(
+            "calibration_details",
+            lambda one: dict(getattr(one, "calibration_details", dict)()),
+            self._usual_limit_s,
+        )
+
+    def forget(self) -> None:
+        """Forget what was learned about the instrument, if the class can."""
+        if self._instance is not None:  # a new object knows nothing
+            self._call("forget", lambda one: getattr(one, "forget", int)(), self._usual_limit_s)
 
     @property
     def _usual_limit_s(self) -> float:
@@ -199,13 +234,12 @@ class ForeignAnalyzer:
         if instance is None:
             raise not_connected()
 
-        def observed() -> Tuple[Result, Optional[float], Sequence[Message]]:
-            result = action(instance.analyzer)
-            return result, instance.analyzer.trace_duration_s, tuple(instance.analyzer.remarks)
+        def observed() -> Tuple[Result, Known]:
+            return action(instance.analyzer), Known.of(instance.analyzer)
 
         with self._trusting_nothing(name, instance.thread):
             found = instance.thread.run(observed, limit_s, request_check(self._deadline))
-        result, self._trace_duration_s, self._remarks = found
+        result, self._known = found
         return cast(Result, result)
 
     def _last_call(self, action: Callable[[Analyzer], None]) -> None:

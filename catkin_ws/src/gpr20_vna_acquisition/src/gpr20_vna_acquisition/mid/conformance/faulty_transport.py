@@ -9,9 +9,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.mid.block_parser import whole_number
+from gpr20_vna_acquisition.mid.display import DATA_QUERY
 from gpr20_vna_acquisition.mid.exchanges import Transport
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import (
-    DATA_QUERY,
     STATUS_QUERY,
     SWEEP_COMPLETE_BIT,
     TRIGGER,

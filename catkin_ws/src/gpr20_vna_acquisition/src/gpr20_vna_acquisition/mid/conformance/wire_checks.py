@@ -28,9 +28,9 @@ from gpr20_vna_acquisition.mid.conformance.bench import (
     refusal_of,
 )
 from gpr20_vna_acquisition.mid.conformance.faulty_transport import Trouble, faulty, is_complete
+from gpr20_vna_acquisition.mid.display import DATA_QUERY
 from gpr20_vna_acquisition.mid.exchanges import Transport
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import (
-    DATA_QUERY,
     STATUS_QUERY,
     TRIGGER,
 )
