@@ -239,6 +239,31 @@ class InstrumentFaultsTest(unittest.TestCase):
             self.check_complete(self.begin())
             self.fault("NONE")
 
+    def test_14_a_display_that_follows_the_bit_late_gives_fresh_sweeps(self):
+        self.fault("LATE_MEMORY")
+        self.check_complete(self.begin())
+        self.check_never_paused()
+
+    def test_15_a_display_that_becomes_late_during_a_survey_gives_fresh_sweeps(self):
+        survey_id = self.begin()
+        self.client.wait_for_visited(3)
+        self.fault("LATE_MEMORY")
+        self.check_complete(survey_id)
+        self.check_never_paused()
+
+    def test_16_another_instrument_on_the_same_link_is_noticed_at_the_next_point(self):
+        survey_id = self.begin()
+        self.client.wait_for_visited(3)
+        self.fault("SWAPPED")
+        self.wait_for_pause("vna.replaced", "SIMULATED-2")
+        self.fault("NONE")
+        self.client.go_on(survey_id)
+        for one in self.check_complete(survey_id):
+            (value,) = one["aux"]
+            self.assertEqual((value["name"], value["value"]), ("vna_temperature", 40.0))
+        details = self.metadata(survey_id)["instrument"]["calibration_details"]
+        self.assertEqual(details["parameters"], ["S11", "S12", "S21", "S22"])
+
     def test_13_after_a_survey_the_instrument_is_left_to_its_front_panel(self):
         self.check_complete(self.begin())
         released = threading.Event()

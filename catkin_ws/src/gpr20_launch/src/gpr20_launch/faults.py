@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Fault, Message, Severity
 
 WRONG_VALUE = Fault(
     "config.wrong_value",
@@ -29,6 +29,11 @@ UNUSABLE_EXTENSION = Fault(
         "in the configuration."
     ),
     replaces=True,
+)
+UNCHECKED_ANALYZER = Fault(
+    "config.unchecked_analyzer",
+    Message("Before the next survey run: rosrun gpr20_vna_acquisition check_analyzer"),
+    Severity.WARNING,
 )
 WRONG_ARGUMENT = Fault(
     "launch.wrong_argument",

@@ -19,11 +19,13 @@ from gpr20_main_control.mid.devices.axis_leases import Lease
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.devices.robot import (
+    AnalyzerCalibration,
     AnalyzerSetup,
     AxisReading,
     MoveOutcome,
     OpenedSurvey,
     Robot,
+    SweepConfirmation,
     UnconfirmedSweep,
 )
 from gpr20_main_control.mid.main_control import MainControl
@@ -158,6 +160,8 @@ class FakeAnalyzer:
         self.connections = []
         self.calibration_refusal = ""
         self.calibration_status = CalibrationStatus.HIGH
+        self.calibration_details = {}
+        self.temperature_c = None
         self.sweeps = 0
         self.level = LEVEL
         self.failures = 0
@@ -180,7 +184,7 @@ class FakeAnalyzer:
 
     def calibration(self):
         self._check_calibration()
-        return self.calibration_status
+        return AnalyzerCalibration(self.calibration_status, self.calibration_details)
 
     def _check_calibration(self):
         if self.calibration_refusal:
@@ -220,7 +224,7 @@ class FakeAnalyzer:
 
     def confirm(self, number):
         assert number == self.sweeps, "another sweep was taken before this one was confirmed"
-        return self.on_confirm(number)
+        return SweepConfirmation(self.on_confirm(number), self.temperature_c)
 
 
 class FakeHeightSensor:

@@ -78,7 +78,7 @@ class Bench:
         self.analyzer = ScikitRfAnalyzer(
             self.parameters, self.deadline, **self.parameters.analyzer_options
         )
-        foreign = ForeignAnalyzer(self.analyzer, self.deadline)
+        foreign = ForeignAnalyzer(lambda _lent: self.analyzer, self.parameters, self.deadline)
         self.driver = VNADriver(foreign, self.parameters, self.deadline, lambda _text: None)
 
     def configured(self, **settings) -> SweepSettings:
@@ -404,7 +404,7 @@ def test_the_driver_takes_confirmed_traces(bench):
     bench.driver.get_trace()
     assert own_faults.CALIBRATION_UNSURE in {one.fault for one in bench.driver.state.last_quality}
     number, _sweep = bench.driver.take_sweep()
-    assert bench.driver.confirm(number) == ()
+    assert bench.driver.confirm(number).remarks == ()
     assert own_faults.CALIBRATION_UNSURE not in {
         one.fault for one in bench.driver.state.last_quality
     }

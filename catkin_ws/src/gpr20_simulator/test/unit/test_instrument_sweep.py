@@ -100,12 +100,14 @@ def test_displayed_data_follow_the_graph_type_and_complex_data_do_not(bench):
     assert list(shown) == list(real_numbers(before)[0::2])
 
 
+def preamble(bench):
+    content = block_content(bench.send("TRAC:PRE?").answer).decode()
+    return dict(pair.split("=") for pair in content.split(","))
+
+
 def test_preamble_describes_the_sweep(bench):
-    bench.send("FREQ:STAR 600MHZ;:SWE:POIN 501;:SWE:TYPE SING")
-    pairs = dict(
-        pair.split("=")
-        for pair in block_content(bench.send("TRAC:PRE?").answer).decode().split(",")
-    )
+    bench.send("FREQ:STAR 600MHZ;:SWE:POIN 501;:SWE:TYPE SING;:TRACE1:SPAR S21;:TRACE1:DOM TIME")
+    pairs = preamble(bench)
     assert pairs["SN"] == "SIMULATED"
     assert float(pairs["TRACE_1_START_FREQ"]) == 600.0
     assert pairs["TRACE_1_DSP_DATA_POINTS"] == "501"
@@ -114,6 +116,71 @@ def test_preamble_describes_the_sweep(bench):
         "0",
         "1",
     )
+    assert float(pairs["CURRENT_TEMPERATURE"]) / 4.0 == 40.0
+    # S21, S12, S21, S22 in four bits each, the first trace in the lowest.
+    assert int(pairs["TRACE_S_TYPES"]) == 0x3121 and pairs["S_TYPE"] == "1"
+    assert pairs["DOMAIN"] == "1" and int(pairs["TRACE_DOMAIN_TYPES"]) & 0xF == 1
+    bench.send(":SENS:CORR OFF")
+    assert preamble(bench)["CAL_CORRECTION"] == "1"
+
+
+def test_another_unit_can_answer_on_the_same_link(bench):
+    bench.faults.set("SWAPPED")
+    assert "SIMULATED-2" in bench.ask("*IDN?") and preamble(bench)["SN"] == "SIMULATED-2"
+    bench.faults.clear()
+    assert preamble(bench)["SN"] == "SIMULATED"
+
+
+def test_calibration_says_what_it_covers(request):
+    covers = new_bench(request, calibrated_parameters=1, calibration_interpolated=True)
+    asked = (":SENS:CAL:STAT?", ":SENS:CORR:COLL:TYPE?", ":SENS:CORR:COLL:INT?")
+    assert [covers.ask(one) for one in asked] == ["1", "RF2P", "1"]
+    none = new_bench(request, calibration_accuracy=0, calibration_interpolated=True)
+    assert [none.ask(one) for one in asked] == ["0", "", "0"]
+
+
+def test_display_has_a_sweep_only_some_time_after_its_bit(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, seconds_per_point=0.001, late_memory_s=0.5)
+    bench.send(":INIT:CONT OFF;:SWE:POIN 11;:SENS:TRACE1:SPAR S21;:FORM REAL,32")
+    bench.faults.set("LATE_MEMORY", 2)
+
+    def sweep():
+        bench.send(":INIT:IMM")
+        clock.advance(0.1)
+        wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
+        return data()
+
+    def data():
+        return bench.send(":CALC1:DATA? SDAT").answer
+
+    before = data()
+    assert sweep() == before
+    clock.advance(0.51)
+    first = data()
+    assert first != before
+    assert sweep() == first
+    clock.advance(0.51)
+    assert data() != first
+    # The fault has struck twice.
+    last = data()
+    assert sweep() != last
+
+
+def test_hand_that_puts_a_setting_back_begins_the_sweep_again_and_leaves_no_other_trace(request):
+    clock = HandClock()
+    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
+    bench.send(":INIT:CONT OFF;:SWE:POIN 101")
+    before = preamble(bench)
+    bench.faults.set("HAND_PUT_BACK", 1)
+    bench.send(":INIT:IMM")
+    numbers = [bench.sweeper.sweep_number]
+    clock.advance(0.06)
+    wait_until(lambda: bench.sweeper.sweep_number == numbers[0] + 2, "both restarts")
+    clock.advance(0.2)
+    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
+    now = preamble(bench)
+    assert {one for one in now if now[one] != before[one]} <= {"AVERAGING_COUNT"}
 
 
 def test_data_replies_are_captured_byte_by_byte(bench):

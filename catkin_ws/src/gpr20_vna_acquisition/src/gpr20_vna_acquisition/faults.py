@@ -20,9 +20,16 @@ TOO_SLOW = Fault(
     "vna.too_slow",
     Message("Wait one minute, then try again. If it happens again, check the VNA's cable."),
 )
+CLASS_STUCK = Fault("vna.class_stuck", remedies.RESTART_ROBOT)
 BUSY = Fault("vna.busy", remedies.TRY_LATER)
 SUPERSEDED = Fault("vna.superseded", remedies.TRY_LATER)
 SHUTTING_DOWN = Fault("vna.shutting_down", remedies.WAIT_FOR_PART)
+LOCKED = Fault(
+    "vna.locked",
+    Message(
+        "Close the other program that uses the VNA. If there is none, switch the VNA off and on."
+    ),
+)
 NOT_CONNECTED = Fault("vna.not_connected", _CONNECT)
 UNUSED = Fault(
     "vna.unused",
@@ -49,6 +56,10 @@ SETTING_UNREPORTED = Fault(
     "vna.setting_unreported",
     Message("Check on the VNA's display that this setting is right."),
     Severity.WARNING,
+)
+PROCESSED = Fault(
+    "vna.processed",
+    Message("Switch smoothing and trace math off on the VNA. Then start or resume the survey."),
 )
 NOT_AVERAGING = Fault("vna.not_averaging", Message("Set the number of averages in the plan to 1."))
 NOT_LINEAR = Fault(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import threading
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -12,6 +12,19 @@ from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 
 IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
 EXCHANGE_S = 0.001
+# What a preamble calls the settings.
+PREAMBLE_SETTINGS = {
+    "SWEEP_TYPE": ":INIT:CONT",
+    "TRACE_1_START_FREQ": ":SENS:FREQ:STAR",
+    "TRACE_1_STOP_FREQ": ":SENS:FREQ:STOP",
+    "TRACE_1_DSP_DATA_POINTS": ":SENS:SWE:POIN",
+    "TOTAL_TRACE": ":SENS:TRAC:TOT",
+    "S_TYPE": ":SENS:TRACE1:SPAR",
+    "DOMAIN": ":SENS:TRACE1:DOM",
+    "IFBW": ":SENS:SWE:IFBW",
+    "AVERAGING_FACTOR": ":SENS:AVER:COUN",
+    "RF_SOURCE_POWER": ":SOUR:POW",
+}
 
 
 class FakeClock(Clock):
@@ -77,7 +90,24 @@ class FakeVna:
         self._running_s = 0.0
         self._shown: List[float] = []
         self.sweep_begun_s = -1.0
+        # How long after the end of a sweep its data replace those that are shown, and what will be
+        # shown from when on.
+        self.late_memory_s = 0.0
+        self._coming: List[Tuple[float, List[float]]] = []
+        self._late_shown: List[float] = []
         self.calibration = "1"
+        self.calibrated = "15"
+        # What the preamble says besides the settings; None: it says nothing of those either.
+        self.preamble: Optional[Dict[str, str]] = {
+            "SN": IDENTITY.split(",")[2],
+            "CAL_CORRECTION": "0",
+            "CURRENT_TEMPERATURE": "163",
+            "SMOOTHING_PERCENT": "0",
+            "TRACE_MATH_TYPES": "0",
+        }
+        self.locked = False
+        # A name that the preamble does not have.
+        self.left_out = ""
         # Called with each query or command; may change the fake or raise.
         self.before: Callable[[str], None] = lambda message: None
         # Called with each data answer; returns what is sent instead.
@@ -104,10 +134,14 @@ class FakeVna:
         elif header == ":INIT:IMM":
             averages = int(self.settings[":SENS:AVER:COUN"])
             self.averaged = averages if self.averages_at_once else min(self.averaged + 1, averages)
-            self._shown = self.points_data()[0::2]
+            self._shown = self._measured()[0::2]
+            self._late_shown = self.points_data()
             self.sweep_number += 1
             self.sweep_begun_s = self.clock.time_s
             self._running_s = self.sweep_s
+            if self.late_memory_s:
+                ended_s = self.clock.time_s + self.sweep_s
+                self._coming.append((ended_s + self.late_memory_s, self._finished()))
         elif header in self.settings and header not in self.refused:
             value = {"OFF": "0", "ON": "1"}.get(value, value)
             if header.endswith("STAR") and self._refuses_start(float(value)):
@@ -132,7 +166,10 @@ class FakeVna:
             "*IDN": lambda: self.identity.encode(),
             ":STAT:OPER": lambda: b"256" if self._bit() else b"0",
             ":SENS:CORR:COLL:STAT:ACC": self.calibration.encode,
-            ":TRAC:PRE": lambda: b"#222X=1,AVERAGING_COUNT=%d" % self.averaged,
+            ":TRAC:PRE": self._preamble,
+            ":SENS:CAL:STAT": self.calibrated.encode,
+            ":SENS:CORR:COLL:TYPE": lambda: b"2PFP",
+            ":SENS:CORR:COLL:INT": lambda: b"0",
             ":SENSE1:FREQ:DATA": lambda: self.block(self._frequencies()),
             ":CALC1:DATA": lambda: self.spoil(self.block(self.points_data())),
         }
@@ -147,7 +184,41 @@ class FakeVna:
         points = int(self.settings[":SENS:SWE:POIN"])
         return [start + i * (stop - start) / (points - 1) for i in range(points)]
 
+    def show_later(self, real: float, late_s: float) -> None:
+        """Let a sweep with this real part be shown after some time, as if it had just ended."""
+        numbers = self._finished()
+        numbers[0::2] = [real] * (len(numbers) // 2)
+        self._coming.append((self.clock.time_s + late_s, numbers))
+
+    def set_late(self, late_s: float) -> None:
+        """Show what is shown now until the next sweep has ended, and for some time after."""
+        self._late_shown, self.late_memory_s = self.points_data(), late_s
+
+    def _preamble(self) -> bytes:
+        values = {"AVERAGING_COUNT": str(self.averaged)}
+        if self.preamble is not None:
+            values.update(
+                {
+                    name: self.settings[one]
+                    for name, one in PREAMBLE_SETTINGS.items()
+                    if one in self.settings
+                }
+            )
+            values.update(self.preamble)
+        values.pop(self.left_out, None)
+        text = ",".join(f"{name}={value}" for name, value in values.items()).encode()
+        return b"#9%09d%s\n" % (len(text), text)
+
     def points_data(self) -> List[float]:
+        while self._coming and self._coming[0][0] <= self.clock.time_s:
+            _due_s, self._late_shown = self._coming.pop(0)
+        return self._late_shown if self.late_memory_s else self._measured()
+
+    def _finished(self) -> List[float]:
+        points = int(self.settings[":SENS:SWE:POIN"])
+        return [one for point in range(points) for one in (float(self.sweep_number), float(point))]
+
+    def _measured(self) -> List[float]:
         points = int(self.settings[":SENS:SWE:POIN"])
         if len(self._shown) != points:
             self._shown = [0.0] * points
@@ -183,6 +254,14 @@ class FakeLink:
             raise VnaNoAnswerError(Message("no answer in time"))
         return self._vna.answer(query)
 
+    def lock(self) -> None:
+        self._exchange("<lock>")
+        self._vna.locked = True
+
+    def unlock(self) -> None:
+        self._exchange("<unlock>")
+        self._vna.locked = False
+
     def local(self) -> None:
         self._exchange("<local>")
         self._vna.local = True
@@ -192,7 +271,7 @@ class FakeLink:
 
     def close(self) -> None:
         if self._open:
-            self._open = False
+            self._open = self._vna.locked = False
             self._vna.open_links -= 1
 
     def _exchange(self, message: str) -> None:

@@ -15,6 +15,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.records import record_from
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Status
+from gpr20_vna_acquisition.mid.conformance.suite import passed, results
 from gpr20_vna_acquisition.mid.foreign_analyzer import (
     ForeignAnalyzer,
     load_analyzer,
@@ -104,9 +107,27 @@ def test_an_exception_of_any_kind_while_it_is_made_names_the_options(monkeypatch
 def test_an_exception_of_any_kind_counts_as_a_broken_link():
     deadline = RequestDeadline(Clock())
     deadline.begin(10.0)
-    analyzer = ForeignAnalyzer(BrokenAnalyzer(), deadline)
+    analyzer = ForeignAnalyzer(lambda _lent: BrokenAnalyzer(), VnaParameters(), deadline)
     for action in (analyzer.identify, analyzer.sweep, analyzer.confirm, analyzer.calibration):
         with raises_fault(faults.NO_LINK, "ZeroDivisionError", error=VnaConnectionError):
             action()
     analyzer.release()
     analyzer.disconnect()
+
+
+def test_the_class_of_the_page_passes_its_check_also_when_answers_are_lost(vna):
+    parameters = VnaParameters(
+        analyzer="socket_vna:SocketVna",
+        analyzer_options={"port": vna.port},
+        address=ADDRESS,
+        maker="CMT",
+        model="S5085",
+        answer_timeout_s=0.3,
+        sweep_timeout_s=0.3,
+    )
+    with TcpRelay("127.0.0.1", vna.port) as relay:
+        bench = Bench(parameters, lambda _address: None, Extent(21, (1e4,), sweeps=4, limit_s=10.0))
+        found = {one.check: one for one in results(bench, relay=relay)}
+    assert passed(list(found.values())), [str(one.text) for one in found.values()]
+    for check in ("lost_answers", "identity_by_hand", "settings_by_another"):
+        assert found[check].status is Status.PASSED

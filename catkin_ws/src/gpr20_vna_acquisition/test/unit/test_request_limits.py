@@ -151,4 +151,4 @@ def test_a_request_that_changes_nothing_does_not_hinder_the_confirmation():
     number, _sweep = bench.driver.take_sweep()
     bench.driver._link.drop()
     bench.driver.test_connection()
-    assert bench.driver.confirm(number) == ()
+    assert bench.driver.confirm(number).remarks == ()

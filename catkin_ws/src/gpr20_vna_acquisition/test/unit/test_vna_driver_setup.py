@@ -257,7 +257,7 @@ def test_setting_up_ends_within_the_time_limit_of_one_request():
 def test_nothing_is_asked_before_the_buffers_are_emptied():
     bench = Bench()
     bench.driver.connect_to_vna(ADDRESS)
-    assert bench.vna.sent[:2] == ["<clear>", "*IDN?"]
+    assert bench.vna.sent[:3] == ["<lock>", "<clear>", "*IDN?"]
 
 
 def test_no_calibration_is_not_the_best_one():

@@ -215,12 +215,14 @@ def test_an_instrument_that_takes_nothing_at_once_is_refused(server):
     wait_until(lambda: server.links == 0)
 
 
-@pytest.mark.parametrize("error", [3, 9, 11])
-def test_a_refused_link_is_our_error(server, error):
+@pytest.mark.parametrize(
+    "error, fault", [(3, faults.NO_LINK), (9, faults.NO_LINK), (11, faults.LOCKED)]
+)
+def test_a_refused_link_is_our_error(server, error, fault):
     server.spoil = on(
         CREATE_LINK, lambda called, proper: proper[:28] + struct.pack(">iiII", error, 0, 0, 0)
     )
-    with raises_fault(faults.NO_LINK, f"{error}: "):
+    with raises_fault(fault, f"{error}: "):
         connect(HOST, QUICK, server.port)
 
 

@@ -98,7 +98,7 @@ def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(bench, tra
 
 def test_an_instrument_switched_back_to_continuous_gives_no_sweep_that_ran_before(bench):
     robot, vna = bench
-    driver = driver_of(vna)
+    driver = driver_of(vna, lock_instrument=False)
     other_hand = connect(HOST, LIMITS, vna.server.port)
     for _ in range(3):
         robot.stopped_at_mm = None

@@ -104,7 +104,7 @@ class LaunchRequest:
             ConfigurationError: A file of the configuration is wrong.
             LaunchRefusedError: The scene cannot be read, or the data folder not be written.
         """
-        sections = read_configuration(self._folder(), built_axes)
+        sections = read_configuration(self.folder, built_axes)
         if self.robot == SIMULATED:
             self._simulate(sections)
         else:
@@ -134,7 +134,13 @@ class LaunchRequest:
             with _refusing("vna_acquisition"):
                 make_foreign_analyzer(parameters, RequestDeadline(Clock()))
 
-    def _folder(self) -> Path:
+    @property
+    def folder(self) -> Path:
+        """Folder of the configuration.
+
+        Raises:
+            ConfigurationError: The folder that was given is none.
+        """
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
         if self.config and folder.is_file():
             raise ConfigurationError(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Tuple
+import json
+import math
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +22,12 @@ from gpr20_main_control.high.survey_topics import (
 )
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_main_control.mid.devices.robot import (
+    AnalyzerCalibration,
     AnalyzerSetup,
     OpenedSurvey,
     SurveyEnd,
     SurveyRecord,
+    SweepConfirmation,
     UnconfirmedSweep,
 )
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
@@ -158,12 +162,14 @@ class RosAnalyzer:
         """Leave the instrument to its front panel; `connect` takes it back."""
         self._connection(connect=False)
 
-    def calibration(self) -> CalibrationStatus:
-        """Return the state of the calibration; raise if it is not accepted."""
+    def calibration(self) -> AnalyzerCalibration:
+        """Return the calibration; raise if it is not accepted."""
         answer = self._calibration()
         if not answer.accepted:
             raise DeviceError(message_from(answer))
-        return CalibrationStatus(answer.status)
+        return AnalyzerCalibration(
+            CalibrationStatus(answer.status), json.loads(answer.details_json or "{}")
+        )
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
@@ -206,12 +212,13 @@ class RosAnalyzer:
         )
         return UnconfirmedSweep(data.number, sweep)
 
-    def confirm(self, number: int) -> Tuple[str, ...]:
+    def confirm(self, number: int) -> SweepConfirmation:
         """Confirm that the last sweep was measured with the settings of the survey."""
         answer = self._confirmation.response(number=number)
         if not answer.success:
             raise UnconfirmedError(self._confirmation.refusal(answer), answer.repeat)
-        return tuple(answer.quality)
+        known = math.isfinite(answer.temperature_c)
+        return SweepConfirmation(tuple(answer.quality), answer.temperature_c if known else None)
 
 
 class RosHeightSensor:

@@ -56,7 +56,7 @@ def run_analyzer_test(
         test = replace(test, identity=call(lambda: analyzer.connect(address)))
         if robot.description.problem() is None:
             robot.description.check_identity(test.identity, robot.description.config())
-        test = replace(test, calibration=call(analyzer.calibration).name)
+        test = replace(test, calibration=call(analyzer.calibration).status.name)
         call(lambda: analyzer.configure(settings))
         unconfirmed = call(analyzer.sweep)
         call(lambda: analyzer.confirm(unconfirmed.number))

@@ -14,7 +14,7 @@ from survey_examples import PARAMETERS, TRAVEL
 
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, UnconfirmedError
-from gpr20_main_control.mid.devices.robot import MoveOutcome
+from gpr20_main_control.mid.devices.robot import MoveOutcome, SweepConfirmation
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -67,7 +67,7 @@ class RandomAnalyzer(FakeAnalyzer):
         if self._chance.happens(self._chance.failing):
             raise DeviceError(Message("the VNA driver did not answer"))
         self.confirmed.add(number)
-        return ()
+        return SweepConfirmation()
 
 
 class RandomAxis(FakeAxis):

@@ -1,5 +1,6 @@
 """A sweep is confirmed while the axes move on; only then its trace is stored."""
 
+import json
 import threading
 
 import pytest
@@ -87,6 +88,20 @@ def test_the_trace_has_the_remarks_of_the_sweep_and_of_its_confirmation(bench, c
     bench.start()
     bench.complete()
     assert [one.quality for one in bench.storage.samples[1:4]] == [(), ("the level is low",), ()]
+
+
+def test_the_trace_has_the_temperature_of_the_analyzer_and_the_survey_its_calibration(bench):
+    bench.analyzer.temperature_c = 40.75
+    bench.analyzer.calibration_details = {"parameters": ["S21"], "type": "TRFP"}
+    bench.start()
+    bench.complete()
+    values = {
+        (one.name, one.value, one.unit) for trace in bench.storage.samples for one in trace.aux
+    }
+    assert values == {("vna_temperature", 40.75, "degC")}
+    (record,) = bench.storage.records
+    instrument = json.loads(record.metadata_json)["instrument"]
+    assert instrument["calibration_details"] == bench.analyzer.calibration_details
 
 
 @pytest.mark.parametrize("number", [1, 24])

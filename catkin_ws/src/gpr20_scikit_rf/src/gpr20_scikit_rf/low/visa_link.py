@@ -15,8 +15,8 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
 from gpr20_scikit_rf import faults
 from gpr20_scikit_rf.errors import VnaLibraryError
-from gpr20_scikit_rf.low.call_thread import CallThread
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError, VnaError
+from gpr20_vna_acquisition.low.call_thread import CallThread
 
 Result = TypeVar("Result")
 

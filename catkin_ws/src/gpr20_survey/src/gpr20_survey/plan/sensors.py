@@ -11,7 +11,13 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_survey.trace.aux_value import AUX_NAME, MAX_AUX_VALUES, MAX_UNIT_CHARACTERS, is_aux_unit
+from gpr20_survey.trace.aux_value import (
+    AUX_NAME,
+    MAX_AUX_VALUES,
+    MAX_UNIT_CHARACTERS,
+    VNA_TEMPERATURE,
+    is_aux_unit,
+)
 
 # Section of the configuration, and entry of survey.json.
 SENSORS = "sensors"
@@ -19,6 +25,8 @@ SENSORS = "sensors"
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 MESSAGE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 FIELD = re.compile(r"[A-Za-z]\w*(\[\d{1,6}\])?(\.[A-Za-z]\w*(\[\d{1,6}\])?)*", re.ASCII)
+# A trace has a value of the analyzer too.
+MAX_SENSORS = MAX_AUX_VALUES - 1
 SHORTEST_AGE_S, LONGEST_AGE_S = 0.05, 3600.0
 
 
@@ -50,7 +58,7 @@ class Sensor:
     high: Optional[float] = None
 
     def __post_init__(self) -> None:
-        if not AUX_NAME.fullmatch(self.name):
+        if not AUX_NAME.fullmatch(self.name) or self.name == VNA_TEMPERATURE:
             self._refuse("name", self.name, "soil_moisture")
         for key, pattern, example in (
             ("topic", TOPIC, "soil_probe/moisture"),
@@ -112,12 +120,12 @@ class Sensors:
     sensors: Tuple[Sensor, ...] = ()
 
     def __post_init__(self) -> None:
-        if len(self.sensors) > MAX_AUX_VALUES:
+        if len(self.sensors) > MAX_SENSORS:
             raise InvalidValueError(
                 Message(
                     "there are {count} sensors; at most {most} are allowed",
                     count=len(self.sensors),
-                    most=MAX_AUX_VALUES,
+                    most=MAX_SENSORS,
                 ),
                 fault=CONFIGURATION,
             )

@@ -14,6 +14,8 @@ from gpr20_survey.trace.sweep import check_time, refuse, shortened
 
 MAX_AUX_VALUES = 32
 MAX_UNIT_CHARACTERS = 32
+# Of the analyzer itself; no other sensor has this name.
+VNA_TEMPERATURE = "vna_temperature"
 AUX_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
 
@@ -32,6 +34,11 @@ class AuxValue:
     value: float
     unit: str
     stamp_us: int
+
+
+def vna_temperature(temperature_c: float, stamp_us: int) -> AuxValue:
+    """Return the temperature of the analyzer [degC] as a value of a trace."""
+    return AuxValue(VNA_TEMPERATURE, temperature_c, "degC", stamp_us)
 
 
 def check_aux(values: Sequence[AuxValue]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from typing import Callable, Optional
 
 import rospy
@@ -19,7 +21,7 @@ from gpr20_common.sent_message import message_fields
 from gpr20_msgs import srv
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSettingError
+from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -99,12 +101,17 @@ class VNANode:
 
     def _confirm_data(self, request: srv.ConfirmDataRequest) -> srv.ConfirmDataResponse:
         try:
-            remarks = self._driver.confirm(request.number)
-        except (VnaSettingError, VnaNotReadyError) as error:
+            confirmed = self._driver.confirm(request.number)
+        except (VnaSettingError, VnaNotReadyError, VnaOldDataError) as error:
             return srv.ConfirmDataResponse(
                 success=False, repeat=True, **message_fields(error.message)
             )
-        return srv.ConfirmDataResponse(success=True, quality=list(remarks))
+        known = confirmed.temperature_c is not None
+        return srv.ConfirmDataResponse(
+            success=True,
+            quality=list(confirmed.remarks),
+            temperature_c=confirmed.temperature_c if known else math.nan,
+        )
 
     def _get_calibration(
         self, _request: srv.GetCalibrationStatusRequest
@@ -115,6 +122,7 @@ class VNANode:
             success=True,
             status=int(status),
             accepted=not refusal,
+            details_json=json.dumps(dict(self._driver.state.calibration_details)),
             **message_fields(refusal or verbatim(status.name)),
         )
 

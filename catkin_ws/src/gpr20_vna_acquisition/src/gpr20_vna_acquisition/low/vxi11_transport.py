@@ -14,7 +14,7 @@ from typing import Any, Callable, Optional, TypeVar
 
 from vxi11 import rpc, vxi11
 
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
 from gpr20_common.os_reason import os_reason
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
@@ -123,6 +123,15 @@ class Vxi11Transport:
         """Empty the instrument's input and output buffers, if it supports that."""
         self._call("clearing the instrument", lambda link: _if_supported(link.clear))
 
+    def lock(self) -> None:
+        """Keep all other links from using the instrument, if it supports that."""
+        self._call("locking the instrument", lambda link: _if_supported(link.lock))
+
+    def unlock(self) -> None:
+        """Let other links use the instrument again, if this one has kept them from it."""
+        if self._instrument is not None and self._instrument.locked:
+            self._call("unlocking the instrument", lambda link: link.unlock())
+
     def local(self) -> None:
         """Return the control to the front panel, if the instrument supports that."""
         self._call("returning to the front panel", lambda link: _if_supported(link.local))
@@ -160,7 +169,8 @@ class Vxi11Transport:
                     address=self._address,
                     reason=_reason(error),
                     details=what,
-                )
+                ),
+                fault=faults.LOCKED if _is_locked(error) else None,
             ) from error
 
 
@@ -199,7 +209,7 @@ def connect(
                 address=address,
                 reason=_reason(error),
             ),
-            fault=None if isinstance(error, LOST_ERRORS) else faults.WRONG_INSTRUMENT,
+            fault=_link_fault(error),
         ) from error
     return Vxi11Transport(address, instrument, limits)
 
@@ -265,9 +275,22 @@ def _is_timeout(error: BaseException) -> bool:
     return own_timeout or isinstance(error, socket.timeout)
 
 
+def _is_locked(error: BaseException) -> bool:
+    code = error.err if isinstance(error, vxi11.Vxi11Exception) else None
+    return code == vxi11.ERR_DEVICE_LOCKED_BY_ANOTHER_LINK
+
+
+def _link_fault(error: BaseException) -> Optional[Fault]:
+    if _is_locked(error):
+        return faults.LOCKED
+    return None if isinstance(error, LOST_ERRORS) else faults.WRONG_INSTRUMENT
+
+
 def _reason(error: BaseException) -> Message:
     if isinstance(error, EOFError):
         return Message("the connection was closed by the other side")
+    if _is_locked(error):
+        return Message("another program has locked it", details=error)
     if _is_timeout(error):
         return Message("no answer in time", details=error)
     if isinstance(error, OSError) and error.errno is not None:

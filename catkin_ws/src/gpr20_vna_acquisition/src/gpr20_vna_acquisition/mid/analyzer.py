@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Protocol, Sequence
+from typing import Any, Mapping, Optional, Protocol, Sequence
 
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -17,7 +17,9 @@ class Analyzer(Protocol):
     links. Making one opens no link: the check before a launch makes one, too. Every method may
     raise `VnaConnectionError`; after that the link is dead, and the driver calls `disconnect` and
     `connect`. The driver limits the time of each request, retries and reconnects; an analyzer does
-    not retry. One thread calls at a time.
+    not retry. One thread calls at a time, except for `check_sweep`. An object of another package
+    whose call does not return in time is given up, and another one is made. A class may have more:
+    see `DrivenAnalyzer`.
     """
 
     def connect(self, address: str) -> None:
@@ -61,6 +63,7 @@ class Analyzer(Protocol):
         """Trigger the sweeps of one trace, wait for their end and return the data.
 
         The data are fresh, but only `confirm` shows that the settings were those of `configure`.
+        The driver refuses data with every bit of the sweep before.
 
         Raises:
             VnaSweepError: It did not end in time.
@@ -70,8 +73,12 @@ class Analyzer(Protocol):
     def confirm(self) -> None:
         """Return if every setting that the data depend on is still that of `configure`.
 
+        It is called while the axes move. An analyzer that shows data which can follow the end of a
+        sweep reads those of the last sweep again.
+
         Raises:
             VnaSettingError: One was changed by hand, or is lost.
+            VnaOldDataError: The data that were read are not what the analyzer shows now.
             VnaNotReadyError: `configure` has not succeeded with this instrument.
         """
 
@@ -94,3 +101,21 @@ class Analyzer(Protocol):
     @property
     def remarks(self) -> Sequence[Message]:
         """What was learned about this instrument that a technician should know."""
+
+
+class DrivenAnalyzer(Analyzer, Protocol):
+    """An analyzer as the driver uses it: with what a class need not have."""
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether two of its sweeps always differ in some bit; a simulated one need not."""
+
+    @property
+    def temperature_c(self) -> Optional[float]:
+        """Its temperature at the last `confirm` [degC]; None if it does not say."""
+
+    def calibration_details(self) -> Mapping[str, Any]:
+        """Return what else it says of its calibration, for survey.json; values as in JSON."""
+
+    def forget(self) -> None:
+        """Forget what was learned about which queries it answers: it is set up again."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable
 
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
 from gpr20_vna_acquisition.mid.exchanges import Transport
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
@@ -14,7 +14,7 @@ from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
 
 def make_analyzer(
     parameters: VnaParameters, connect_vxi11: Callable[[str], Transport], deadline: RequestDeadline
-) -> Analyzer:
+) -> DrivenAnalyzer:
     """Return the analyzer that a robot is configured for.
 
     Args:

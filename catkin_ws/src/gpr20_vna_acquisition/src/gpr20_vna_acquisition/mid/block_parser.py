@@ -105,6 +105,18 @@ def parse_frequencies(answer: bytes, count: int) -> np.ndarray:
     return parse_numbers(answer, TransferFormat.REAL32 if real32 else TransferFormat.ASCII, count)
 
 
+def text_block(answer: bytes) -> str:
+    """Return the text of a block.
+
+    Raises:
+        VnaDataError: The answer is anything but a complete block.
+    """
+    payload, rest = _split(answer)
+    _check_ending(rest, _NEWLINES)
+    # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
+    return payload.decode("latin-1")
+
+
 def _split(answer: bytes) -> Tuple[bytes, bytes]:
     if answer[:1] != _HEADER_START:
         raise _invalid_header(f"begins with {answer[:16]!r} instead of '#'")

@@ -15,9 +15,8 @@ from gpr20_vna_acquisition.mid.settings import unquoted
 # answered `*IDN?` on a new link, is one that the instrument does not know. One that it has answered
 # needs more evidence.
 UNANSWERED, UNANSWERED_AGAIN = 2, 4
-# Some queries of the MS20xxC answer with an error code, such as -400 (manual, chapter 3). No
-# optional query has such an answer otherwise.
-ERROR_CODE = re.compile(rb'\s*"?-[1-4][0-9]{2}\b')
+# One that no data depend on is not worth the time of a second one.
+UNANSWERED_DETAIL = 1
 # How long the first answer to a query may take that the instrument need not know [s]. The manual
 # allows two seconds after a setting.
 FIRST_ANSWER_S = 2.0
@@ -46,6 +45,16 @@ class Transport(Protocol):
     def clear(self) -> None:
         """Empty the instrument's input and output."""
 
+    def lock(self) -> None:
+        """Keep all other links from using the instrument, if it offers that, until this one ends.
+
+        Raises:
+            VnaConnectionError: Another link has done so.
+        """
+
+    def unlock(self) -> None:
+        """End what `lock` began, if it did."""
+
     def local(self) -> None:
         """Return the control to the front panel."""
 
@@ -73,15 +82,21 @@ class Exchanges:
         self._answered: Set[str] = set()
         self._silences: Counter = Counter()
 
-    def open(self, address: str) -> None:
+    def open(self, address: str, lock: bool) -> None:
         """Open a link; an open one is closed.
 
+        Args:
+            address: Where the instrument is.
+            lock: Whether other links may not use it meanwhile.
+
         Raises:
-            VnaConnectionError: Nothing answers there.
+            VnaConnectionError: Nothing answers there, or another link has locked it.
         """
         self.close()
         self._deadline.check()
         self._transport = self._connector(address)
+        if lock:
+            self._transport.lock()
 
     def close(self) -> None:
         """End the link; does nothing without one."""
@@ -109,6 +124,12 @@ class Exchanges:
         """Return the answer as `ask_optional_raw` does, as text as `ask` does."""
         answer = self.ask_optional_raw(query)
         return None if answer is None else _text(answer)
+
+    def ask_detail(self, query: str) -> Optional[str]:
+        """Return the answer to a query on which no data depend; one silence is enough for None."""
+        if self._silences[query] >= UNANSWERED_DETAIL:
+            return None
+        return self.ask_optional(query)
 
     def ask_optional_raw(self, query: str) -> Optional[bytes]:
         """Return the answer to a query that the instrument need not know; None if it does not.
@@ -146,6 +167,7 @@ class Exchanges:
         try:
             transport.write(command)
             transport.local()
+            transport.unlock()
         except VnaError:
             # The link is dead: there is nobody to release.
             self.close()

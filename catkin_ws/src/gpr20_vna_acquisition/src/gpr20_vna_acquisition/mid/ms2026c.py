@@ -5,7 +5,7 @@ Commands: MS20xxC programming manual (Anritsu 10580-00306), chapters 2 and 3.
 
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Collection, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
@@ -19,7 +19,9 @@ from gpr20_vna_acquisition.mid import refusals, settings
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
 from gpr20_vna_acquisition.mid.identity import check_identity
+from gpr20_vna_acquisition.mid.ms2026c_calibration import CALIBRATED_QUERY, Ms2026cCalibration
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import Ms2026cSweeps
+from gpr20_vna_acquisition.mid.preamble import PREAMBLE_QUERY, Preamble, changed_values, replaced
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.settings import Setting, described, unquoted
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
@@ -30,7 +32,6 @@ TIME_DOMAIN_OPTION = "2"
 # A start above the previous stop may be refused until the new stop is set: send all twice.
 SETTING_PASSES = 2
 SETTING_POLL_S = 0.05
-CALIBRATION_QUERY = ":SENS:CORR:COLL:STAT:ACC?"
 FREQUENCIES_QUERY = ":SENSE1:FREQ:DATA?"
 RELEASE = ":INIT:CONT ON"
 
@@ -60,13 +61,17 @@ class Ms2026c:
         self._deadline = deadline
         self._exchanges = Exchanges(connector, deadline)
         self._sweeps = Ms2026cSweeps(self._exchanges, parameters, deadline, utc_now_us)
+        self._calibration = Ms2026cCalibration(self._exchanges)
         self._identity = ""
         self._accepted: Optional[SweepSettings] = None
+        # What it said of its trace when it was set up, if it does.
+        self._preamble: Optional[Preamble] = None
+        self._temperature_c: Optional[float] = None
 
     def connect(self, address: str) -> None:
         """Open a link to an address, four decimal numbers; an open one is closed."""
         ipv4_address(Message("the VNA address"), address)
-        self._exchanges.open(address)
+        self._exchanges.open(address, self._parameters.lock_instrument)
         if self._parameters.clear_on_connect:
             self._exchanges.clear()
 
@@ -87,6 +92,7 @@ class Ms2026c:
     def configure(self, sweep: SweepSettings) -> SweepSettings:
         """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
         self._accepted = None
+        self._calibration.look()
         calibration = self.calibration()
         written, answers = self._apply(self._settings(sweep))
         self._check_calibration_kept(calibration, written)
@@ -96,6 +102,9 @@ class Ms2026c:
         )
         self._check_frequencies(accepted)
         self._sweeps.learn(accepted)
+        self._preamble = self._unprocessed_preamble()
+        # Between the settings and what the preamble says of them none was changed.
+        self._check_settings(accepted)
         self._accepted = accepted
         return accepted
 
@@ -104,21 +113,44 @@ class Ms2026c:
         return self._sweeps.take(self._configured())
 
     def confirm(self) -> None:
-        """Return if every setting that the data depend on is still that of `configure`."""
-        changed = _differing(self._answers(self._settings(self._configured())))
-        if changed:
-            raise refusals.settings_changed(described(changed))
+        """Return if every setting that the data depend on is still that of `configure`.
+
+        After a sweep its data are read again. That they are the same shows their format too.
+        """
+        accepted, display = self._configured(), self._sweeps.display
+        preamble = self._check_preamble(accepted)
+        if display.is_proven:
+            self._check_settings(accepted, preamble)
+            return
+        self._check_settings(accepted, preamble, (settings.TRANSFER_FORMAT,))
+        try:
+            display.prove(accepted)
+        except VnaDataError:
+            # A setting that was changed meanwhile, such as the format, is the cause.
+            self._check_settings(accepted, self._check_preamble(accepted))
+            raise
 
     def calibration(self) -> CalibrationStatus:
         """Return the state of the calibration."""
-        status = whole_number(self._exchanges.ask(CALIBRATION_QUERY))
-        if not CalibrationStatus.NONE <= status <= CalibrationStatus.LOW:
-            raise VnaDataError(
-                Message(
-                    "the VNA reports calibration status {status}; expected 0 to 4", status=status
-                )
-            )
-        return CalibrationStatus(status)
+        return self._calibration.status()
+
+    def calibration_details(self) -> Dict[str, Any]:
+        """Return what else the instrument says of its calibration, and of its trace."""
+        return self._calibration.details(self._read_preamble())
+
+    @property
+    def temperature_c(self) -> Optional[float]:
+        """Its temperature at the last `confirm` [degC]; None if it does not say."""
+        return self._temperature_c
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether two of its sweeps always differ in some bit."""
+        return True
+
+    def forget(self) -> None:
+        """Forget which queries it does not answer: it is set up again."""
+        self._exchanges.forget()
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself, with its front panel usable."""
@@ -142,6 +174,8 @@ class Ms2026c:
             settings.IF_BANDWIDTH_QUERY: settings.IF_BANDWIDTH,
             settings.POWER_QUERY: settings.OUTPUT_POWER,
             FREQUENCIES_QUERY: Message("the list of frequencies"),
+            PREAMBLE_QUERY: Message("the description of its trace"),
+            CALIBRATED_QUERY: Message("which S-parameters are calibrated"),
         }
         return [
             Message(
@@ -155,6 +189,47 @@ class Ms2026c:
         options = self._identity.split(",")[1].split("/")[1:]
         transfer = self._parameters.transfer_format
         return settings.trace_settings(sweep, transfer, TIME_DOMAIN_OPTION in options)
+
+    def _check_settings(
+        self,
+        accepted: SweepSettings,
+        preamble: Optional[Preamble] = None,
+        known: Collection[str] = (),
+    ) -> None:
+        """Ask for every setting that is neither known to be right nor covered by a preamble."""
+        wanted = [
+            setting
+            for setting in self._settings(accepted)
+            if setting.header not in known and not (preamble and preamble.covers(setting.header))
+        ]
+        changed = _differing(self._answers(wanted))
+        if changed:
+            raise refusals.settings_changed(described(changed))
+
+    def _check_preamble(self, accepted: SweepSettings) -> Optional[Preamble]:
+        """Compare what the instrument says of its trace with what it said; None if it does not."""
+        before, now = self._preamble, self._read_preamble()
+        if before is None or now is None:
+            identity = self._exchanges.ask("*IDN?")
+            if identity != self._identity:
+                raise replaced(identity, self._identity)
+            return None
+        changed = before.differing(now)
+        if changed:
+            names = {setting.header: setting.name for setting in self._settings(accepted)}
+            raise refusals.settings_changed(changed_values(changed, names))
+        self._temperature_c = now.temperature_c
+        return before
+
+    def _read_preamble(self) -> Optional[Preamble]:
+        answer = self._exchanges.ask_optional_raw(PREAMBLE_QUERY)
+        return None if answer is None else Preamble(answer)
+
+    def _unprocessed_preamble(self) -> Optional[Preamble]:
+        preamble = self._read_preamble()
+        if preamble is not None:
+            preamble.check_unprocessed()
+        return preamble
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:

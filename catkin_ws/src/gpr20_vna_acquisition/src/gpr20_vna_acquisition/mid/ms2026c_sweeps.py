@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from typing import Callable, List, Optional
-
-import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
-    VnaDataError,
     VnaOldDataError,
     VnaSettingError,
     VnaSweepError,
 )
-from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers, whole_number
+from gpr20_vna_acquisition.mid.block_parser import whole_number
+from gpr20_vna_acquisition.mid.display import Display
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
+from gpr20_vna_acquisition.mid.preamble import PREAMBLE_QUERY, Preamble
 from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import (
@@ -26,6 +24,7 @@ from gpr20_vna_acquisition.mid.sweep_timing import (
     SweepTiming,
     enough_learned,
     has_old_points,
+    restart_remarks,
     timed_sweep,
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -33,12 +32,9 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 TRIGGER = ":INIT:IMM"
 STATUS_QUERY = ":STAT:OPER?"
 SWEEP_COMPLETE_BIT = 256
-DATA_QUERY = ":CALC1:DATA? SDAT"
 CLEAR_AVERAGE = ":SENS:AVER:CLE"
 # One message, so that nothing is averaged between the two.
 NEW_AVERAGE = f"{CLEAR_AVERAGE};{TRIGGER}"
-PREAMBLE_QUERY = ":TRAC:PRE? 1"
-AVERAGED = re.compile(rb"\bAVERAGING_COUNT=([0-9]{1,9})\b")
 # Polling more often than this loads the instrument and gains nothing [s].
 SHORTEST_POLL_S = 0.0005
 POLL_FRACTION = 0.1
@@ -51,9 +47,9 @@ class Ms2026cSweeps:
 
     The instrument shows the end of a sweep by a bit. The manual does not define how soon a trigger
     clears the bit of the sweep before, and the data are those of the display, whatever the bit
-    says. So the duration of a sweep is measured first, and a bit that was not seen cleared is
-    believed only when the sweep must have ended, and only with data that are new at every point
-    and do not change any more.
+    says: see `Display`. So the duration of a sweep is measured first, and a bit that was not seen
+    cleared is believed only when the sweep must have ended, and only with data that are new at
+    every point and do not change any more.
     """
 
     def __init__(
@@ -70,8 +66,7 @@ class Ms2026cSweeps:
         self._timing: Optional[SweepTiming] = None
         self._triggers = 1
         self._trace_duration_s: Optional[float] = None
-        # The last data that were read, of whatever sweep.
-        self._shown: Optional[np.ndarray] = None
+        self.display = Display(exchanges, parameters, deadline)
 
     @property
     def trace_duration_s(self) -> Optional[float]:
@@ -88,12 +83,12 @@ class Ms2026cSweeps:
         limit_s = self._parameters.sweep_limit_s(self._parameters.nominal_trace_s(settings))
         self._deadline.extend(2.0 * limit_s)
         self._timing, self._triggers = None, 1
-        self._shown = self._displayed(settings)
+        self.display.begin_set_up(settings)
         ends: List[SweepEnd] = []
         while not enough_learned(ends):
             ends.append(self._learn_once(settings, limit_s))
             # The next one is known to be new by its difference from this one.
-            self._shown = self._read(settings)
+            self.display.new_numbers(settings, ends[-1].cleared)
         timing = SweepTiming(ends)
         self._triggers = self._triggers_per_trace(settings, timing)
         self._timing = timing
@@ -111,31 +106,35 @@ class Ms2026cSweeps:
             self.learn(settings)
         timing = self._timing
         assert timing is not None
+        was_settled, surely_ended_s = self.display.begin_trace(), timing.surely_ended_s
         started_us, started_s = self._utc_now_us(), self._deadline.now_s()
         try:
             for number in range(self._triggers):
                 end = self._sweep_once(settings, timing, new_average=number == 0)
             duration_s = self._deadline.now_s() - started_s
-            numbers = self._new_numbers(settings, end)
+            numbers = self.display.new_trace(settings, end.cleared, was_settled)
         except (VnaOldDataError, VnaSweepError):
             # What was learned is in doubt too: the next sweep learns again.
             self._timing = None
             raise
         self._trace_duration_s = self._triggers * timing.duration_s
-        return timed_sweep(settings, numbers, started_us, duration_s)
+        remarks = restart_remarks(end, surely_ended_s)
+        return timed_sweep(settings, numbers, started_us, duration_s, remarks)
 
     def _sweep_once(
         self, settings: SweepSettings, timing: SweepTiming, new_average: bool
     ) -> SweepEnd:
         limit_s = self._parameters.sweep_limit_s(timing.duration_s)
         begun_s = self._trigger(settings, new_average)
-        stale_bit_s, cleared, late = 0.0, False, False
+        stale_bit_s, unfinished_s, cleared, late = 0.0, 0.0, False, False
         while True:
             asked_s = self._deadline.now_s() - begun_s
             complete = self._is_complete()
             elapsed_s = self._deadline.now_s() - begun_s
+            if not complete:
+                unfinished_s = asked_s
             if complete and (cleared or asked_s >= timing.surely_ended_s):
-                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s)
+                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s, unfinished_s)
                 timing.note(end, late)
                 return end
             self._check_time(elapsed_s, limit_s, settings)
@@ -179,45 +178,16 @@ class Ms2026cSweeps:
 
     def _shows_a_whole_new_sweep(self, settings: SweepSettings, overdue: bool) -> bool:
         """Return whether every point is new, and none changes any more."""
-        if self._shown is None:
+        before = self.display.shown
+        if before is None:
             return overdue
-        numbers = self._read(settings)
-        if has_old_points(numbers, self._shown, to_the_last=True):
-            if not overdue or has_old_points(numbers, self._shown):
+        numbers = self.display.read(settings)
+        if has_old_points(numbers, before, to_the_last=True):
+            if not overdue or has_old_points(numbers, before):
                 return False
             # The last point may be equal by chance, or its turn comes now.
             self._deadline.pause_s(self._parameters.settle_s)
-        return np.array_equal(numbers, self._read(settings))
-
-    def _new_numbers(self, settings: SweepSettings, end: SweepEnd) -> np.ndarray:
-        """Read data of which every point is new."""
-        before = self._shown
-        self._shown = numbers = self._read(settings)
-        limit_s = self._deadline.now_s() + self._parameters.settle_s
-        steady = end.cleared
-        while not steady and self._deadline.now_s() < limit_s:
-            self._shown = again = self._read(settings)
-            steady = np.array_equal(numbers, again) and not has_old_points(again, before, True)
-            numbers = again
-            if not steady:
-                self._deadline.pause_s(self._parameters.poll_interval_s)
-        # Single precision has no equal points by chance.
-        exact = self._parameters.transfer_format is TransferFormat.REAL32
-        if not steady or has_old_points(numbers, before, to_the_last=exact or not end.cleared):
-            raise old_data()
-        return numbers
-
-    def _displayed(self, settings: SweepSettings) -> Optional[np.ndarray]:
-        """Return the data before the first sweep; None if there are none."""
-        try:
-            return self._read(settings)
-        except VnaDataError:
-            # Nothing was measured with these settings yet.
-            return None
-
-    def _read(self, settings: SweepSettings) -> np.ndarray:
-        answer = self._exchanges.ask_raw(DATA_QUERY)
-        return parse_numbers(answer, self._parameters.transfer_format, 2 * settings.points)
+        return bool((numbers == self.display.read(settings)).all())
 
     def _trigger(self, settings: SweepSettings, new_average: bool) -> float:
         """Trigger a sweep and return when it began [s], at the earliest."""
@@ -251,16 +221,16 @@ class Ms2026cSweeps:
             raise _not_averaging(averages)
         self._sweep_once(settings, timing, new_average=True)
         averaged = self._averaged(averages)
-        self._shown = self._read(settings)
+        self.display.look(settings)
         return 1 if averaged >= averages else averages
 
     def _averaged(self, averages: int) -> int:
         """Return how many sweeps the present average has."""
         answer = self._exchanges.ask_optional_raw(PREAMBLE_QUERY)
-        found = None if answer is None else AVERAGED.search(answer)
+        found = None if answer is None else Preamble(answer).number("AVERAGING_COUNT")
         if found is None:
             raise _not_averaging(averages)
-        return int(found.group(1))
+        return int(found)
 
 
 def _not_averaging(averages: int) -> VnaSettingError:

@@ -70,9 +70,7 @@ class RequestDeadline:
         if self._closed:
             raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._ending.is_set():
-            raise VnaTimeoutError(
-                Message("the request was ended by a later one"), fault=faults.SUPERSEDED
-            )
+            raise _superseded()
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
@@ -82,3 +80,44 @@ class RequestDeadline:
         """Wait [s], unless the request must end; raise as `check` does."""
         self._clock.wait_s(self._ending, duration_s)
         self.check()
+
+
+class LentDeadline:
+    """The time limit of the requests for a class outside this package, until it is taken back.
+
+    A call of such a class may never return. If it does after it was given up, it must neither use
+    the instrument again nor change the time limit of a later request.
+    """
+
+    def __init__(self, deadline: RequestDeadline) -> None:
+        self._deadline = deadline
+        self._taken_back = threading.Event()
+
+    def take_back(self) -> None:
+        """End whatever still uses it, at its next step."""
+        self._taken_back.set()
+
+    def extend(self, duration_s: float) -> None:
+        """Allow an extensible request so much more time [s] in total."""
+        self.check()
+        self._deadline.extend(duration_s)
+
+    def now_s(self) -> float:
+        """Return the time [s] since a fixed moment."""
+        return self._deadline.now_s()
+
+    def check(self) -> None:
+        """Do nothing, unless the request must end; raise as `RequestDeadline.check` does."""
+        if self._taken_back.is_set():
+            raise _superseded()
+        self._deadline.check()
+
+    def pause_s(self, duration_s: float) -> None:
+        """Wait [s], unless the request must end; raise as `check` does."""
+        self.check()
+        self._deadline.pause_s(duration_s)
+        self.check()
+
+
+def _superseded() -> VnaTimeoutError:
+    return VnaTimeoutError(Message("the request was ended by a later one"), fault=faults.SUPERSEDED)

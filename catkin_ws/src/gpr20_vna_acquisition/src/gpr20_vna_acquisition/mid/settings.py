@@ -83,6 +83,7 @@ def _frequency(name: Message, header: str, value_hz: float) -> Setting:
     )
 
 
+TRANSFER_FORMAT = ":FORM"
 IF_BANDWIDTH, IF_BANDWIDTH_QUERY = Message("the IF bandwidth"), ":SENS:SWE:IFBW?"
 AVERAGES, AVERAGES_QUERY = Message("the number of averages"), ":SENS:AVER:COUN?"
 OUTPUT_POWER, POWER_QUERY = Message("the output power"), ":SOUR:POW?"
@@ -124,7 +125,7 @@ def trace_settings(
         # Without the option the instrument does not know the command and would not answer.
         *([FREQUENCY_DOMAIN] if has_time_domain else []),
         *_analyzer_settings(sweep.analyzer),
-        word_setting(Message("the transfer format"), ":FORM", transfer.value),
+        word_setting(Message("the transfer format"), TRANSFER_FORMAT, transfer.value),
     ]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import statistics
 from collections import deque
-from typing import Deque, Iterable, Optional, Sequence, Tuple
+from typing import Any, Deque, Iterable, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -59,8 +59,23 @@ def refuse_impossible(sweep: Sweep) -> None:
         raise VnaDataError(Message("the imaginary part of the trace is a copy of its real part"))
 
 
-def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) -> Optional[Message]:
-    """Return why no survey is allowed with this calibration; None if it is allowed."""
+def has_same_data(sweep: Sweep, other: Sweep) -> bool:
+    """Return whether two sweeps have the same bits at every point."""
+    return np.array_equal(sweep.s21_real, other.s21_real) and np.array_equal(
+        sweep.s21_imag, other.s21_imag
+    )
+
+
+def calibration_refusal(
+    status: CalibrationStatus, parameters: VnaParameters, details: Mapping[str, Any]
+) -> Optional[Message]:
+    """Return why no survey is allowed with this calibration; None if it is allowed.
+
+    Args:
+        status: Its state.
+        parameters: Which states are accepted.
+        details: What else the analyzer says of it.
+    """
     if status in parameters.accepted_calibrations:
         return None
     listed = ", ".join(str(int(one)) for one in parameters.accepted_calibrations)
@@ -71,6 +86,13 @@ def calibration_refusal(status: CalibrationStatus, parameters: VnaParameters) ->
             status=int(status),
             accepted=listed,
         ).with_fault(faults.CALIBRATION_UNREPORTED)
+    calibrated = details.get("parameters", ())
+    if status is CalibrationStatus.NONE and calibrated and "S21" not in calibrated:
+        return Message(
+            "the VNA's calibration covers {calibrated}, not S21; calibrate the transmission from "
+            "port 1 to port 2",
+            calibrated=", ".join(calibrated),
+        ).with_fault(NOT_CALIBRATED)
     return Message(
         "the VNA's calibration status is {status} ({meaning}); calibrate it, or change "
         "accepted_calibrations (now {accepted})",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Callable, Generator, Optional, Sequence, Tuple
 
 import numpy as np
@@ -18,21 +18,36 @@ from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaError,
     VnaNotReadyError,
+    VnaOldDataError,
     VnaSettingError,
     VnaTimeoutError,
 )
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
-from gpr20_vna_acquisition.mid.refusals import not_configured
+from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
+from gpr20_vna_acquisition.mid.refusals import not_configured, old_data
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,
     calibration_refusal,
     calibration_remarks,
+    has_same_data,
     refuse_impossible,
     stored_remarks,
 )
 from gpr20_vna_acquisition.mid.vna_link import VnaLink, VnaState
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+
+@dataclass(frozen=True)
+class SweepConfirmation:
+    """A sweep that is confirmed.
+
+    Attributes:
+        remarks: On its calibration.
+        temperature_c: Temperature of the analyzer [degC]; None if it does not say.
+    """
+
+    remarks: Tuple[str, ...]
+    temperature_c: Optional[float]
 
 
 class VNADriver:
@@ -43,7 +58,7 @@ class VNADriver:
 
     def __init__(
         self,
-        analyzer: Analyzer,
+        analyzer: DrivenAnalyzer,
         parameters: VnaParameters,
         deadline: RequestDeadline,
         warn: Callable[[str], None],
@@ -67,6 +82,8 @@ class VNADriver:
         # The sweep that may be confirmed, and how often settings had been restored before it: its
         # own are not known any more once that happens again.
         self._unconfirmed: Optional[Tuple[int, int]] = None
+        # What the next sweep must differ from.
+        self._last_sweep: Optional[Sweep] = None
         # How long a trace took when it was set up.
         self._promised_trace_s = 0.0
         self._news: Tuple[Message, ...] = ()
@@ -110,7 +127,8 @@ class VNADriver:
         """
         self._link.deadline.abandon()
         with self._request():
-            self._unconfirmed = None
+            self._unconfirmed = self._last_sweep = None
+            self._analyzer.forget()
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
@@ -177,15 +195,16 @@ class VNADriver:
             VnaError: It could not be read.
         """
         with self._request():
-            status, _failures = self._link.with_retries(
-                Message("reading the VNA's calibration"), lambda analyzer: analyzer.calibration()
+            (details, status), _failures = self._link.with_retries(
+                Message("reading the VNA's calibration"),
+                lambda analyzer: (self._analyzer.calibration_details(), analyzer.calibration()),
             )
-            self._link.note(calibration=status)
+            self._link.note(calibration=status, calibration_details=details)
             return status
 
     def calibration_refusal(self, status: CalibrationStatus) -> Optional[Message]:
         """Return why no sweep is made with this calibration; None if one is."""
-        return calibration_refusal(status, self._parameters)
+        return calibration_refusal(status, self._parameters, self.state.calibration_details)
 
     def set_frequency_sweep(self, settings: SweepSettings) -> SweepSettings:
         """Set up what a sweep measures, and return what the instrument confirmed.
@@ -198,7 +217,8 @@ class VNADriver:
         with self._request(extensible=True):
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
-            self._unconfirmed = None
+            self._unconfirmed = self._last_sweep = None
+            self._analyzer.forget()
             # Another sweep has another usual duration.
             self._quality = TraceQuality(self._parameters)
             accepted, _failures = self._link.with_retries(
@@ -259,8 +279,8 @@ class VNADriver:
             self._unconfirmed = self._number, self._link.restorations
             return self._number, self._judged(sweep, failures, ())
 
-    def confirm(self, number: int) -> Tuple[str, ...]:
-        """Confirm the last sweep, and return the remarks on its calibration.
+    def confirm(self, number: int) -> SweepConfirmation:
+        """Confirm the last sweep.
 
         Args:
             number: As `take_sweep` returned it.
@@ -268,6 +288,7 @@ class VNADriver:
         Raises:
             VnaCalibrationError: The calibration of the sweep is not accepted.
             VnaSettingError: A setting was changed; the next sweep is set up again.
+            VnaOldDataError: Its data were not all its own.
             VnaNotReadyError: It is not the last sweep, or the instrument was connected or set up
                 again since.
             VnaError: The instrument does not answer.
@@ -283,11 +304,13 @@ class VNADriver:
             calibration, _failures = self._link.with_retries(
                 Message("confirming the VNA's settings"),
                 _confirmed_calibration,
-                final=(VnaSettingError,),
+                # Another attempt would have nothing to compare with.
+                final=(VnaSettingError, VnaOldDataError),
                 # Settings that are made again would hide that they were different.
                 restore=False,
             )
-            return stored_remarks(self._calibration_remarks(calibration))
+            remarks = stored_remarks(self._calibration_remarks(calibration))
+            return SweepConfirmation(remarks, self._analyzer.temperature_c)
 
     @contextmanager
     def _request(
@@ -311,14 +334,17 @@ class VNADriver:
             self._last_used_s = deadline.now_s()
             self._lock.release()
 
-    def _confirmed_sweep(self, analyzer: Analyzer) -> Tuple[Sweep, CalibrationStatus]:
+    def _confirmed_sweep(self, analyzer: DrivenAnalyzer) -> Tuple[Sweep, CalibrationStatus]:
         sweep = self._fresh_sweep(analyzer)
         return sweep, _confirmed_calibration(analyzer)
 
-    def _fresh_sweep(self, analyzer: Analyzer) -> Sweep:
+    def _fresh_sweep(self, analyzer: DrivenAnalyzer) -> Sweep:
         self._set_up_sweep()
-        sweep = analyzer.sweep()
+        sweep, before = analyzer.sweep(), self._last_sweep
         refuse_impossible(sweep)
+        self._last_sweep = sweep
+        if before is not None and self._analyzer.has_noise and has_same_data(sweep, before):
+            raise old_data()
         return sweep
 
     def _judged(
@@ -329,7 +355,7 @@ class VNADriver:
         self._link.note(
             sweeps=self.state.sweeps + 1, last_sweep_s=sweep.duration_s, last_quality=remarks
         )
-        return replace(sweep, quality=stored_remarks(remarks))
+        return replace(sweep, quality=(*sweep.quality, *stored_remarks(remarks)))
 
     def _calibration_remarks(self, calibration: CalibrationStatus) -> Tuple[Message, ...]:
         self._link.note(calibration=calibration)
@@ -346,6 +372,6 @@ class VNADriver:
         return self.state.sweep
 
 
-def _confirmed_calibration(analyzer: Analyzer) -> CalibrationStatus:
+def _confirmed_calibration(analyzer: DrivenAnalyzer) -> CalibrationStatus:
     analyzer.confirm()
     return analyzer.calibration()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass, replace
-from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -22,7 +22,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSweepError,
     VnaTimeoutError,
 )
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
 from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -49,6 +49,7 @@ class VnaState:
         answered_since: Whether the instrument has answered a test of the connection since then.
         link_error: Why the last test of the connection failed; None if it did not.
         calibration: State of the calibration when it was last read; None before.
+        calibration_details: What else the instrument said of it when it was asked.
     """
 
     address: str = ""
@@ -63,6 +64,7 @@ class VnaState:
     answered_since: bool = False
     link_error: Optional[Message] = None
     calibration: Optional[CalibrationStatus] = None
+    calibration_details: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def trouble(self) -> Optional[Message]:
@@ -80,7 +82,7 @@ class VnaLink:
 
     def __init__(
         self,
-        analyzer: Analyzer,
+        analyzer: DrivenAnalyzer,
         parameters: VnaParameters,
         deadline: RequestDeadline,
         warn: Callable[[str], None],
@@ -165,7 +167,7 @@ class VnaLink:
         if not self._state.identity:
             raise not_connected()
 
-    def linked(self) -> Analyzer:
+    def linked(self) -> DrivenAnalyzer:
         """Return the instrument at the end of the link; make a link if there is none.
 
         Its settings are neither compared nor made: somebody may be calibrating it.
@@ -178,7 +180,7 @@ class VnaLink:
             self._reopen()
         return self._analyzer
 
-    def instrument(self, restore: bool = True) -> Analyzer:
+    def instrument(self, restore: bool = True) -> DrivenAnalyzer:
         """Return the instrument as it was set up, at the end of the link.
 
         Args:
@@ -196,7 +198,7 @@ class VnaLink:
     def with_retries(
         self,
         what: Message,
-        action: Callable[[Analyzer], Result],
+        action: Callable[[DrivenAnalyzer], Result],
         final: Tuple[Type[VnaError], ...] = (),
         restore: bool = True,
     ) -> Tuple[Result, List[VnaError]]:

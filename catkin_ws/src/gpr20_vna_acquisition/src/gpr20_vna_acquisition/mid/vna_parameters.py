@@ -60,6 +60,10 @@ class VnaParameters:
         answer_timeout_s: Time limit for one command or answer [s].
         clear_on_connect: Empty the instrument's buffers on each new link, because they may
             contain the late answer to a query of the previous one.
+        lock_instrument: Only for ms2026c: keep other programs from using the instrument while it is
+            connected (device_lock of VXI-11), if it offers that. The front panel stays usable.
+        display_settle_s: Only for ms2026c: how long after the end of a sweep its data may still
+            replace older ones [s]. The first sweep after a set-up is confirmed no earlier.
         settle_s: How long a setting may take until it can be read back [s]; up to 2 s
             according to the manual of the MS20xxC.
         poll_interval_s: Longest pause between two polls of a sweep that should have ended [s].
@@ -100,6 +104,8 @@ class VnaParameters:
     connect_timeout_s: float = bounded(*TIMES_S, 3.0)
     answer_timeout_s: float = bounded(*TIMES_S, 5.0)
     clear_on_connect: bool = True
+    lock_instrument: bool = True
+    display_settle_s: float = bounded(0.0, 60.0, 1.5)
     settle_s: float = bounded(*TIMES_S, 2.0)
     poll_interval_s: float = bounded(*TIMES_S, 0.01)
     seconds_per_point: float = bounded(0.0, 10.0, SECONDS_PER_POINT)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Callable, Optional, Tuple, TypeVar
+from typing import Any, Callable, Mapping, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,7 @@ class AnalyzerState:
     Attributes:
         identity: What the instrument says it is.
         calibration: The state of its calibration.
+        calibration_details: What else it says of its calibration; its temperature among it.
         settings: As read back from it.
         sweep_duration_s: How long one trace takes [s]; measured each time, so that two states of
             the same analyzer are equal without it.
@@ -40,6 +41,7 @@ class AnalyzerState:
     calibration: CalibrationStatus
     settings: SweepSettings
     sweep_duration_s: float = field(compare=False)
+    calibration_details: Mapping[str, Any] = field(compare=False, default_factory=dict)
 
 
 class Instruments:
@@ -178,7 +180,9 @@ class Instruments:
                 fault=faults.FREQUENCIES_CHANGED,
             )
         self._frequencies_hz = frequencies_hz
-        return AnalyzerState(identity, calibration, accepted, setup.sweep_duration_s)
+        return AnalyzerState(
+            identity, calibration.status, accepted, setup.sweep_duration_s, calibration.details
+        )
 
     def _call(
         self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
-from typing import Mapping, Optional, Protocol, Tuple
+from typing import Any, Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
@@ -145,14 +145,40 @@ class UnconfirmedSweep:
     sweep: Sweep
 
 
+@dataclass(frozen=True)
+class SweepConfirmation:
+    """What is known of a sweep once it is confirmed.
+
+    Attributes:
+        remarks: On its quality, in addition to those of the sweep.
+        temperature_c: Temperature of the analyzer [degC]; None if it does not say.
+    """
+
+    remarks: Tuple[str, ...] = ()
+    temperature_c: Optional[float] = None
+
+
+@dataclass(frozen=True)
+class AnalyzerCalibration:
+    """The analyzer's calibration.
+
+    Attributes:
+        status: Its state.
+        details: What else the analyzer says of it, for survey.json.
+    """
+
+    status: CalibrationStatus
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+
 class Analyzer(Protocol):
     """The vector network analyzer."""
 
     def connect(self, address: str) -> str:
         """Connect or reconnect, and return the instrument's identity."""
 
-    def calibration(self) -> CalibrationStatus:
-        """Return the state of the calibration; raise if it is not accepted."""
+    def calibration(self) -> AnalyzerCalibration:
+        """Return the calibration; raise if it is not accepted."""
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
@@ -166,11 +192,8 @@ class Analyzer(Protocol):
     def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""
 
-    def confirm(self, number: int) -> Tuple[str, ...]:
+    def confirm(self, number: int) -> SweepConfirmation:
         """Confirm that the last sweep was measured with the settings of the survey.
-
-        Returns:
-            Remarks on its quality, in addition to those of the sweep.
 
         Raises:
             UnconfirmedError: It was not, and must not be stored.

@@ -17,11 +17,12 @@ from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import Instruments
-from gpr20_main_control.mid.devices.robot import Position
+from gpr20_main_control.mid.devices.robot import Position, SweepConfirmation
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import Check, result_of, wait_for
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.trace.aux_value import vna_temperature
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace
 
@@ -48,14 +49,14 @@ class Confirmation:
     def __init__(
         self,
         trace: Trace,
-        confirm: Callable[[], Tuple[str, ...]],
+        confirm: Callable[[], SweepConfirmation],
         store: Callable[[Trace], None],
     ) -> None:
         """Begin nothing yet.
 
         Args:
             trace: What was measured.
-            confirm: Returns further remarks on its quality; raises if it is not confirmed.
+            confirm: Returns what it adds to the trace; raises if it is not confirmed.
             store: Accepts the trace for storing; returns at once.
         """
         self._trace = trace
@@ -72,7 +73,7 @@ class Confirmation:
             UnconfirmedError: It was not confirmed.
             DeviceError: Nobody knows whether it would have been, or the trace was given up.
         """
-        trace = self._with_remarks(self._confirm())
+        trace = self._completed(self._confirm())
         with self._lock:
             if self._given_up:
                 raise DeviceError(
@@ -88,11 +89,12 @@ class Confirmation:
             self._given_up = True
             return self._stored
 
-    def _with_remarks(self, remarks: Tuple[str, ...]) -> Trace:
-        if not remarks:
-            return self._trace
+    def _completed(self, confirmed: SweepConfirmation) -> Trace:
+        aux, quality = self._trace.aux, (*self._trace.quality, *confirmed.remarks)
+        if confirmed.temperature_c is not None:
+            aux = (*aux, vna_temperature(confirmed.temperature_c, time_of_day_us()))
         try:
-            return replace(self._trace, quality=(*self._trace.quality, *remarks))
+            return replace(self._trace, quality=quality, aux=aux)
         except TraceRefusedError as error:
             raise DeviceError(error.message) from error
 

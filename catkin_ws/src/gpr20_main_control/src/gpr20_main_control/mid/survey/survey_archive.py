@@ -230,6 +230,7 @@ def survey_record(
             "address": plan.parameters.vna_address,
             "calibration_status": int(analyzer.calibration),
             "calibration": str(analyzer.calibration.meaning),
+            "calibration_details": dict(analyzer.calibration_details),
             "sweep": _recorded_sweep(analyzer),
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},

@@ -8,7 +8,6 @@ from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
 
 ACCURACY_HIGH = 1
 ACCURACY_POWER_CHANGED = 2
-ALL_PARAMETERS_CALIBRATED = 15
 COLLECTION_COMPLETED = 4
 # Writing one of these ends the calibration of an instrument with the fault LOSES_CALIBRATION.
 WATCHED_SETTINGS = (
@@ -43,7 +42,17 @@ class Calibration:
     @property
     def parameters(self) -> int:
         """The calibrated parameters, as a bit mask."""
-        return ALL_PARAMETERS_CALIBRATED if self.exists else 0
+        return self._description.calibrated_parameters if self.exists else 0
+
+    @property
+    def type(self) -> str:
+        """How it was made; empty without one."""
+        return self._description.calibration_type if self.exists else ""
+
+    @property
+    def is_interpolated(self) -> bool:
+        """Whether it is interpolated between its points."""
+        return self.exists and self._description.calibration_interpolated
 
     @property
     def collection(self) -> int:

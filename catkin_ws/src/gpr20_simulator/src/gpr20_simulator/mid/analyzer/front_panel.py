@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, List
 
 from gpr20_simulator.mid.analyzer.instrument_scene import Power
 from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
@@ -41,14 +41,10 @@ CHANGES: Dict[VnaFault, Change] = {
 }
 
 
-def hand_change(faults: FaultBoard) -> Optional[Change]:
-    """Return what somebody changes during the sweep that begins now; None: nothing."""
+def hand_changes(faults: FaultBoard) -> List[Change]:
+    """Return what somebody changes, one after the other, during the sweep that begins now."""
     struck = [change for fault, change in CHANGES.items() if faults.strikes(fault)]
-    if not struck:
-        return None
-
-    def change_all(settings: VnaSettings) -> None:
-        for change in struck:
-            change(settings)
-
-    return change_all
+    if faults.strikes(VnaFault.HAND_PUT_BACK):
+        # The other bandwidth, and the one of before.
+        struck += [_change_bandwidth, _change_bandwidth]
+    return struck

@@ -25,7 +25,8 @@ class Identity:
     def serial(self) -> str:
         """Serial number."""
         one = self._description
-        return one.other_serial if self._is_other_unit else one.serial
+        is_other = self._is_other_unit or self._faults.is_on(VnaFault.SWAPPED)
+        return one.other_serial if is_other else one.serial
 
     def connected(self) -> None:
         """Note that a client connects: it may find another unit at this address."""

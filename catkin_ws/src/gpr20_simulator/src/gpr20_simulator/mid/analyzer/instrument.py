@@ -260,6 +260,11 @@ class SimulatedVna:
                 "[:SENSe]:CORRection[:STATe]",
                 lambda _n, _a: on_off(calibration.is_applied(self._settings)),
             ),
+            ("[:SENSe]:CORRection:COLLect:TYPE", lambda _n, _a: calibration.type),
+            (
+                "[:SENSe]:CORRection:COLLect:INTerpolation[:STATe]",
+                lambda _n, _a: on_off(calibration.is_interpolated),
+            ),
             ("[:SENSe]:CALibration:STATe", lambda _n, _a: str(calibration.parameters)),
             (":SYSTem:OPTions", lambda _n, _a: self._identity.options()),
             (":INSTrument[:SELect]", lambda _n, _a: '"MWVNA"'),

@@ -12,6 +12,7 @@ from gpr20_simulator.errors import SceneError
 from gpr20_survey.plan.robot_description import SIMULATED_IDENTITY as SIMULATED
 
 NOT_CALIBRATED = 0
+ALL_PARAMETERS = 15
 
 
 class Averaging(enum.Enum):
@@ -47,10 +48,18 @@ class InstrumentScene:
         ascii_digits: Digits after the point in ASCII data; 8 keep a float32 exactly.
         averaging: When a triggered sweep with averaging is complete.
         message_s: Time that each message to the instrument takes [real s].
+        calibrated_parameters: Which S-parameters are calibrated: the sum of S11 = 1, S12 = 2,
+            S21 = 4 and S22 = 8.
+        calibration_type: How it was calibrated, as the instrument calls it.
+        calibration_interpolated: Whether the calibration is interpolated between its points.
+        temperature_c: What it says of its temperature [degC], in quarters.
+        smoothing_percent: How much of the sweep is averaged for each point of the display [%].
+        trace_math: How the display combines a trace with its memory: 0 not at all.
+        late_memory_s: Fault LATE_MEMORY: how long after the end of a sweep the display has it [s].
         late_bit_s: Fault LATE_BIT: how long the bit stays set after a trigger [s].
         slow_point_s: Fault SLOW_POINTS: time of one frequency of a sweep [s].
         unanswered_queries: Fault UNANSWERED_QUERY: the queries that get no answer.
-        other_serial: Fault OTHER_SERIAL: the serial number; contains SIMULATED.
+        other_serial: Faults OTHER_SERIAL and SWAPPED: the serial number; contains SIMULATED.
     """
 
     manufacturer: str = "Anritsu"
@@ -66,6 +75,13 @@ class InstrumentScene:
     ascii_digits: int = bounded(2, 16, 8)
     averaging: Averaging = Averaging.EACH_SWEEP
     message_s: float = bounded(0.0, 5.0, 0.0)
+    calibrated_parameters: int = bounded(0, ALL_PARAMETERS, ALL_PARAMETERS)
+    calibration_type: str = "RF2P"
+    calibration_interpolated: bool = False
+    temperature_c: float = bounded(-40.0, 100.0, 40.0)
+    smoothing_percent: int = bounded(0, 20, 0)
+    trace_math: int = bounded(0, 4, 0)
+    late_memory_s: float = bounded(0.0, 60.0, 0.2)
     late_bit_s: float = bounded(0.0, 60.0, 0.3)
     slow_point_s: float = bounded(0.0, 10.0, 2e-3)
     unanswered_queries: Tuple[str, ...] = (":SENS:TRACE1:DOM?",)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer import scpi
-from gpr20_simulator.mid.analyzer.front_panel import Change, hand_change
+from gpr20_simulator.mid.analyzer.front_panel import Change, hand_changes
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweep_plan import SweepFaults
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
@@ -71,12 +70,14 @@ class SweepControl:
         self._bit_set_until_s = (
             self._clock.now_s() + self._description.late_bit_s if keeps_bit else None
         )
-        change = hand_change(self._faults)
+        changes = hand_changes(self._faults)
+        is_late = self._faults.strikes(VnaFault.LATE_MEMORY)
         is_slow = self._faults.strikes(VnaFault.SLOW_POINTS)
         sweep_faults = SweepFaults(
             stale=self._faults.strikes(VnaFault.STALE),
             slowest_point_s=self._description.slow_point_s if is_slow else 0.0,
-            midway=functools.partial(self._by_hand, change) if change else None,
+            shown_late_s=self._description.late_memory_s if is_late else 0.0,
+            midway=(lambda: [self._by_hand(one) for one in changes]) if changes else None,
         )
         self._sweeper.trigger(sweep_faults)
 

@@ -43,12 +43,15 @@ class SweepFaults:
     Attributes:
         stale: It is reported as complete at once, and its data are thrown away.
         slowest_point_s: No frequency takes less than this until the next trigger [s].
+        shown_late_s: The display shows it so much later than its end [s]; until then, what it
+            showed before.
         midway: Called once, from the sweeper's thread, when half of the sweep is done.
     """
 
     stale: bool = False
     slowest_point_s: float = 0.0
-    midway: Optional[Callable[[], None]] = None
+    shown_late_s: float = 0.0
+    midway: Optional[Callable[[], object]] = None
 
 
 NO_FAULTS = SweepFaults()

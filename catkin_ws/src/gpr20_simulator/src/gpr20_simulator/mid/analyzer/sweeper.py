@@ -10,7 +10,7 @@ import numpy as np
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.attention import Attention
 from gpr20_simulator.mid.analyzer.sweep_plan import NO_FAULTS, SweepFaults, SweepPace, SweepPlan
-from gpr20_simulator.mid.analyzer.trace_memory import SweepPart, TraceMemory
+from gpr20_simulator.mid.analyzer.trace_memory import LateDisplay, SweepPart, TraceMemory
 from gpr20_simulator.mid.world.medium import AntennaPosition, SweptMedium
 
 IDLE_WAIT_S = 60.0
@@ -50,7 +50,7 @@ class Sweeper:
         self._running = False
         self._single_shot = True
         self._discard = False
-        self._midway: Optional[Callable[[], None]] = None
+        self._midway: Optional[Callable[[], object]] = None
         self._faults = NO_FAULTS
         self._complete = False
         self._averaged = 0
@@ -63,6 +63,7 @@ class Sweeper:
         self._plan = plan
         self._frequency_hz = plan.frequency_hz()
         self._memory = TraceMemory(medium, self._frequency_hz)
+        self._late_display = LateDisplay(self._memory)
         self._attention = Attention(clock, pace)
         self._thread = threading.Thread(target=self._run, name="sweeper", daemon=True)
 
@@ -120,7 +121,7 @@ class Sweeper:
             if not self._is_read():
                 self._wake.set()
             self._attention.note_read()
-            return self._frequency_hz, self._memory.data()
+            return self._frequency_hz, self._late_display.shown(self._clock.now_s())
 
     def configure(self, plan: SweepPlan) -> None:
         """Sweep something else from now on; a sweep in progress restarts."""
@@ -130,6 +131,7 @@ class Sweeper:
             self._plan = plan
             self._frequency_hz = plan.frequency_hz()
             self._memory.set_frequencies(self._frequency_hz)
+            self._late_display.clear()
             self._complete = False
             self._averaged = 0
             self._paused_at_s = None
@@ -158,6 +160,7 @@ class Sweeper:
                 self._averaged = 0
             self._begin_sweep()
             self._discard = faults.stale
+            self._late_display.set_late(faults.shown_late_s > 0.0)
         self._wake.set()
 
     def set_continuous(self, continuous: bool) -> None:
@@ -262,7 +265,7 @@ class Sweeper:
             if generation == self._generation and self._running:
                 self._store(part, values)
 
-    def _take_midway(self, end: int) -> Optional[Callable[[], None]]:
+    def _take_midway(self, end: int) -> Optional[Callable[[], object]]:
         if 2 * end < self._plan.points:
             return None
         midway, self._midway = self._midway, None
@@ -281,6 +284,7 @@ class Sweeper:
         self._averaged = min(self._averaged + 1, self._plan.averages)
         is_awaited = self._plan.waits_for_average and self._averaged < self._plan.averages
         self._complete = self._complete or not is_awaited
+        self._late_display.measured(self._clock.now_s() + self._faults.shown_late_s)
         if self._single_shot and not is_awaited:
             self._running = False
             return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import Deque, List, Optional
+from typing import Deque, List, Optional, Tuple
 
 import numpy as np
 
@@ -122,3 +122,42 @@ class TraceMemory:
             forgotten = self._waiting.popleft()
             heir = self._waiting[0]
             heir.share = 1.0 - (1.0 - forgotten.share) * (1.0 - heir.share)
+
+
+class LateDisplay:
+    """What is shown of a memory whose sweeps reach the display only some time after their end.
+
+    Not safe for several threads at a time.
+
+    Args:
+        memory: What was measured.
+    """
+
+    def __init__(self, memory: TraceMemory) -> None:
+        self._memory = memory
+        # What is shown instead of the memory; what will be shown, and from when on [s].
+        self._frozen: Optional[np.ndarray] = None
+        self._coming: Deque[Tuple[float, np.ndarray]] = deque()
+
+    def set_late(self, late: bool) -> None:
+        """From now on show what is shown now until a sweep comes that has ended, or the memory."""
+        if not late:
+            self.clear()
+        elif self._frozen is None:
+            self._frozen = self._memory.data()
+
+    def measured(self, shown_s: float) -> None:
+        """Let what the memory holds now be shown from a moment on [s]."""
+        if self._frozen is not None:
+            self._coming.append((shown_s, self._memory.data()))
+
+    def shown(self, now_s: float) -> np.ndarray:
+        """Return a copy of the data that are shown now."""
+        while self._coming and self._coming[0][0] <= now_s:
+            _shown_s, self._frozen = self._coming.popleft()
+        return self._memory.data() if self._frozen is None else self._frozen.copy()
+
+    def clear(self) -> None:
+        """Show the memory as it is."""
+        self._frozen = None
+        self._coming.clear()

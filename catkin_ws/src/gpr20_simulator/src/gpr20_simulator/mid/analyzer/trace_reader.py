@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Tuple
+from typing import Callable, Dict, Iterable, Tuple
 
 import numpy as np
 
@@ -14,7 +14,13 @@ from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene, Power
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_commands import Numbers, trace_of
 from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
-from gpr20_simulator.mid.analyzer.vna_settings import BANDWIDTHS_HZ, TRACES, DataFormat, VnaSettings
+from gpr20_simulator.mid.analyzer.vna_settings import (
+    BANDWIDTHS_HZ,
+    PARAMETERS,
+    TRACES,
+    DataFormat,
+    VnaSettings,
+)
 
 REFERENCE_OHM = 50.0
 # Keeps the logarithm and the quotients finite where nothing is received.
@@ -94,7 +100,14 @@ NAN_EVERY = 50
 # to be distinguished from S21, which is all that a survey needs of them.
 REFLECTION = 0.3
 REFLECTION_DELAY_S = 1e-9
-BOARD_TEMPERATURE_QUARTERS = 160
+QUARTERS_PER_DEGREE = 4
+# The keys of a preamble that are for all four traces have these numbers in 4 bits for each.
+DOMAIN_NUMBERS = {"FREQ": 0, "TIME": 1, "DIST": 2, "FGT": 3}
+BITS_PER_TRACE = 4
+
+
+def _of_all(numbers: Iterable[int]) -> int:
+    return sum(one << (BITS_PER_TRACE * place) for place, one in enumerate(numbers))
 
 
 def payload(
@@ -209,7 +222,13 @@ class TraceReader:
         pairs = (
             ("SN", self._identity.serial),
             ("APP_VER", self._description.firmware),
-            ("S_TYPE", trace_of(settings, (number,)).parameter),
+            ("S_TYPE", PARAMETERS.index(trace_of(settings, (number,)).parameter)),
+            ("TRACE_S_TYPES", _of_all(PARAMETERS.index(one.parameter) for one in settings.traces)),
+            ("DOMAIN", DOMAIN_NUMBERS[trace_of(settings, (number,)).domain]),
+            ("TRACE_DOMAIN_TYPES", _of_all(DOMAIN_NUMBERS[one.domain] for one in settings.traces)),
+            ("TRACE_MATH_TYPES", self._description.trace_math),
+            ("SMOOTHING_PERCENT", self._description.smoothing_percent),
+            ("TOTAL_TRACE", settings.trace_total),
             ("SWEEP_TYPE", sweep_type),
             ("AVERAGING_COUNT", self._sweeper.averaged),
             ("AVERAGING_FACTOR", settings.averages),
@@ -217,7 +236,7 @@ class TraceReader:
             ("RF_SOURCE_POWER", int(settings.power is Power.HIGH)),
             # The instrument says 0 for on.
             ("CAL_CORRECTION", int(not self._calibration.is_applied(settings))),
-            ("CURRENT_TEMPERATURE", BOARD_TEMPERATURE_QUARTERS),
+            ("CURRENT_TEMPERATURE", round(self._description.temperature_c * QUARTERS_PER_DEGREE)),
             (f"TRACE_{number}_START_FREQ", f"{settings.start_hz / 1e6:.6f}"),
             (f"TRACE_{number}_STOP_FREQ", f"{settings.stop_hz / 1e6:.6f}"),
             (f"TRACE_{number}_DSP_DATA_POINTS", settings.points),

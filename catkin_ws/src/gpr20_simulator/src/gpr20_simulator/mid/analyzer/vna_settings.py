@@ -24,6 +24,7 @@ SETTLING = 1.4
 # Low is -15 to -25 dBm, high +3 to -3 dBm.
 LOW_POWER_NOISE_GAIN = 10.0
 BANDWIDTHS_HZ = (100000, 50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100, 50, 20, 10)
+# In the order of the numbers that a preamble has for them.
 PARAMETERS = ("S11", "S21", "S12", "S22")
 DOMAINS = ("FREQuency", "TIME", "DISTance", "FGT")
 GRAPH_TYPES = (

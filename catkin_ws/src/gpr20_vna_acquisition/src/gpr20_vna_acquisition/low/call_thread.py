@@ -11,6 +11,10 @@ from typing import Any, Callable, Optional
 CHECK_PERIOD_S = 0.1
 
 
+class CallNotEndedError(TimeoutError):
+    """A call did not end in time, and still runs."""
+
+
 class _Call:
     def __init__(self, action: Callable[[], Any]) -> None:
         self.action = action
@@ -51,7 +55,7 @@ class CallThread:
             check: Called again and again while it runs; raises if the caller must give up.
 
         Raises:
-            TimeoutError: It took longer.
+            CallNotEndedError: It took longer.
         """
         call = self._running = _Call(action)
         deadline_s = time.monotonic() + limit_s
@@ -59,7 +63,7 @@ class CallThread:
         while not call.done.wait(min(CHECK_PERIOD_S, max(0.0, deadline_s - time.monotonic()))):
             check()
             if time.monotonic() >= deadline_s:
-                raise TimeoutError(f"not ended within {limit_s:.3g} s")
+                raise CallNotEndedError(f"not ended within {limit_s:.3g} s")
         if call.error is not None:
             raise call.error
         return call.result

@@ -1,0 +1,104 @@
+"""Which analyzers have passed the checks: a file in the folder of the configuration."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from pathlib import Path
+from typing import Any, Dict, Sequence
+
+from gpr20_common import __version__
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.mid.extension import is_extension
+from gpr20_survey.files.durable_files import replace_file
+from gpr20_survey.trace import utc_time
+from gpr20_vna_acquisition.mid.conformance.suite import Result, passed
+from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+FILE = "checked_analyzers.json"
+FORMAT = "gpr20-analyzer-checks/1"
+
+
+def has_passed(folder: Path, parameters: VnaParameters) -> bool:
+    """Return whether the class that the parameters name has passed, as its source is now.
+
+    Args:
+        folder: Folder of the configuration.
+        parameters: They name a class outside this package.
+
+    Raises:
+        InvalidValueError: It cannot be loaded.
+    """
+    wanted = _subject(parameters, "")
+    return any(
+        one.get("passed") is True and {key: one.get(key) for key in wanted} == wanted
+        for one in _stored(folder)
+    )
+
+
+def store(folder: Path, parameters: VnaParameters, found: Sequence[Result]) -> Path:
+    """Store what was found in place of what was found of the same analyzer before.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    subject = _subject(parameters, str(found[0].text) if found else "")
+    others = [one for one in _stored(folder) if {key: one.get(key) for key in subject} != subject]
+    record: Dict[str, Any] = {
+        **subject,
+        "passed": passed(found),
+        "checked": utc_time.iso_text(time_of_day_us()),
+        "software": __version__,
+        "results": [
+            {
+                "check": one.check,
+                "status": one.status.value,
+                "text": str(one.text),
+                "values": {name: value for name, value in one.text.values.items()},
+            }
+            for one in found
+        ],
+    }
+    text = json.dumps(
+        {"format": FORMAT, "analyzers": [*others, record]}, indent=2, default=str, sort_keys=True
+    )
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / FILE
+    replace_file(path, text.encode("utf-8"))
+    return path
+
+
+def _subject(parameters: VnaParameters, identity: str) -> Dict[str, str]:
+    """Return what was checked: a class as its source is, or an instrument."""
+    if not is_extension(parameters.analyzer):
+        return {"analyzer": parameters.analyzer, "identity": identity}
+    options = json.dumps(parameters.analyzer_options, sort_keys=True, default=str)
+    return {
+        "analyzer": parameters.analyzer,
+        "options": options,
+        "source_sha256": _source_sha256(load_analyzer(parameters)),
+    }
+
+
+def _source_sha256(found: type) -> str:
+    """Return the checksum of the class's module, or of all modules of its package."""
+    package = sys.modules[found.__module__.partition(".")[0]]
+    folders = [Path(one) for one in getattr(package, "__path__", ())]
+    files = sorted(file for folder in folders for file in folder.rglob("*.py"))
+    if not files:
+        files = [Path(str(getattr(package, "__file__", None)))]
+    checksum = hashlib.sha256()
+    for file in filter(Path.is_file, files):
+        checksum.update(file.name.encode("utf-8") + b"\0" + file.read_bytes() + b"\0")
+    return checksum.hexdigest()
+
+
+def _stored(folder: Path) -> Sequence[Dict[str, Any]]:
+    try:
+        content = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        known = content["analyzers"] if content["format"] == FORMAT else []
+    except (OSError, ValueError, LookupError, TypeError):
+        return []  # what is not there, or damaged, shows nothing
+    return [one for one in known if isinstance(one, dict)]
