@@ -19,6 +19,7 @@ QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)
 # that stalls.
 LONGEST_S = 0.3 + 1.0 + 0.5 + 5.0
 GETPORT, CREATE_LINK, WRITE, READ, CLEAR, DESTROY_LINK = 3, 10, 11, 12, 15, 23
+LOCK, UNLOCK = 18, 19
 END = 4
 
 

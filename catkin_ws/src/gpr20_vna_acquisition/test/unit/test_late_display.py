@@ -20,7 +20,7 @@ from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 
 DATA = ":CALC1:DATA? SDAT"
 # More than the display may lag.
-LONG_S = 1.5
+LONG_S = 1.2
 
 
 def confirmed(bench: Bench) -> Sweep:
@@ -37,7 +37,7 @@ def confirmed(bench: Bench) -> Sweep:
 
 @settings(max_examples=60)
 @given(
-    late_s=st.floats(0.0, 1.45),
+    late_s=st.floats(0.0, 1.15),
     sweep_s=st.floats(0.001, 1.0),
     stale_bit_s=st.floats(0.0, 1.0),
     exchange_s=st.floats(0.0001, 0.05),

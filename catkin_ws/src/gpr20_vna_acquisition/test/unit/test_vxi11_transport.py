@@ -8,6 +8,7 @@ import threading
 import time
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hostile_server import (
     CLEAR,
@@ -15,9 +16,11 @@ from hostile_server import (
     DESTROY_LINK,
     GETPORT,
     HOST,
+    LOCK,
     LONGEST_S,
     QUICK,
     READ,
+    UNLOCK,
     WRITE,
     HostileServer,
     hang_up,
@@ -237,6 +240,37 @@ def test_clearing_reports_any_other_failure(server):
     server.spoil = on(CLEAR, lambda called, proper: proper[:28] + struct.pack(">i", 17))
     with raises_fault(faults.NO_LINK, "clearing"):
         connect(HOST, QUICK, server.port).clear()
+
+
+# What follows the record's header and the head of a reply; a server that lacks a procedure says so
+# in the head.
+@each_case(
+    "answer",
+    [
+        lambda proper: proper[:28] + struct.pack(">i", 8),
+        lambda proper: struct.pack(">I", 0x80000018) + proper[4:24] + struct.pack(">I", 3),
+    ],
+)
+def test_an_instrument_without_a_lock_is_used_without_one(server, answer):
+    server.spoil = on(LOCK, lambda called, proper: answer(proper))
+    link = connect(HOST, QUICK, server.port)
+    link.lock()
+    assert link.ask_raw("X?") == b"<X?>"
+    link.unlock()
+    assert UNLOCK not in server.calls
+
+
+def test_a_lock_of_another_link_is_named(server):
+    server.spoil = on(LOCK, lambda called, proper: proper[:28] + struct.pack(">i", 11))
+    with raises_fault(faults.LOCKED, "11: "):
+        connect(HOST, QUICK, server.port).lock()
+
+
+def test_a_lock_is_given_back(server):
+    link = connect(HOST, QUICK, server.port)
+    link.lock()
+    link.unlock()
+    assert server.calls[-2:] == [LOCK, UNLOCK]
 
 
 def test_a_failed_link_leaves_no_open_socket(server):

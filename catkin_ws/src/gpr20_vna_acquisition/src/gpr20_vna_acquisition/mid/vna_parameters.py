@@ -105,7 +105,7 @@ class VnaParameters:
     answer_timeout_s: float = bounded(*TIMES_S, 5.0)
     clear_on_connect: bool = True
     lock_instrument: bool = True
-    display_settle_s: float = bounded(0.0, 60.0, 1.5)
+    display_settle_s: float = bounded(0.0, 60.0, 1.2)
     settle_s: float = bounded(*TIMES_S, 2.0)
     poll_interval_s: float = bounded(*TIMES_S, 0.01)
     seconds_per_point: float = bounded(0.0, 10.0, SECONDS_PER_POINT)
