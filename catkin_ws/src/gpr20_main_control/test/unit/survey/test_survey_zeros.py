@@ -56,7 +56,8 @@ def test_a_zero_that_somebody_sets_pauses_the_survey_and_is_never_taken_for_its_
     at_sweep(bench, 5, bench.z.begin_zero)
     bench.start()
     bench.wait_for_fault(faults.MOVED_BY_OTHERS)
-    stored = len(bench.storage.samples)
+    stored = 5
+    bench.wait_for_visited(stored)
     bench.control.resume("")
     # The known point agrees: the antennas were at their mark. That proves nothing.
     bench.wait_for_fault(OTHER_ZEROS)
@@ -133,7 +134,8 @@ def test_agreeing_with_traces_that_nothing_proves_proves_nothing(bench):
     at_sweep(bench, 5, bench.z.begin_zero)
     bench.start()
     bench.wait_for_fault(faults.MOVED_BY_OTHERS)
-    stored = len(bench.storage.samples)
+    stored = 5
+    bench.wait_for_visited(stored)
     bench.control.resume("")
     bench.wait_for_fault(OTHER_ZEROS)
     bench.wait_for(State.PAUSED)
