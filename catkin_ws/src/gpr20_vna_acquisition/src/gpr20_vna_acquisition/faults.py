@@ -85,6 +85,10 @@ SWEEP_UNCONFIRMED = Fault(
     "vna.sweep_unconfirmed",
     Message("If the survey is paused, resume it: that measures the point again."),
 )
+NOT_AS_PROMISED = Fault(
+    "vna.class_not_as_promised",
+    Message("Ask the author of the analyzer's class to correct what the check names."),
+)
 BAD_DATA = Fault("vna.bad_data", remedies.CHECK_VNA)
 OLD_DATA = Fault("vna.old_data", remedies.CHECK_VNA)
 # Remarks on good data.

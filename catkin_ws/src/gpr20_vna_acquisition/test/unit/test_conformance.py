@@ -9,6 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+pytest.importorskip("rospkg")
+
 import toy_vna
 from case_kit import each_case
 from toy_vna import ADDRESS, MAKER, MODEL, ToyInstrument, ToyVna

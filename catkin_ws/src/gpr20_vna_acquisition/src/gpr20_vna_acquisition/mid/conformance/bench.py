@@ -11,6 +11,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaError, VnaNotReadyError, VnaSettingError
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
@@ -46,6 +47,8 @@ Outcome = Tuple[Status, Message]
 
 class NotAsPromisedError(VnaError):
     """An analyzer breaks a promise of the protocol."""
+
+    fault = faults.NOT_AS_PROMISED
 
 
 @dataclass(frozen=True)
