@@ -64,7 +64,10 @@ INTEGERS = {
 def hostile_values(kind):
     """Return values of a field's type that no client of ours would send."""
     if kind.endswith("]"):
-        one = hostile_values(kind[: kind.index("[")])
+        element, size = kind[:-1].split("[")
+        one = hostile_values(element)
+        if size:  # a list of another length cannot be sent
+            return [[value] * int(size) for value in one]
         ordinary = "x" if "string" in kind else one[0] * 0
         return [[], list(one)[:5], [ordinary] * MANY, [one[-1]]]
     if kind == "string":
