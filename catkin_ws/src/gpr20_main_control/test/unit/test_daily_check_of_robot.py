@@ -84,11 +84,11 @@ def test_a_check_that_is_given_up_or_fails_releases_the_analyzer():
 def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(tmp_path):
     verdict, damaged = checked(tmp_path)
     assert verdict.good and "first check" in str(verdict.message) and damaged == 0
-    assert "median of 1 checks" in str(checked(tmp_path)[0].message)
+    assert "checks before (1)" in str(checked(tmp_path)[0].message)
     # A check that differs is kept, and nothing is compared with it.
     for _ in range(3):
         differs = checked(tmp_path, gain=0.7)[0]
-        assert not differs.good and "median of 2 checks" in str(differs.message)
+        assert not differs.good and "checks before (2)" in str(differs.message)
     assert checked(tmp_path)[0].good
     for other in (CheckedRobot("other", False, ""), CheckedRobot("GPR-20", True, "")):
         assert "first check" in str(checked(tmp_path, gain=0.7, robot=other)[0].message)

@@ -77,7 +77,7 @@ HISTORY = [figures(seed) for seed in range(2, 9)]
 @each_case(
     "changes, words",
     [
-        ({}, "every figure agrees with the median of 7 checks"),
+        ({}, "every figure agrees with the median of the checks before (7)"),
         ({"gain": 0.8}, "differs by -1.94 dB"),
         ({"plate": (0.02, 3.25)}, "metal plate, delay of the echo: differs by +0.25 ns"),
         ({"plate": (0.01, 3.0)}, "metal plate, level of the echo: differs by -6.02 dB"),

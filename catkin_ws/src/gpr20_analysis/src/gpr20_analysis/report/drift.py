@@ -41,7 +41,7 @@ def drift_lines(survey: xr.Dataset) -> List[Message]:
         return [Message("Drift was not measured: the survey did not return to its first stop.")]
     lines = [
         Message(
-            "The first stop was measured again {count} times. The amplitude drifted by at most "
+            "Visits of the first stop: {count}. The amplitude drifted by at most "
             "{amplitude_db} dB and the phase by at most {phase_deg} deg, root mean square over "
             "the band.",
             count=len(visits),
@@ -50,7 +50,7 @@ def drift_lines(survey: xr.Dataset) -> List[Message]:
         ),
         Message(
             "Noise floor of one sweep below its signal, from two sweeps in a row at rest: at most "
-            "{noise_db} dB in {count} pairs.",
+            "{noise_db} dB (pairs: {count}).",
             noise_db=_text(max(_values(turns, "noise_db")), ".1f"),
             count=len(turns),
         ),

@@ -149,9 +149,9 @@ def test_drift_repeatability_and_noise_are_shown_with_their_number_of_visits(tmp
     ]
     text = text_with({"visits": visits, "limit_db": 0.25, "limit_deg": 10.0})
     for words in (
-        "measured again 2 times",
+        "Visits of the first stop: 2.",
         "at most 0.300 dB and the phase by at most 1.50 deg",
-        "at most -55.0 dB in 4 pairs",
+        "at most -55.0 dB (pairs: 4)",
         # Of 0.1 and -0.3: 0.4 / sqrt(2).
         "of 2 visits: gain 0.283 dB, delay 0.57 ps",
         "before trace 6, the drift exceeded 0.25 dB or 10.0 deg",

@@ -64,7 +64,8 @@ def main() -> int:
     try:
         return _check(given, catalogue, sys.stdin.readline)
     except KeyboardInterrupt:
-        print(f"\n{catalogue.tr('The check was stopped; nothing was stored.')}", file=sys.stderr)
+        stopped = catalogue.tr("The check was stopped; nothing was stored.")
+        print(f"\n{stopped}", file=sys.stderr)
         return STOPPED
     except (Gpr20Error, OSError, rospy.ROSException) as error:
         _print_failure(error, catalogue)
@@ -96,7 +97,7 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
     verdict, damaged = compare_with_history(check, robot, data, iso_text(time_of_day_us()))
     lines = [one.message for one in verdict.comparisons]
     if damaged:
-        lines.append(Message("{count} lines of the history cannot be read", count=damaged))
+        lines.append(Message("Lines of the history that cannot be read: {count}", count=damaged))
     print(*(catalogue.text(one) for one in [*lines, verdict.message]), sep="\n", flush=True)
     return GOOD if verdict.good else DIFFERS
 

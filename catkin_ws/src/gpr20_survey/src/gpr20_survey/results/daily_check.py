@@ -210,13 +210,14 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
     worst = max(comparisons, key=lambda one: one.part_of_limit)
     if worst.part_of_limit <= 1.0:
         message = Message(
-            "Good: every figure agrees with the median of {count} checks.", count=len(compared)
+            "Good: every figure agrees with the median of the checks before ({count}).",
+            count=len(compared),
         )
         return Verdict(True, message, comparisons)
     assert worst.value is not None and worst.usual is not None
     message = Message(
-        "{part}, {name}: differs by {difference} {unit} from the median of {count} checks; "
-        "{advice}.",
+        "{part}, {name}: differs by {difference} {unit} from the median of the checks before "
+        "({count}); {advice}.",
         part=PART_NAMES[worst.part],
         name=worst.kind.name,
         difference=f"{worst.value - worst.usual:+.2f}",
