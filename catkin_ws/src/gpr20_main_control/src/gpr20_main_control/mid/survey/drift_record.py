@@ -13,6 +13,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.radar.drift import Drift, drift_between, noise_db
+from gpr20_survey.trace.aux_value import VNA_TEMPERATURE
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
@@ -163,6 +164,7 @@ def _recorded(revisit: Revisit) -> Dict[str, Any]:
     stored = revisit.stored
     drift = drift_between(stored.frequency_hz, _s21(stored), revisit.mean)
     heights_m = [revisit.first.antennae_height_m, stored.antennae_height_m]
+    temperatures = [one.value for one in revisit.first.aux if one.name == VNA_TEMPERATURE]
     return {
         "index": stored.index,
         "z_deg": stored.z_coord_deg,
@@ -172,6 +174,7 @@ def _recorded(revisit: Revisit) -> Dict[str, Any]:
         "delay_ps": _finite(drift.delay_s * PS),
         "noise_db": _finite(noise_db(_s21(revisit.first), _s21(revisit.second))),
         "height_difference_m": _finite(heights_m[0] - heights_m[1]),
+        "vna_temperature_c": temperatures[0] if temperatures else None,
         **{name: _thinned(getattr(drift, name)) for name in DETAILS},
     }
 
