@@ -172,6 +172,14 @@ VNA_SETTINGS_REFUSED = Fault(
     ),
 )
 FREQUENCIES_CHANGED = Fault("survey.frequencies_changed", remedies.NEW_SURVEY, can_continue=False)
+DRIFTED = Fault(
+    "survey.drifted",
+    Message(
+        "Check that nothing was moved below the first stop, and the antenna cables and their "
+        "connectors; let the VNA warm up. Resume the survey: it measures the first stop again and "
+        "continues from there."
+    ),
+)
 SWEEP_UNCONFIRMED = Fault("survey.sweep_unconfirmed", remedies.CHECK_VNA)
 CONFIRMATION_LATE = Fault("survey.confirmation_late", remedies.LESS_LOAD)
 VNA_SILENT = Fault(

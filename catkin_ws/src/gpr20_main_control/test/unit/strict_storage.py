@@ -41,13 +41,14 @@ class StrictStorage:
         self.opened = survey_id
         self.outcomes.pop(survey_id, None)
         stored = self.samples[survey_id]
+        in_order = list(stored.values())
         return ReopenedSurvey(
             survey_id,
             folder_of(survey_id),
             self.records[survey_id].metadata_json,
             self.reports.get(survey_id, ""),
             tuple(sorted(stored)),
-            tuple(stored.values())[-8:],
+            (*in_order[:-8][:4], *in_order[-8:]),
             interrupted=interrupted,
         )
 

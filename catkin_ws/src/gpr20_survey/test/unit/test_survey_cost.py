@@ -17,6 +17,7 @@ from gpr20_survey.plan.survey_cost import (
     axis_move_duration_s,
     move_durations,
     needed_bytes,
+    planned_times,
     point_durations_s,
     survey_cost,
 )
@@ -113,3 +114,55 @@ def test_the_size_grows_with_traces_points_and_time():
     assert needed_bytes(36, 501, 100.0) > base
     assert needed_bytes(18, 1001, 100.0) > base
     assert needed_bytes(18, 501, 1000.0) > base
+
+
+def duration_of_moves(path):
+    """Return how long moves through points take, each axis at its own duration [s]."""
+    return sum(
+        max(
+            axis_move_duration_s(AXES[axis_id], getattr(after, name) - getattr(before, name))
+            for axis_id, name in zip(AxisId, ("x_mm", "y_mm", "z_deg"))
+        )
+        for before, after in zip(path, path[1:])
+    )
+
+
+@pytest.mark.parametrize("interval_s", [15.0, 40.0, 70.0])
+def test_the_visits_of_the_first_stop_are_part_of_the_planned_time(interval_s):
+    without = SurveySettings(reference_interval_s=0.0)
+    visiting = SurveySettings(reference_interval_s=interval_s)
+    points = survey_points(SMALL, TRAVEL)
+    alone = planned_times(points, SMALL.sweep_settings, CONFIG, without)
+    times = planned_times(points, SMALL.sweep_settings, CONFIG, visiting)
+    assert times.visits[-1] == len(points) and not any(one % 2 for one in times.visits)
+    # What the robot does, written out: its way with every visit, and its sweeps.
+    way, sweeps = [replace(points[0], x_mm=0.0, y_mm=0.0, z_deg=0.0)], 0
+    for index in range(len(points) + 1):
+        if index in times.visits:
+            way += points[:2]
+            sweeps += 4
+        way += points[index : index + 1]
+        sweeps += index < len(points)
+    settled = len(points) + 2 * len(times.visits)
+    expected_s = duration_of_moves(way) + settled * 0.5 + sweeps * 5 * 350e-6
+    assert sum(times.durations_s) == pytest.approx(expected_s)
+    begun = 0
+    for index in times.visits:
+        between_s = sum(alone.durations_s[begun:index])
+        assert index == len(points) or interval_s <= between_s < interval_s + 10.0
+        begun = index
+
+
+def test_a_survey_that_is_shorter_than_the_interval_costs_nothing_more():
+    points = survey_points(SMALL, TRAVEL)
+    short_s = sum(planned_times(points, SMALL.sweep_settings, CONFIG, SurveySettings()).durations_s)
+    times = planned_times(
+        points, SMALL.sweep_settings, CONFIG, SurveySettings(reference_interval_s=short_s + 1.0)
+    )
+    assert (times.visits, len(times.durations_s)) == ((), len(points))
+    assert sum(times.durations_s) == short_s
+    long = survey_cost(PARAMETERS, CONFIG, SurveySettings(reference_interval_s=60.0))
+    fast = survey_cost(
+        PARAMETERS, replace(CONFIG, time_scale=10.0), SurveySettings(reference_interval_s=60.0)
+    )
+    assert fast.duration_s == pytest.approx(long.duration_s / 10.0)

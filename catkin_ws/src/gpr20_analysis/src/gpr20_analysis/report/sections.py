@@ -21,6 +21,7 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.verification import FILES, verify_survey
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_analysis.report import pictures
+from gpr20_analysis.report.drift import HEADING, drift_lines, drift_rows, drift_warnings
 from gpr20_analysis.report.records import Section
 from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of, warnings_of
 from gpr20_analysis.sentences import ENGLISH, limited, sentences_of, shown
@@ -62,6 +63,7 @@ def sections_of(
         lambda: [pictures.as_measured(survey, options, catalogue)],
         lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
         lambda: [_table(Message("Measurement settings"), settings_of(survey), catalogue)],
+        lambda: [_drift(survey, catalogue)],
         lambda: [_sensors(survey, catalogue)],
         lambda: verification,
         lambda: [_table(Message("Software versions"), versions(survey), catalogue)],
@@ -155,6 +157,15 @@ def _sensors(survey: xr.Dataset, catalogue: Catalogue) -> Section:
         catalogue.tr("highest"),
     )
     return Section(catalogue.tr("Other sensors"), rows=rows, heading=heading if rows else ())
+
+
+def _drift(survey: xr.Dataset, catalogue: Catalogue) -> Section:
+    """Return what measuring the first stop again showed."""
+    title = Message("Drift and repeatability")
+    section = _section(title, drift_warnings(survey), drift_lines(survey), catalogue)
+    section.rows = drift_rows(survey)
+    section.heading = tuple(catalogue.text(one) for one in HEADING) if section.rows else ()
+    return section
 
 
 def _section(

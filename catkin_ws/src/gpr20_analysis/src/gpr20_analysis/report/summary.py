@@ -75,7 +75,7 @@ def heading_text(heading_deg: float) -> Message:
 
 def summary_of(survey: xr.Dataset) -> List[Row]:
     """Return the lines of a survey's summary."""
-    described = _description(survey)
+    described = description_of(survey)
     rows = [
         (title, _recorded(name, survey.attrs[name], described))
         for name, title in RECORDED.items()
@@ -117,7 +117,7 @@ def _recorded(name: str, value: object, described: Mapping[str, Any]) -> Message
 
 
 def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
-    report = _mapping(described, "report")
+    report = mapping_of(described, "report")
     if not report.get("verdict"):
         return None
     return received_message(str(report["verdict"]), json.dumps(report.get("verdict_message")))
@@ -125,7 +125,7 @@ def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
 
 def warnings_of(survey: xr.Dataset) -> List[Message]:
     """Return what the operator was warned of during the survey; none without survey.json."""
-    found = _mapping(_description(survey), "report").get("warnings")
+    found = mapping_of(description_of(survey), "report").get("warnings")
     return [
         Message(
             "warning of the robot at {time}: {warning}",
@@ -241,13 +241,16 @@ SETTINGS = {
     "height_s": Message("duration of a height measurement [s]"),
     "attempts": Message("attempts before a pause"),
     "on_height_failure": Message("if the height cannot be measured"),
+    "reference_interval_s": Message("time between visits of the first stop [s]"),
+    "drift_limit_db": Message("largest drift of the amplitude [dB]"),
+    "drift_limit_deg": Message("largest drift of the phase [deg]"),
 }
 
 
 def settings_of(survey: xr.Dataset) -> List[Row]:
     """Return title and text of each recorded setting; none without survey.json."""
-    described = _description(survey)
-    parameters = _mapping(described, "parameters")
+    described = description_of(survey)
+    parameters = mapping_of(described, "parameters")
     rows: List[Row] = []
     for axis in PLAN:
         start, stop, points = (parameters.get(f"{axis}_{end}") for end in ENDS)
@@ -256,7 +259,7 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
                 "{count} stops from {start} to {stop} mm", count=points, start=start, stop=stop
             )
             rows.append((Message("planned {axis}", axis=axis), text))
-    sweep = _mapping(_mapping(described, "instrument"), "sweep")
+    sweep = mapping_of(mapping_of(described, "instrument"), "sweep")
     ends: List[Any] = [sweep.get(key) for key in ("start_frequency_hz", "stop_frequency_hz")]
     if all(isinstance(end, (int, float)) for end in ends):
         start_ghz, stop_ghz = (end / HZ_PER_GHZ for end in ends)
@@ -267,9 +270,9 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
             stop_ghz=stop_ghz,
         )
         rows.append((Message("sweep accepted by the VNA"), text))
-    rows += _rows(_mapping(described, "instrument"), INSTRUMENT)
-    rows += _rows(_mapping(described, "settings"), SETTINGS)
-    for axis, own in _mapping(described, "axes").items():
+    rows += _rows(mapping_of(described, "instrument"), INSTRUMENT)
+    rows += _rows(mapping_of(described, "settings"), SETTINGS)
+    for axis, own in mapping_of(described, "axes").items():
         unit = Message("deg") if own.get("type") == "ROT" else verbatim("mm")
         text = Message(
             "{lower} to {upper} {unit}, in steps of {step} {unit}",
@@ -287,8 +290,8 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
 
 def _analyzers(described: Mapping[str, Any]) -> List[Row]:
     """Return the analyzer of a survey, and those with which it was continued."""
-    used = _mapping(described, "report").get("analyzers")
-    return _rows(_mapping(described, "instrument"), {"identity": Message("VNA")}) + [
+    used = mapping_of(described, "report").get("analyzers")
+    return _rows(mapping_of(described, "instrument"), {"identity": Message("VNA")}) + [
         (
             Message("VNA from trace {index}", index=str(one.get("from_index"))),
             verbatim(str(one.get("identity"))),
@@ -298,7 +301,8 @@ def _analyzers(described: Mapping[str, Any]) -> List[Row]:
     ]
 
 
-def _description(survey: xr.Dataset) -> Mapping[str, Any]:
+def description_of(survey: xr.Dataset) -> Mapping[str, Any]:
+    """Return the content of survey.json; empty if it is not known."""
     try:
         found = json.loads(survey.attrs.get("survey_json", "{}"))
     except (TypeError, ValueError):
@@ -306,7 +310,8 @@ def _description(survey: xr.Dataset) -> Mapping[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def _mapping(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+def mapping_of(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """Return an entry that is an object; empty if it is none."""
     found = described.get(key)
     return found if isinstance(found, dict) else {}
 

@@ -124,3 +124,40 @@ def test_a_survey_without_heights_gets_a_report_that_says_so(tmp_path):
     status, text = report(tmp_path, ALL, "finished", changes, more=())
     assert status == 0
     assert "not measured" in text and "No image was made" in text
+
+
+def turn(gain_db, noise_db=-60.0, z_deg=0.0):
+    figures = {"amplitude_rms_db": abs(gain_db), "phase_rms_deg": 1.5, "delay_ps": 2.0 * gain_db}
+    return {"z_deg": z_deg, "gain_db": gain_db, "noise_db": noise_db, **figures}
+
+
+@pytest.mark.usefixtures("blank_figures")
+def test_drift_repeatability_and_noise_are_shown_with_their_number_of_visits(tmp_path):
+    folder = make_survey(tmp_path, ALL, "finished")
+    path, output = folder / "survey.json", tmp_path / "report.html"
+
+    def text_with(drift):
+        report = {"report": {"drift": drift}}
+        path.write_text(json.dumps({**json.loads(path.read_text()), **report}))
+        main(["report", str(folder), "--output", str(output), "--overwrite", *OPTIONS, *LOW])
+        return output.read_text(encoding="utf-8")
+
+    visit = {"time": "2026-09-21T15:00:00+00:00", "next_index": 6, "exceeded": False}
+    visits = [
+        {**visit, "rotations": [turn(0.1), turn(0.2, None, 90.0)]},
+        {**visit, "rotations": [turn(-0.3, -55.0), turn(0.2, -70.0, 90.0)], "exceeded": True},
+    ]
+    text = text_with({"visits": visits, "limit_db": 0.25, "limit_deg": 10.0})
+    for words in (
+        "Visits of the first stop: 2.",
+        "at most 0.300 dB and the phase by at most 1.50 deg",
+        "at most -55.0 dB (pairs: 4)",
+        # Of 0.1 and -0.3: 0.4 / sqrt(2).
+        "of 2 visits: gain 0.283 dB, delay 0.57 ps",
+        "before trace 6, the drift exceeded 0.25 dB or 10.0 deg",
+        "<td>-0.300</td>",
+    ):
+        assert words in text
+    assert "Drift was not measured" in text_with({})
+    for odd in (7, {"visits": 7}, {"visits": [7, {"rotations": [7, {}]}]}):
+        assert "Drift and repeatability" in text_with(odd)

@@ -142,7 +142,11 @@ def test_every_sample_is_stored_once_in_order_and_only_if_it_was_confirmed():
 def run_survey(seed):
     chance = Chance(seed)
     analyzer, storage = RandomAnalyzer(chance), RandomStorage(chance)
-    bench = Bench(analyzer=analyzer, storage=storage, return_limit_s=3600.0)
+    # Some surveys return to their first stop to see the drift.
+    interval_s = chance.choice([0.0, 12.0])
+    bench = Bench(
+        analyzer=analyzer, storage=storage, return_limit_s=3600.0, reference_interval_s=interval_s
+    )
     for name, axis_id in zip("xyz", list(bench.robot.axes)):
         axis = RandomAxis(chance, finds_zero=name != "z")
         setattr(bench, name, axis)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from itertools import accumulate
-from typing import Callable, Dict, List, Sequence
+from itertools import accumulate, takewhile
+from typing import Callable, Dict, List, Sequence, Tuple
 
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -23,6 +23,9 @@ BYTES_PER_FREQUENCY = 3 * 24 + 2 * 3 * 8
 BYTES_PER_TRACE = 4096
 # Positions at up to 150 messages per second and everything else, in both recordings.
 RECORDED_BYTES_PER_S = 40_000
+
+# At each return to the first stop it is swept this many times in a row: that shows the noise.
+VISIT_SWEEPS = 2
 
 # A survey knows only a few distances, each up to a rounding of its grid.
 CACHED_DISTANCES = 4096
@@ -59,28 +62,91 @@ class MeasuringTimes:
         """Time at one point [s]; the height is measured while vibrations settle."""
         return max(self.settle_s, self.height_s) + sweep_duration_s(self.sweep)
 
+    @property
+    def visit_s(self) -> float:
+        """Time at the reference point at one rotation [s]."""
+        return self.total_s + (VISIT_SWEEPS - 1) * sweep_duration_s(self.sweep)
+
 
 def survey_cost(
     parameters: SurveyParameters, config: RobotConfig, settings: SurveySettings
 ) -> SurveyCost:
     """Return what a survey with these parameters costs on this robot."""
     points = survey_points(parameters, config.travel)
-    duration_s = sum(planned_durations_s(points, parameters.sweep_settings, config, settings))
+    duration_s = sum(planned_times(points, parameters.sweep_settings, config, settings).durations_s)
     return SurveyCost(
         duration_s, needed_bytes(len(points), parameters.frequency_points, duration_s)
     )
 
 
-def planned_durations_s(
+@dataclass(frozen=True)
+class PlannedTimes:
+    """When a survey does what.
+
+    Attributes:
+        durations_s: Duration of each point [s], with a visit of the reference before it, if any.
+            One more for the visit at the end, if any.
+        visits: Indices of the points before which the reference is visited, ascending; the number
+            of points for the visit at the end.
+    """
+
+    durations_s: Sequence[float]
+    visits: Tuple[int, ...]
+
+
+def planned_times(
     points: Sequence[SurveyPoint],
     sweep: SweepSettings,
     config: RobotConfig,
     settings: SurveySettings,
-) -> List[float]:
-    """Return how long each point of a survey takes on this robot [s]."""
+) -> PlannedTimes:
+    """Return how long each point of a survey takes on this robot, and when it visits its reference.
+
+    The reference is the first stop, at each of its rotations.
+    """
     times = MeasuringTimes(settings.settle_s, settings.height_s, sweep)
-    durations_s = point_durations_s(points, move_durations(config.axes), times)
-    return [duration_s / config.time_scale for duration_s in durations_s]
+    move_duration_s = move_durations(config.axes)
+    durations_s = point_durations_s(points, move_duration_s, times)
+    reference = first_stop(points)
+    visits = planned_visits(durations_s, len(reference), settings.reference_interval_s)
+    durations_s += [0.0] * bool(visits)
+    for index in visits:
+        path = [points[index - 1], *reference, *points[index : index + 1]]
+        direct_s = sum(_moves_s(points[index - 1 : index + 1], move_duration_s))
+        durations_s[index] += (
+            sum(_moves_s(path, move_duration_s)) - direct_s + len(reference) * times.visit_s
+        )
+    return PlannedTimes([one_s / config.time_scale for one_s in durations_s], visits)
+
+
+def first_stop(points: Sequence[SurveyPoint]) -> List[SurveyPoint]:
+    """Return the points of the first stop: one for each rotation."""
+    x_mm, y_mm = points[0].x_mm, points[0].y_mm
+    return list(takewhile(lambda one: (one.x_mm, one.y_mm) == (x_mm, y_mm), points))
+
+
+def planned_visits(
+    durations_s: Sequence[float], rotations: int, interval_s: float
+) -> Tuple[int, ...]:
+    """Return before which points a survey visits its reference: at new stops, and at its end.
+
+    Args:
+        durations_s: Duration of each point without visits [s].
+        rotations: Number of points at each stop.
+        interval_s: Time after which the reference is visited [s]; 0: never.
+
+    Returns:
+        Indices of points; empty for a survey that is shorter than the interval.
+    """
+    if not interval_s or sum(durations_s) < interval_s:
+        return ()
+    visits, since_s = [], 0.0
+    for index, duration_s in enumerate(durations_s):
+        if since_s >= interval_s and index % rotations == 0:
+            visits.append(index)
+            since_s = 0.0
+        since_s += duration_s
+    return (*visits, len(durations_s))
 
 
 def point_durations_s(
@@ -90,17 +156,19 @@ def point_durations_s(
 
     The move to the first point begins at the zero of the axes.
     """
-    durations = []
-    before = SurveyPoint(-1, 0.0, 0.0, 0.0)
-    for point in points:
-        move_s = max(
-            move_duration_s(AxisId.X, point.x_mm - before.x_mm),
-            move_duration_s(AxisId.Y, point.y_mm - before.y_mm),
-            move_duration_s(AxisId.Z, point.z_deg - before.z_deg),
+    path = [SurveyPoint(-1, 0.0, 0.0, 0.0), *points]
+    return [move_s + times.total_s for move_s in _moves_s(path, move_duration_s)]
+
+
+def _moves_s(path: Sequence[SurveyPoint], move_duration_s: MoveDuration) -> List[float]:
+    return [
+        max(
+            move_duration_s(AxisId.X, after.x_mm - before.x_mm),
+            move_duration_s(AxisId.Y, after.y_mm - before.y_mm),
+            move_duration_s(AxisId.Z, after.z_deg - before.z_deg),
         )
-        durations.append(move_s + times.total_s)
-        before = point
-    return durations
+        for before, after in zip(path, path[1:])
+    ]
 
 
 def needed_bytes(traces: int, frequency_points: int, duration_s: float) -> int:

@@ -10,6 +10,8 @@ from gpr20_survey.trace.trace import Trace
 
 # As many contain a whole stop of a survey with up to four rotations.
 RECENT_TRACES = 8
+# The first stop of a survey with up to four rotations, with which its drift is compared.
+FIRST_TRACES = 4
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,8 @@ class ReopenedSurvey:
         metadata_json: As it was recorded at its start.
         report_json: Its last report; empty if none exists.
         stored_indices: Indices in the plan of the stored, readable traces, ascending.
-        recent: The traces stored last, the latest last.
+        recent: Those of the first traces of the plan that are stored, and the traces stored last,
+            the latest last.
         repairs: What was repaired; the answer has it as a part of its sentence only.
         interrupted: Folder of another survey that was still open and was closed; empty if none.
     """

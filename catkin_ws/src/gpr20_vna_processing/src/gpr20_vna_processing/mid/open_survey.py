@@ -32,7 +32,7 @@ from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
-from gpr20_survey.results.reopened_survey import RECENT_TRACES, ReopenedSurvey
+from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES, ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
@@ -75,12 +75,13 @@ class OpenSurvey:
             topics: Makes the messages of traces.
             publication: Publishes every trace when it is durable.
             stored: The traces that are stored already, by their index.
-            recent: The traces that were stored last.
+            recent: The first traces of the plan, and those that were stored last.
             types: The checksums of the message types that the recordings hold of each topic.
         """
         self.folder = folder
         self.description = self.opened_as = description
         self.survey_id: str = description["survey_id"]
+        self._first = {one.index: one for one in recent if one.index < FIRST_TRACES}
         self._recent = deque(recent, maxlen=RECENT_TRACES)
         stored = stored or {}
         self.stored_traces = len(stored)
@@ -159,13 +160,15 @@ class OpenSurvey:
     def reopened(self, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
         """Return the answer for a survey that was opened again."""
         report = self.description.get("report")
+        recent = {one.index for one in self._recent}
+        first = [self._first[index] for index in sorted(self._first.keys() - recent)]
         return ReopenedSurvey(
             survey_id=self.survey_id,
             folder=str(self.folder),
             metadata_json=json.dumps(survey_metadata.metadata_of(self.description)),
             report_json="" if report is None else json.dumps(report),
             stored_indices=tuple(self._stored_indices()),
-            recent=tuple(self._recent),
+            recent=(*first, *self._recent),
             repairs=repairs,
         )
 
@@ -208,6 +211,8 @@ class OpenSurvey:
             stored = self._pending.pop(next(iter(self._pending)))
             self.stored_traces += 1
             self._recent.append(stored.trace)
+            if stored.trace.index < FIRST_TRACES:
+                self._first[stored.trace.index] = stored.trace
             self._publication.stored(stored.trace)
 
     def report(self, report: Dict[str, Any]) -> int:

@@ -42,7 +42,7 @@ from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.markers import MARKERS, markers_of
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.results.reopened_survey import RECENT_TRACES
+from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
@@ -63,7 +63,7 @@ class RepairedSurvey:
     stored: Dict[int, TraceFile]
     """The trace of each index that is stored."""
     recent: Tuple[Trace, ...]
-    """The traces that were stored last, the latest last."""
+    """The first traces of the plan, and those that were stored last, the latest last."""
     repairs: Tuple[Message, ...]
     """What was repaired."""
     types: Dict[str, Set[str]]
@@ -246,7 +246,8 @@ class Reopening:
     def _recent(self) -> Tuple[Trace, ...]:
         moments = {index: (file.timestamp_us, index) for index, file in self._files.items()}
         newest = sorted(moments, key=lambda index: moments[index])[-RECENT_TRACES:]
-        paths = [self._traces / self._files[index].name for index in newest]
+        first = sorted(one for one in moments if one < FIRST_TRACES and one not in newest)
+        paths = [self._traces / self._files[index].name for index in [*first, *newest]]
         return tuple(read_again(path, self._description["survey_id"]) for path in paths)
 
 

@@ -22,7 +22,7 @@ from reopening_kit import (
     messages_in_mcap,
 )
 from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import SURVEY, assert_same_numbers, read_json
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 
 from gpr20_common.message import Fault, verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
@@ -142,6 +142,22 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
     assert len(read_json(folder / "survey.json")["resumed"]) == 2
     finish(kit, folder, reopened)
+
+
+def test_the_first_traces_are_answered_beside_the_latest(tmp_path):
+    kit = Kit(tmp_path, open_recordings)
+    kit.open(metadata_json=METADATA.replace("7", "20"))
+    traces = [make_trace(index, timestamp_us=STARTED_US + 10**6 * index) for index in range(14)]
+    fill(kit, traces)
+    expected = [0, 1, 2, 3, *range(6, 14)]
+    assert [one.index for one in kit.processing.reopen_survey(SURVEY).recent] == expected
+    kit.processing.shut_down()
+    again = Kit(tmp_path, open_recordings)
+    assert [one.index for one in again.processing.reopen_survey(SURVEY).recent] == expected
+    fill(again, [make_trace(14, timestamp_us=STARTED_US + 10**6 * 20)])
+    later = [0, 1, 2, 3, *range(7, 15)]
+    assert [one.index for one in again.processing.reopen_survey(SURVEY).recent] == later
+    again.processing.shut_down()
 
 
 def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):

@@ -147,7 +147,9 @@ class SurveyEngine:
             self._interruption.check_stop()
             self._actions.resolve_unconfirmed(self._resolving_check(error))
             self._recover_or_pause(error)
-        return self._all_stored and self._ending.finish_now(self._interruption.check)
+        if not self._all_stored or self._progress.visit is not None:
+            return False
+        return self._ending.finish_now(self._interruption.check)
 
     def _execute_steps(self) -> bool:
         """Execute the steps to the end; return False if a pause was requested on the way."""
@@ -210,6 +212,7 @@ class SurveyEngine:
     def _wait_paused(self, message: Message, error: Optional[DeviceError] = None) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
         self._archive.stop_timing()
+        paused_s = self._survey.clock.now_s()
         self._pause_requested.clear()
         # A request that sees the new state waits until all of this is done.
         with self._lock:
@@ -222,3 +225,7 @@ class SurveyEngine:
             self._survey.clock_steps.check()
             self._survey.clock.wait_s(self._resume, POLL_S)
         self._recovery.note_resumed()
+        plan = self._survey.plan
+        interval_s = plan.settings.reference_interval_s / plan.config.time_scale
+        if self._survey.clock.now_s() - paused_s >= interval_s:
+            self._progress.note_long_pause()

@@ -10,8 +10,13 @@ from gpr20_main_control import faults
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
+from gpr20_main_control.mid.survey.drift_record import DriftRecord
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
+from gpr20_main_control.mid.survey.survey_report import (
+    AnalyzerRecord,
+    SurveyReport,
+    recorded_drift,
+)
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveyProgress
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
@@ -106,6 +111,7 @@ class RunningSurvey:
         progress: Where the survey is, from which the remaining steps follow.
         analyzers: With which analyzers it is measured.
         zeros: To which zeros of the axes its traces refer.
+        drift: How its reference drifts.
         coverage: The state of each planned sample.
         report: What is stored about it beside its traces.
         clock_steps: Notices that the computer's clock was set.
@@ -134,7 +140,10 @@ class RunningSurvey:
         self.zeros = ZeroRecord(plan.zeros, plan.config.axes)
         self.coverage = Coverage(plan.total_points, plan.stored_indices)
         former_report = "" if plan.reopened is None else plan.reopened.report_json
-        self.report = SurveyReport(self.coverage, self.analyzers, self.zeros, former_report)
+        self.drift = DriftRecord(plan.settings, recorded_drift(former_report))
+        self.report = SurveyReport(
+            self.coverage, self.analyzers, self.zeros, former_report, self.drift
+        )
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
         self.clock_steps = ClockSteps(self.clock, plan.last, self.show_warning)

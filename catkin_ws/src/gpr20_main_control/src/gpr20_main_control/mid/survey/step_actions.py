@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
 from gpr20_main_control.mid.devices.instruments import AnalyzerState, Instruments
 from gpr20_main_control.mid.survey import survey_steps as steps
+from gpr20_main_control.mid.survey.drift_record import Revisit
 from gpr20_main_control.mid.survey.known_point import compare_known_point
 from gpr20_main_control.mid.survey.recovery import Recovery
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
@@ -54,6 +55,7 @@ class StepActions:
             steps.Open: self._open,
             steps.Home: self._home,
             steps.Compare: self._compare,
+            steps.Visit: self._visit,
             steps.Move: self._move,
             steps.Settle: self._settle,
             steps.Confirm: self._confirm,
@@ -137,6 +139,7 @@ class StepActions:
                 Message("Measuring point {index} again, to compare", index=point.index)
             )
             self._move_to(point)
+            self._sampling.settle(point, compared=True)
             measured.append(self._repeated(point))
         known = compare_known_point(step.stored, measured)
         try:
@@ -160,9 +163,29 @@ class StepActions:
     def _now(self) -> str:
         return iso_text(self._survey.clock.time_of_day_us())
 
+    def _visit(self, step: steps.Visit) -> None:
+        """Measure the reference again, and pause if it has drifted too far."""
+        self._status.set_message(Message("Measuring the first stop again, to see the drift"))
+        revisits: List[Revisit] = []
+        for stored in step.stored:
+            point = self._plan.points[stored.index]
+            self._move_to(point)
+            self._sampling.settle(point)
+            revisits.append(Revisit(stored, self._repeated(point), self._repeated(point)))
+        drift = self._survey.drift
+        visit = drift.note(revisits, self._next_index, self._now())
+        self._archive.send_report(self._interruption.check)
+        if visit.exceeded:
+            exceeded = drift.ask(visit)
+            if self._progress.next is not None:
+                raise exceeded
+            # Nothing is left to measure: the operator need not decide.
+            self._survey.show_warning(exceeded.message)
+        self._progress.note_visited()
+        self._status.set_message(in_a_row([MEASURING, visit.message]))
+
     def _repeated(self, point: SurveyPoint) -> Trace:
-        """Measure a point that is stored already."""
-        self._sampling.settle(point, compared=True)
+        """Measure a point that is stored already, at which the axes have settled."""
         for attempt in range(self._plan.settings.attempts):
             try:
                 self._sampling.sweep(point, lambda _trace: None)

@@ -113,6 +113,10 @@ class SurveyArchive:
         """Store the results of repeat measurements, and the zeros that they prove."""
         for repeat in repeats:
             self._survey.report.note_repeat(repeat, time_of_day_us())
+        self.send_report(check)
+
+    def send_report(self, check: Check) -> None:
+        """Store the report as it is now."""
         self._send_report(self._survey.report.to_json(), check)
 
     def send_last_report(self, check: Check) -> int:

@@ -44,6 +44,7 @@ class SurveyEnding:
         stored, total = self._archive.send_last_report(check), self._survey.plan.total_points
         if verdict.complete and stored == total:
             state, outcome = SurveyState.FINISHED, "finished"
+            self._status.set_progress(stored, 0.0)
             message = Message(
                 "Finished, {verdict}; {stored} traces in {folder}",
                 verdict=verdict.message,

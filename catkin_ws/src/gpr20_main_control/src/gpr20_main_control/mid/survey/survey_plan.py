@@ -20,7 +20,7 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_survey.plan.survey_cost import planned_durations_s
+from gpr20_survey.plan.survey_cost import VISIT_SWEEPS, first_stop, planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, check
 from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -50,11 +50,14 @@ class SurveyPlan:
         config: The robot that measures.
         settings: Settings of its execution.
         points: All points in the order of their visit.
-        durations_s: Duration of each point [s].
+        durations_s: Duration of each point [s], with a visit of the reference before it, if any;
+            one more for the visit at the end, if any.
         survey_id: UUID; empty before the survey begins.
         reopened: What is stored of it; None if it is new.
         annotation: What people added to it at its start.
         refines: Id of the survey that it measures more finely; empty: none.
+        visits: Indices of the points before which it visits its reference, the first stop, to see
+            the drift; the number of points for the visit at the end.
     """
 
     parameters: SurveyParameters
@@ -66,6 +69,7 @@ class SurveyPlan:
     reopened: Optional[ReopenedSurvey] = None
     annotation: Annotation = EMPTY
     refines: str = ""
+    visits: Sequence[int] = ()
 
     @property
     def sweep_settings(self) -> SweepSettings:
@@ -148,8 +152,13 @@ class SurveyPlan:
 
     @property
     def pending_durations_s(self) -> List[float]:
-        """Durations of the points that are not on the disk yet [s]."""
-        return [self.durations_s[point.index] for point in self.pending]
+        """Durations of the points that are not on the disk yet, and of the end [s]."""
+        return [self.durations_s[index] for index in self._pending_indices]
+
+    @property
+    def _pending_indices(self) -> List[int]:
+        at_end = range(self.total_points, len(self.durations_s))
+        return [*(point.index for point in self.pending), *at_end]
 
     def pending_durations_with_s(self, measured_s: float) -> List[float]:
         """Return the same durations [s] with sweeps as long as measured [s]; 0 if unknown."""
@@ -157,7 +166,12 @@ class SurveyPlan:
             return self.pending_durations_s
         planned_s = sweep_duration_s(self.parameters.sweep_settings)
         longer_s = measured_s - planned_s / self.config.time_scale
-        return [duration_s + longer_s for duration_s in self.pending_durations_s]
+        visit_sweeps = VISIT_SWEEPS * len(first_stop(self.points))
+        return [
+            self.durations_s[index]
+            + longer_s * ((index < self.total_points) + visit_sweeps * (index in self.visits))
+            for index in self._pending_indices
+        ]
 
 
 def plan_survey(
@@ -170,8 +184,8 @@ def plan_survey(
     """
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
-    durations_s = planned_durations_s(points, parameters.sweep_settings, config, settings)
-    return SurveyPlan(parameters, config, settings, points, durations_s)
+    times = planned_times(points, parameters.sweep_settings, config, settings)
+    return SurveyPlan(parameters, config, settings, points, times.durations_s, visits=times.visits)
 
 
 def plan_resumption(

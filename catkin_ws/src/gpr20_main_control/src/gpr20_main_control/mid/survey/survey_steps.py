@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Deque, Iterator, Optional, Tuple, Union
+from typing import Deque, Dict, Iterator, Optional, Tuple, Union
 
 from gpr20_main_control.mid.survey.known_point import known_traces
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
@@ -32,6 +32,13 @@ class Home:
 @dataclass(frozen=True)
 class Compare:
     """Measure a known point again, at every rotation, and compare it with its stored traces."""
+
+    stored: Tuple[Trace, ...]
+
+
+@dataclass(frozen=True)
+class Visit:
+    """Measure the first stop again, at every rotation, to see the drift since."""
 
     stored: Tuple[Trace, ...]
 
@@ -74,7 +81,7 @@ class Finish:
     """Wait until everything is stored, and close the survey."""
 
 
-Step = Union[Check, Open, Home, Compare, Checkpoint, Move, Settle, Confirm, Sweep, Finish]
+Step = Union[Check, Open, Home, Compare, Visit, Checkpoint, Move, Settle, Confirm, Sweep, Finish]
 
 
 class SurveyProgress:
@@ -99,6 +106,13 @@ class SurveyProgress:
         self._pending = plan.pending
         self._confirmed = 0
         self._awaiting = False
+        self._reference: Dict[int, Trace] = {}
+        for trace in plan.recent:
+            self._keep_reference(trace)
+        self._total = plan.total_points
+        self._visits = frozenset(plan.visits)
+        self._visited: Optional[int] = None
+        self._visit_now = resumed and len(self._reference) == self._rotations
 
     @property
     def unconfirmed(self) -> Optional[SurveyPoint]:
@@ -121,6 +135,28 @@ class SurveyProgress:
         """The stored traces of a known point, at every rotation so far."""
         return tuple(known_traces(self._recent, self._rotations))
 
+    @property
+    def visit(self) -> Optional[Visit]:
+        """The visit of the reference that comes next; None if another point does."""
+        index = self._total if self.next is None else self.next.index
+        due = self._visit_now or (index in self._visits and index != self._visited)
+        if not self._visits or not due or len(self._reference) < self._rotations:
+            return None
+        return Visit(tuple(trace for _, trace in sorted(self._reference.items())))
+
+    def note_long_pause(self) -> None:
+        """Note a pause as long as the time between visits: the reference is visited next."""
+        self._visit_now = True
+
+    def note_visited(self) -> None:
+        """Note that the reference was visited."""
+        self._visited = self._total if self.next is None else self.next.index
+        self._visit_now = False
+
+    def _keep_reference(self, trace: Trace) -> None:
+        if trace.index < self._rotations:
+            self._reference[trace.index] = trace
+
     def note_homed(self, compare: bool) -> None:
         """Note that the axes are homed.
 
@@ -140,6 +176,7 @@ class SurveyProgress:
         self._confirmed += 1
         self.last = trace
         self._recent.append(trace)
+        self._keep_reference(trace)
 
     def note_rejected(self) -> None:
         """Note that the sweep could not be confirmed: its point is the next to measure."""
@@ -162,7 +199,15 @@ def survey_steps(plan: SurveyPlan, progress: SurveyProgress) -> Iterator[Step]:
     yield Home(progress.home_every_axis)
     if progress.compare and progress.known:
         yield Compare(progress.known)
-    while not progress.all_confirmed:
+    while not progress.all_confirmed or progress.visit is not None:
+        if progress.visit is not None:
+            yield Checkpoint()
+            if progress.unconfirmed is not None:
+                yield Confirm(progress.unconfirmed)
+            # Not if the sweep was rejected: its point is measured again first.
+            if progress.visit is not None:
+                yield progress.visit
+            continue
         point = progress.next
         if point is not None:
             yield Checkpoint()

@@ -96,6 +96,8 @@ INTEGER_STEPS_PER_UNIT = 1_000_000
 FREQUENCY_DIGITS = 12
 TRUNCATED_BYTES = 9
 NAN_EVERY = 50
+# Of a plug that is loose: 3.1 dB less, 20 degrees.
+LOOSE_PLUG_FACTOR = np.complex64(0.7 * np.exp(-1j * np.pi / 9.0))
 # S11 and S22 are those of an antenna that reflects alike at all frequencies: good enough
 # to be distinguished from S21, which is all that a survey needs of them.
 REFLECTION = 0.3
@@ -248,6 +250,8 @@ class TraceReader:
         frequency_hz, transmission = self._sweeper.snapshot()
         if parameter in ("S21", "S12"):
             # Antennas and soil are reciprocal.
+            if self._faults.is_on(VnaFault.LOOSE_PLUG):
+                transmission = transmission * LOOSE_PLUG_FACTOR
             return frequency_hz, transmission
         reflection = REFLECTION * np.exp(-2j * np.pi * frequency_hz * REFLECTION_DELAY_S)
         return frequency_hz, reflection.astype(np.complex64)

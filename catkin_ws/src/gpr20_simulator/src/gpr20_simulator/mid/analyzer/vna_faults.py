@@ -43,6 +43,7 @@ class VnaFault(enum.Enum):
     HAND_POWER = "HAND_POWER"  # sweeps in whose middle somebody changes the output power
     HAND_PUT_BACK = "HAND_PUT_BACK"  # sweeps in whose middle the bandwidth is changed and put back
     HAND_START = "HAND_START"  # sweeps in whose middle somebody changes the start frequency
+    LOOSE_PLUG = "LOOSE_PLUG"  # nothing: S21 is 3 dB lower and turned as long as it is on
 
 
 # Their count is a number of seconds, whatever happens meanwhile.

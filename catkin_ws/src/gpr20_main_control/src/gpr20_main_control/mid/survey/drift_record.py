@@ -1,0 +1,190 @@
+"""The drift of one survey: its first stop, measured again from time to time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Sequence
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.radar.drift import Drift, drift_between, noise_db
+from gpr20_survey.trace.aux_value import VNA_TEMPERATURE
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.trace import Trace
+
+VISITS = "visits"
+# The report is bounded: of more frequencies, evenly chosen ones; of more visits, the latest ones
+# have values at each frequency, and all have their figures.
+MAX_FREQUENCIES = 201
+MAX_DETAILED_VISITS = 300
+DETAILS = ("amplitude_db", "phase_deg")
+PS = 1e12
+
+
+@dataclass(frozen=True)
+class Revisit:
+    """A point of the reference and two sweeps of it in a row, with the axes at rest."""
+
+    stored: Trace
+    first: Trace
+    second: Trace
+
+    @property
+    def mean(self) -> np.ndarray:
+        """S21, the mean of both sweeps."""
+        return (_s21(self.first) + _s21(self.second)) / 2.0
+
+
+@dataclass(frozen=True)
+class Visit:
+    """What a visit of the reference says.
+
+    Attributes:
+        worst: The drift at the rotation where it is largest, since the start or what was accepted.
+        z_deg: That rotation [deg].
+        exceeded: Whether it exceeds a limit.
+    """
+
+    worst: Drift
+    z_deg: float
+    exceeded: bool
+
+    @property
+    def message(self) -> Message:
+        """The drift in one sentence."""
+        # As text: an infinite drift has no number in JSON.
+        return Message(
+            "the reference point at {z_deg:g} deg has drifted by {amplitude_db} dB and "
+            "{phase_deg} deg",
+            z_deg=self.z_deg,
+            amplitude_db=f"{self.worst.amplitude_rms_db:.2f}",
+            phase_deg=f"{self.worst.phase_rms_deg:.1f}",
+        )
+
+
+class DriftRecord:
+    """The visits of the reference of one survey, and whether the drift is within its limits.
+
+    After too large a drift the operator looks for its cause and resumes the survey. The reference
+    is then measured again, and the limits apply to the drift since. What is stored is always the
+    drift since the start.
+    """
+
+    def __init__(self, settings: SurveySettings, former: Mapping[str, Any]) -> None:
+        """Begin, or continue, a record.
+
+        Args:
+            settings: Have the limits.
+            former: The entry in the report of a survey that is resumed; empty if none.
+        """
+        self._settings = settings
+        self._former = dict(former)
+        self._visits: List[Dict[str, Any]] = list(former.get(VISITS, []))
+        self._accepted: Dict[int, np.ndarray] = {}
+        self._asked = False
+
+    def note(self, revisits: Sequence[Revisit], next_index: int, time: str) -> Visit:
+        """Note a visit.
+
+        Args:
+            revisits: One of each rotation.
+            next_index: Index of the next trace.
+            time: The time of day.
+        """
+        accepted, self._asked = self._asked, False
+        if accepted:
+            self._accepted = {one.stored.index: one.mean for one in revisits}
+        drifts = [self._since_accepted(one) for one in revisits]
+        worst = max(range(len(drifts)), key=lambda place: self._part_of_limits(drifts[place]))
+        exceeded = not self._part_of_limits(drifts[worst]) <= 1.0
+        self._visits.append(
+            {
+                "time": time,
+                "next_index": next_index,
+                "accepted": accepted,
+                "exceeded": exceeded,
+                "rotations": [_recorded(one) for one in revisits],
+            }
+        )
+        for visit in self._visits[:-MAX_DETAILED_VISITS]:
+            for rotation in visit["rotations"]:
+                for name in DETAILS:
+                    rotation.pop(name, None)
+        self._former["frequency_hz"] = _thinned(revisits[0].stored.frequency_hz)
+        return Visit(drifts[worst], revisits[worst].stored.z_coord_deg, exceeded)
+
+    def ask(self, visit: Visit) -> DeviceError:
+        """Return what asks the operator; the next visit is accepted as it is."""
+        self._asked = True
+        return DeviceError(
+            Message(
+                "{drift}; allowed are {limit_db:g} dB and {limit_deg:g} deg",
+                drift=visit.message,
+                limit_db=self._settings.drift_limit_db,
+                limit_deg=self._settings.drift_limit_deg,
+            ),
+            fault=faults.DRIFTED,
+        )
+
+    def entry(self) -> Dict[str, Any]:
+        """Return the entry of the report; empty without visits."""
+        if not self._visits:
+            return {}
+        return {
+            **self._former,
+            "interval_s": self._settings.reference_interval_s,
+            "limit_db": self._settings.drift_limit_db,
+            "limit_deg": self._settings.drift_limit_deg,
+            VISITS: self._visits,
+        }
+
+    def _since_accepted(self, revisit: Revisit) -> Drift:
+        stored = revisit.stored
+        earlier = self._accepted.get(stored.index, _s21(stored))
+        return drift_between(stored.frequency_hz, earlier, revisit.mean)
+
+    def _part_of_limits(self, drift: Drift) -> float:
+        return max(
+            drift.amplitude_rms_db / self._settings.drift_limit_db,
+            drift.phase_rms_deg / self._settings.drift_limit_deg,
+        )
+
+
+def _s21(sweep: Sweep) -> np.ndarray:
+    return sweep.s21_real + 1j * sweep.s21_imag
+
+
+def _recorded(revisit: Revisit) -> Dict[str, Any]:
+    """Return the drift at one rotation since the survey's start."""
+    stored = revisit.stored
+    drift = drift_between(stored.frequency_hz, _s21(stored), revisit.mean)
+    heights_m = [revisit.first.antennae_height_m, stored.antennae_height_m]
+    temperatures = [one.value for one in revisit.first.aux if one.name == VNA_TEMPERATURE]
+    return {
+        "index": stored.index,
+        "z_deg": stored.z_coord_deg,
+        "amplitude_rms_db": _finite(drift.amplitude_rms_db),
+        "phase_rms_deg": _finite(drift.phase_rms_deg),
+        "gain_db": _finite(drift.gain_db),
+        "delay_ps": _finite(drift.delay_s * PS),
+        "noise_db": _finite(noise_db(_s21(revisit.first), _s21(revisit.second))),
+        "height_difference_m": _finite(heights_m[0] - heights_m[1]),
+        "vna_temperature_c": temperatures[0] if temperatures else None,
+        **{name: _thinned(getattr(drift, name)) for name in DETAILS},
+    }
+
+
+def _thinned(values: np.ndarray) -> List[Any]:
+    count = min(len(values), MAX_FREQUENCIES)
+    places = np.linspace(0, len(values) - 1, count).round().astype(int)
+    return [_finite(float(one)) for one in values[places]]
+
+
+def _finite(value: float) -> Any:
+    # Strict JSON has no other numbers; more digits than these are noise.
+    return round(value, 4) if math.isfinite(value) else None

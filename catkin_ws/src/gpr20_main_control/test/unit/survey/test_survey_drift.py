@@ -1,0 +1,241 @@
+"""A survey returns to its first stop to see how it drifts, and pauses if it drifts too far."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cut_off_surveys import reopened_survey, stored_trace
+from fake_robot import LIMIT_S, Bench
+from survey_examples import AXES, PARAMETERS
+
+from gpr20_common.message import Message
+from gpr20_main_control import faults
+from gpr20_main_control.errors import UnconfirmedError
+from gpr20_main_control.mid.survey.drift_record import (
+    DETAILS,
+    MAX_DETAILED_VISITS,
+    MAX_FREQUENCIES,
+    DriftRecord,
+    Revisit,
+)
+from gpr20_main_control.mid.survey.survey_plan import plan_survey
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+INTERVAL_S = 12.0
+CONFIG = RobotConfig(AXES, simulated=True)
+PLAN = plan_survey(PARAMETERS, CONFIG, SurveySettings(0.0, reference_interval_s=INTERVAL_S))
+# The sweeps of a visit: two at each of two rotations.
+SWEEPS = 4
+
+
+@pytest.fixture
+def visiting():
+    bench = Bench(reference_interval_s=INTERVAL_S)
+    yield bench
+    bench.release()
+    bench.control.shut_down(LIMIT_S)
+
+
+def at_sweep(bench, number, act):
+    """Act once, before a sweep."""
+
+    def on_sweep():
+        if bench.analyzer.sweeps == number:
+            bench.analyzer.on_sweep = lambda: None
+            act()
+
+    bench.analyzer.on_sweep = on_sweep
+
+
+def louder(bench, factor=1.5):
+    def change():
+        bench.analyzer.level *= factor
+
+    return change
+
+
+def visits(bench):
+    return bench.storage.reports[-1]["drift"]["visits"]
+
+
+def marks(bench):
+    return [(one["next_index"], one["exceeded"], one["accepted"]) for one in visits(bench)]
+
+
+def test_a_survey_visits_its_first_stop_at_the_interval_and_at_its_end(visiting):
+    assert len(PLAN.visits) > 2 and PLAN.visits[-1] == 24
+    places = []
+    visiting.analyzer.on_sweep = lambda: places.append(
+        tuple(axis.coordinate for axis in visiting.axes)
+    )
+    visiting.start()
+    visiting.complete()
+    assert [one["next_index"] for one in visits(visiting)] == list(PLAN.visits)
+    assert visiting.analyzer.sweeps == 24 + SWEEPS * len(PLAN.visits)
+    for point in PLAN.points[:2]:
+        place = (point.x_mm, point.y_mm, point.z_deg)
+        assert places.count(place) == 1 + SWEEPS // 2 * len(PLAN.visits)
+    for visit in visits(visiting):
+        assert [one["index"] for one in visit["rotations"]] == [0, 1]
+        for rotation in visit["rotations"]:
+            assert rotation["amplitude_rms_db"] < 0.001 and rotation["phase_rms_deg"] < 1.0
+            assert len(rotation["amplitude_db"]) == len(rotation["phase_deg"]) == 5
+            # Each of these sweeps differs from the one before by 1, of 10,000.
+            assert rotation["noise_db"] == pytest.approx(-83.0, abs=0.1)
+            assert rotation["height_difference_m"] == 0.0
+    assert len(visiting.storage.reports[-1]["drift"]["frequency_hz"]) == 5
+
+
+@pytest.mark.parametrize("interval_s", [3600.0, 0.0])
+def test_a_survey_shorter_than_the_interval_visits_nothing(interval_s):
+    bench = Bench(reference_interval_s=interval_s)
+    bench.start()
+    bench.complete()
+    bench.control.shut_down(LIMIT_S)
+    assert bench.analyzer.sweeps == 24
+    assert "drift" not in bench.storage.reports[-1]
+
+
+def test_too_large_a_drift_pauses_and_is_accepted_as_it_is_measured_after_resuming(visiting):
+    first = PLAN.visits[0]
+    at_sweep(visiting, first - 1, louder(visiting))
+    visiting.start()
+    visiting.wait_for_fault(faults.DRIFTED)
+    status = visiting.wait_for(State.PAUSED)
+    assert status.remaining_s > 0.0
+    assert "drifted by 3.52 dB" in str(status.message) and "1 dB and 10 deg" in str(status.message)
+    visiting.wait_for_visited(first)
+    visiting.control.resume("")
+    visiting.complete()
+    expected = [(first, True, False), (first, False, True)]
+    assert marks(visiting) == expected + [(one, False, False) for one in PLAN.visits[1:]]
+    # What is stored is the drift since the start, whatever was accepted.
+    gains_db = [one["rotations"][1]["gain_db"] for one in visits(visiting)]
+    assert gains_db == pytest.approx([20.0 * math.log10(1.5)] * len(gains_db), abs=0.01)
+
+
+def test_a_second_drift_asks_again(visiting):
+    first, second = PLAN.visits[:2]
+    at_sweep(visiting, first - 1, louder(visiting))
+    visiting.start()
+    visiting.wait_for_fault(faults.DRIFTED)
+    visiting.wait_for(State.PAUSED)
+    at_sweep(visiting, second + 2 * SWEEPS - 1, louder(visiting, 0.5))
+    visiting.control.resume("")
+    visiting.wait_for_visited(second)
+    visiting.wait_for(State.PAUSED)
+    assert [one[1:] for one in marks(visiting)] == [(True, False), (False, True), (True, False)]
+
+
+def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):
+    at_sweep(visiting, 23 + SWEEPS * (len(PLAN.visits) - 1), louder(visiting))
+    visiting.start()
+    visiting.complete()
+    assert visiting.board.status.remaining_s == 0.0
+    assert marks(visiting)[-1] == (24, True, False)
+    assert visiting.board.status.warning.fault_code == faults.DRIFTED.code
+    warnings = visiting.storage.reports[-1]["warnings"]
+    assert [one["fault_code"] for one in warnings] == [faults.DRIFTED.code]
+
+
+@pytest.mark.parametrize("index", [PLAN.visits[0], PLAN.total_points])
+def test_a_visit_that_fails_is_repeated_after_resuming(visiting, index):
+    def fail():
+        visiting.analyzer.failures = 1
+
+    at_sweep(visiting, index + 1 + SWEEPS * PLAN.visits.index(index), fail)
+    visiting.start()
+    visiting.wait_for(State.PAUSED)
+    visiting.control.resume("")
+    visiting.complete()
+    assert [one["next_index"] for one in visits(visiting)] == list(PLAN.visits)
+
+
+def test_a_stop_during_a_visit_stores_what_was_measured_and_no_visit(visiting):
+    first = PLAN.visits[0]
+    at_sweep(visiting, first + 1, visiting.control.stop)
+    visiting.start()
+    visiting.wait_for(State.STOPPED)
+    assert [one.index for one in visiting.storage.samples] == list(range(first))
+    assert "drift" not in visiting.storage.reports[-1]
+
+
+def test_a_sweep_that_is_rejected_before_a_visit_is_measured_again_before_it(visiting):
+    refused = []
+
+    def confirm(number):
+        if number == PLAN.visits[0] and not refused:
+            refused.append(number)
+            raise UnconfirmedError(Message("another power"), repeat=True)
+        return ()
+
+    visiting.analyzer.on_confirm = confirm
+    visiting.start()
+    visiting.complete()
+    assert [one["next_index"] for one in visits(visiting)] == list(PLAN.visits)
+
+
+def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visiting):
+    def pause(number):
+        if number == 4:
+            visiting.control.pause()
+        return ()
+
+    visiting.analyzer.on_confirm = pause
+    visiting.start()
+    visiting.wait_for(State.PAUSED)
+    visiting.clock.wait_s(threading.Event(), 2.0 * INTERVAL_S)
+    measured = visiting.board.status.visited_points
+    visiting.control.resume("")
+    visiting.complete()
+    assert [one["next_index"] for one in visits(visiting)] == [measured, *PLAN.visits]
+
+
+def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visiting):
+    former = {"controls": [], "drift": {"visits": [{"next_index": 4, "rotations": []}]}}
+    reopened = reopened_survey(range(13), json.dumps(former))
+    # As the storage answers: the first traces too, beside the latest.
+    recent = (stored_trace(0), stored_trace(1), *reopened.recent)
+    visiting.storage.reopened = replace(reopened, recent=recent)
+    visiting.analyzer.level *= 1.05
+    visiting.control.resume("survey")
+    visiting.wait_for(State.FINISHED)
+    rest = [one for one in PLAN.visits if one > 13]
+    assert [one["next_index"] for one in visits(visiting)] == [4, 13, *rest]
+    gain_db = visits(visiting)[-1]["rotations"][0]["gain_db"]
+    assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)
+
+
+def test_a_survey_from_the_disk_whose_first_stop_is_unknown_visits_nothing(visiting):
+    visiting.storage.reopened = reopened_survey(range(13))
+    visiting.control.resume("survey")
+    visiting.wait_for(State.FINISHED)
+    assert "drift" not in visiting.storage.reports[-1]
+
+
+def test_what_is_stored_of_the_drift_is_bounded():
+    points = 4000
+    trace = stored_trace(
+        0,
+        frequency_hz=np.linspace(6.0e8, 6.0e9, points),
+        s21_real=np.ones(points),
+        s21_imag=np.zeros(points),
+    )
+    record = DriftRecord(SurveySettings(), {})
+    for index in range(MAX_DETAILED_VISITS + 5):
+        record.note([Revisit(trace, trace, trace)], index, "")
+    kept = record.entry()["visits"]
+    assert len(record.entry()["frequency_hz"]) == MAX_FREQUENCIES
+    assert len(kept[-1]["rotations"][0]["phase_deg"]) == MAX_FREQUENCIES
+    assert [all(name in one["rotations"][0] for name in DETAILS) for one in kept].count(True) == (
+        MAX_DETAILED_VISITS
+    )
+    assert all(one["rotations"][0]["phase_rms_deg"] == 0.0 for one in kept)
+    json.dumps(record.entry(), allow_nan=False)

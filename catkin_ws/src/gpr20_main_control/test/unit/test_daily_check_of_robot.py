@@ -1,0 +1,109 @@
+"""The daily check over a fake analyzer, and the history that it makes."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from fake_robot import FakeAnalyzer
+
+from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control.mid.daily_check import (
+    HISTORY,
+    CheckedRobot,
+    compare_with_history,
+    make_check,
+)
+from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
+from gpr20_survey.results.daily_check import Part
+from gpr20_survey.trace.sweep import Sweep
+
+ROBOT = CheckedRobot("GPR-20", False, "127.0.0.2")
+SWEPT_US = 1_800_000_000_000_000
+DELAYS_NS = {Part.EMPTY: None, Part.PLATE: 3.0, Part.REFLECTOR: 4.5}
+
+
+class SeeingAnalyzer(FakeAnalyzer):
+    """Sees what was put below the antennas."""
+
+    def __init__(self, gain=1.0):
+        super().__init__()
+        self.seen = Part.EMPTY
+        self.gain = gain
+        self.asked = []
+
+    def instruct(self, part, _instruction):
+        self.asked.append((part, self.sweeps))
+        self.seen = part
+
+    def sweep(self):
+        number = super().sweep().number
+        hz = self._settings.frequencies_hz()
+        s21 = 0.05 * np.exp(-2j * np.pi * hz * 0.8e-9)
+        if DELAYS_NS[self.seen]:
+            s21 = s21 + 0.02 * np.exp(-2j * np.pi * hz * 1e-9 * DELAYS_NS[self.seen])
+        random = np.random.default_rng(number)
+        s21 = self.gain * s21 + 1e-5 * (random.standard_normal(501) + 0j)
+        settings = self._settings.analyzer
+        return UnconfirmedSweep(
+            number, Sweep(hz, s21.real, s21.imag, SWEPT_US, SWEPT_US, (), settings)
+        )
+
+
+def checked(data, gain=1.0, robot=ROBOT):
+    analyzer = SeeingAnalyzer(gain)
+    check = make_check(analyzer, robot.address, analyzer.instruct)
+    return compare_with_history(check, robot, data, "2026-09-21T14:13:20+00:00")
+
+
+def test_each_part_is_asked_for_and_swept_twice_and_the_analyzer_is_released():
+    analyzer = SeeingAnalyzer()
+    check = make_check(analyzer, ROBOT.address, analyzer.instruct)
+    assert analyzer.asked == [(Part.EMPTY, 0), (Part.PLATE, 2), (Part.REFLECTOR, 4)]
+    assert (analyzer.connections, analyzer.releases, analyzer.sweeps) == ([ROBOT.address], 1, 6)
+    assert check.figures[Part.PLATE]["delay_ns"] == pytest.approx(3.0, abs=0.01)
+    assert check.figures[Part.REFLECTOR]["delay_ns"] == pytest.approx(4.5, abs=0.01)
+
+
+def test_a_check_that_is_given_up_or_fails_releases_the_analyzer():
+    def give_up(_part, _instruction):
+        raise StopRequested(Message("given up"))
+
+    analyzer = SeeingAnalyzer()
+    with pytest.raises(StopRequested):
+        make_check(analyzer, "", give_up)
+    assert analyzer.releases == 1
+    analyzer.failures = 1
+    with pytest.raises(DeviceError):
+        make_check(analyzer, "", analyzer.instruct)
+    assert analyzer.releases == 2
+
+
+def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(tmp_path):
+    verdict, damaged = checked(tmp_path)
+    assert verdict.good and "first check" in str(verdict.message) and damaged == 0
+    assert "checks before (1)" in str(checked(tmp_path)[0].message)
+    # A check that differs is kept, and nothing is compared with it.
+    for _ in range(3):
+        differs = checked(tmp_path, gain=0.7)[0]
+        assert not differs.good and "checks before (2)" in str(differs.message)
+    assert checked(tmp_path)[0].good
+    for other in (CheckedRobot("other", False, ""), CheckedRobot("GPR-20", True, "")):
+        assert "first check" in str(checked(tmp_path, gain=0.7, robot=other)[0].message)
+    lines = [json.loads(one) for one in (tmp_path / HISTORY).read_text().splitlines()]
+    assert [one["good"] for one in lines] == [True, True, False, False, False, True, True, True]
+    assert {one["identity"] for one in lines} == {SeeingAnalyzer().identity}
+
+
+def test_lines_that_cannot_be_read_are_counted_and_left_alone(tmp_path):
+    checked(tmp_path)
+    path = tmp_path / HISTORY
+    line = json.loads(path.read_text())
+    odd = [{**line, "figures": 7}, {**line, "figures": {"sky": {}}}]
+    text = path.read_text() + "".join(json.dumps(one) + "\n" for one in odd) + "{\n"
+    path.write_text(text)
+    verdict, damaged = checked(tmp_path)
+    assert (verdict.good, damaged) == (True, 3)
+    assert path.read_text().startswith(text)

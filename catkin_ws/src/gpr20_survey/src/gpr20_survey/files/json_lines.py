@@ -1,0 +1,55 @@
+"""A file with one JSON object a line, to which lines are added."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Tuple
+
+from gpr20_survey.files import access
+from gpr20_survey.files.durable_files import ensure_folder, sync_path
+
+
+def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
+    """Return the objects of a file, and how many lines are none; nothing if there is no file.
+
+    Raises:
+        OSError: The disk cannot be read.
+    """
+    try:
+        lines = path.read_bytes().splitlines()
+    except FileNotFoundError:
+        return [], 0
+    objects = [_object(line) for line in lines]
+    known = [one for one in objects if one]
+    return known, len(lines) - len(known)
+
+
+def add_line(path: Path, values: Mapping[str, Any]) -> None:
+    """Add an object and return when it is durable; its folder is made if it is missing.
+
+    Raises:
+        OSError: The disk refused; perhaps a part of the line was written.
+        ValueError: A number is not finite.
+    """
+    line = json.dumps(values, allow_nan=False).encode() + b"\n"
+    ensure_folder(path.parent)
+    descriptor = access.open_new(path, os.O_RDWR | os.O_CREAT | os.O_APPEND)
+    with os.fdopen(descriptor, "r+b", buffering=0) as file:
+        end = file.seek(0, os.SEEK_END)
+        # A line that a crash has cut is left as it is, and damages no other.
+        if end and os.pread(file.fileno(), 1, end - 1) != b"\n":
+            line = b"\n" + line
+        if file.write(line) != len(line):
+            raise OSError(f"{path}: the disk took a part of the line")
+        os.fsync(file.fileno())
+    sync_path(path.parent)
+
+
+def _object(line: bytes) -> Dict[str, Any]:
+    try:
+        found = json.loads(line)
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
