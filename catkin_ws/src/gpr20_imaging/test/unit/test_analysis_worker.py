@@ -36,7 +36,9 @@ def test_candidates_and_files_are_those_of_the_analysis(process, tmp_path):
     # Sums of several threads differ in their last bits.
     assert [one.id for one in found.candidates] == [one.id for one in here.candidates]
     for one, same in zip(found.candidates, here.candidates):
-        assert (one.x_m, one.y_m, one.depth_m) == approx((same.x_m, same.y_m, same.depth_m))
+        assert (one.x_m, one.y_m, one.depth_m) == approx(
+            (same.x_m, same.y_m, same.depth_m), abs=1e-6
+        )
     assert remarks == ""
     table, report = tmp_path / "list.csv", tmp_path / "report.html"
     process.write("candidates", survey, table, PERMITTIVITY, "es", Cancellation())

@@ -180,7 +180,7 @@ class Traces(unittest.TestCase):
 
         wait_until(shows_everything, "the traces from before are there")
         self.assertLess(radar.count, 72)
-        self.call("resume_survey", "", "")
+        self.call("resume_survey", "", "", False)
         wait_until(lambda: radar.count == 72, "the rest comes, too")
         wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
         self.warned.assert_not_called()
