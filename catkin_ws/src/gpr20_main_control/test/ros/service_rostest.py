@@ -20,6 +20,8 @@ from gpr20_main_control import faults
 from gpr20_msgs.msg import ControlStatus, ServiceStatus
 from gpr20_msgs.srv import (
     Command,
+    DailyCheck,
+    DailyCheckRequest,
     GetHeight,
     ServiceMove,
     ServiceMoveRequest,
@@ -202,6 +204,20 @@ class ServiceTest(unittest.TestCase):
         answer = test_analyzer(address="127.0.0.9")
         self.assertFalse(answer.success)
         self.assertEqual(answer.identity, "")
+
+    def test_10_daily_check_takes_its_steps_in_order(self):
+        daily_check = rospy.ServiceProxy("daily_check", DailyCheck)
+        answer = daily_check(step=DailyCheckRequest.REFLECTOR)
+        self.assertEqual((answer.success, answer.fault_code), (False, faults.CHECK_ORDER.code))
+        for step in (DailyCheckRequest.EMPTY, DailyCheckRequest.PLATE):
+            answer = daily_check(step=step)
+            self.assertTrue(answer.success, answer.message)
+        answer = daily_check(step=DailyCheckRequest.REFLECTOR)
+        self.assertTrue(answer.success, answer.message)
+        self.assertFalse(answer.good)
+        self.assertIn("No echo of the metal plate", answer.message)
+        history = self.client.data / "daily_checks" / "history.jsonl"
+        self.assertEqual(len(history.read_text().splitlines()), 1)
 
     def test_11_the_voltage_of_the_height_sensor_is_known_without_a_height(self):
         get_height = rospy.ServiceProxy("get_height", GetHeight)
