@@ -217,9 +217,6 @@ SERVICE_STOPPED_UNHOMED = Fault("service.stopped_not_homed", _HOME_AXIS, Severit
 TEST_STOPPED = Fault(
     "service.test_stopped", Message("Nothing to do. Start the test again."), Severity.NOTE
 )
-CHECK_ORDER = Fault(
-    "service.check_order", Message("Begin the daily check again, with the empty sweep.")
-)
 SERVICE_MOVING = Fault(
     "service.axis_moving",
     Message("Wait until the axis is at rest, or press STOP."),

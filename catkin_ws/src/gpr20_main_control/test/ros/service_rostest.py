@@ -31,6 +31,7 @@ from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CHECK_ORDER
 
 # The client of the whole graph's tests is the client of these, too.
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
@@ -208,7 +209,7 @@ class ServiceTest(unittest.TestCase):
     def test_10_daily_check_takes_its_steps_in_order(self):
         daily_check = rospy.ServiceProxy("daily_check", DailyCheck)
         answer = daily_check(step=DailyCheckRequest.REFLECTOR)
-        self.assertEqual((answer.success, answer.fault_code), (False, faults.CHECK_ORDER.code))
+        self.assertEqual((answer.success, answer.fault_code), (False, CHECK_ORDER.code))
         for step in (DailyCheckRequest.EMPTY, DailyCheckRequest.PLATE):
             answer = daily_check(step=step)
             self.assertTrue(answer.success, answer.message)

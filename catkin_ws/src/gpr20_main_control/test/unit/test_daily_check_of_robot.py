@@ -21,6 +21,7 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.daily_check_steps import CHECK_LIMIT_S
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
@@ -96,7 +97,7 @@ def test_an_analyzer_that_is_replaced_during_the_check_is_refused(tmp_path):
         if part is Part.REFLECTOR:
             analyzer.identity = "Anritsu,MS2026C,other"
 
-    with raises_fault(faults.CHECK_ORDER, error=RequestRefusedError):
+    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
         make_check(analyzer, "", replace_it)
 
 
@@ -115,7 +116,7 @@ def step(bench, number):
 
 
 def test_three_steps_make_a_check_with_a_verdict_and_a_line_of_the_history(stepped, tmp_path):
-    for day in range(2):
+    for _day in range(2):
         assert [step(stepped, number) for number in (0, 1)] == [None, None]
         verdict = step(stepped, 2)
         assert verdict.good
@@ -131,7 +132,7 @@ def test_three_steps_make_a_check_with_a_verdict_and_a_line_of_the_history(stepp
 def test_a_step_without_those_before_it_is_refused_and_sweeps_nothing(stepped):
     def refused(number):
         sweeps = stepped.analyzer.sweeps
-        with raises_fault(faults.CHECK_ORDER, error=RequestRefusedError):
+        with raises_fault(CHECK_ORDER, error=RequestRefusedError):
             step(stepped, number)
         assert stepped.analyzer.sweeps == sweeps
 
@@ -152,7 +153,7 @@ def test_a_check_is_given_up_after_half_an_hour(stepped, monkeypatch):
     step(stepped, 0)
     now_s = stepped.clock.now_s
     monkeypatch.setattr(stepped.clock, "now_s", lambda: now_s() + CHECK_LIMIT_S + 1.0)
-    with raises_fault(faults.CHECK_ORDER, error=RequestRefusedError):
+    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
         step(stepped, 1)
     step(stepped, 0)
     step(stepped, 1)

@@ -9,9 +9,9 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import Analyzer
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.files.json_lines import add_line, read_lines
 from gpr20_survey.results.daily_check import (
     INSTRUCTIONS,
@@ -113,7 +113,7 @@ def made_check(parts: Mapping[Part, SweptPart]) -> MadeCheck:
     if any((one.identity, one.settings) != own for one in parts.values()):
         raise RequestRefusedError(
             Message("the VNA is not the same as at the beginning of the check"),
-            fault=faults.CHECK_ORDER,
+            fault=CHECK_ORDER,
         )
     return MadeCheck(
         first.identity, first.settings, check_figures({p: one.sweeps for p, one in parts.items()})

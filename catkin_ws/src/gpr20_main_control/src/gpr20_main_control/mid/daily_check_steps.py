@@ -19,6 +19,7 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.waits import StopInterruption
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.robot_description import STORAGE
 from gpr20_survey.results.daily_check import Part, Verdict
 from gpr20_survey.trace.utc_time import iso_text
@@ -68,7 +69,7 @@ class DailyCheckSteps:
             self._parts.clear()
         if step >= len(STEPS) or any(before not in self._parts for before in STEPS[:step]):
             raise RequestRefusedError(
-                Message("a step before this one is missing, or too old"), fault=faults.CHECK_ORDER
+                Message("a step before this one is missing, or too old"), fault=CHECK_ORDER
             )
         return STEPS[step]
 
