@@ -97,6 +97,7 @@ GRAPH_SERVICES = {
     "/resume_survey",
     "/service_move",
     "/test_analyzer",
+    "/daily_check",
     "/simulator/set_fault",
 }
 # Of a user's own node; extra_topic/storage.yaml names it.

@@ -20,6 +20,8 @@ from gpr20_main_control import faults
 from gpr20_msgs.msg import ControlStatus, ServiceStatus
 from gpr20_msgs.srv import (
     Command,
+    DailyCheck,
+    DailyCheckRequest,
     GetHeight,
     ServiceMove,
     ServiceMoveRequest,
@@ -29,6 +31,7 @@ from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CHECK_ORDER
 
 # The client of the whole graph's tests is the client of these, too.
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
@@ -202,6 +205,20 @@ class ServiceTest(unittest.TestCase):
         answer = test_analyzer(address="127.0.0.9")
         self.assertFalse(answer.success)
         self.assertEqual(answer.identity, "")
+
+    def test_10_daily_check_takes_its_steps_in_order(self):
+        daily_check = rospy.ServiceProxy("daily_check", DailyCheck)
+        answer = daily_check(step=DailyCheckRequest.REFLECTOR)
+        self.assertEqual((answer.success, answer.fault_code), (False, CHECK_ORDER.code))
+        for step in (DailyCheckRequest.EMPTY, DailyCheckRequest.PLATE):
+            answer = daily_check(step=step)
+            self.assertTrue(answer.success, answer.message)
+        answer = daily_check(step=DailyCheckRequest.REFLECTOR)
+        self.assertTrue(answer.success, answer.message)
+        self.assertFalse(answer.good)
+        self.assertIn("No echo of the metal plate", answer.message)
+        history = self.client.data / "daily_checks" / "history.jsonl"
+        self.assertEqual(len(history.read_text().splitlines()), 1)
 
     def test_11_the_voltage_of_the_height_sensor_is_known_without_a_height(self):
         get_height = rospy.ServiceProxy("get_height", GetHeight)

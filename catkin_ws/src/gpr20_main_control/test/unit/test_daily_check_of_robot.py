@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import json
+import threading
 
 import numpy as np
 import pytest
-from fake_robot import FakeAnalyzer
+from fake_robot import LIMIT_S, Bench, FakeAnalyzer
+from fault_kit import raises_fault
 
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError, StopRequested
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.daily_check import (
     HISTORY,
     CheckedRobot,
     compare_with_history,
     make_check,
 )
+from gpr20_main_control.mid.daily_check_steps import CHECK_LIMIT_S
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
+from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
 
@@ -62,14 +68,16 @@ def test_each_part_is_asked_for_and_swept_twice_and_the_analyzer_is_released():
     analyzer = SeeingAnalyzer()
     check = make_check(analyzer, ROBOT.address, analyzer.instruct)
     assert analyzer.asked == [(Part.EMPTY, 0), (Part.PLATE, 2), (Part.REFLECTOR, 4)]
-    assert (analyzer.connections, analyzer.releases, analyzer.sweeps) == ([ROBOT.address], 1, 6)
+    assert analyzer.connections == [ROBOT.address] * 3
+    assert (analyzer.releases, analyzer.sweeps) == (3, 6)
     assert check.figures[Part.PLATE]["delay_ns"] == pytest.approx(3.0, abs=0.01)
     assert check.figures[Part.REFLECTOR]["delay_ns"] == pytest.approx(4.5, abs=0.01)
 
 
 def test_a_check_that_is_given_up_or_fails_releases_the_analyzer():
-    def give_up(_part, _instruction):
-        raise StopRequested(Message("given up"))
+    def give_up(part, _instruction):
+        if part is not Part.EMPTY:
+            raise StopRequested(Message("given up"))
 
     analyzer = SeeingAnalyzer()
     with pytest.raises(StopRequested):
@@ -79,6 +87,127 @@ def test_a_check_that_is_given_up_or_fails_releases_the_analyzer():
     with pytest.raises(DeviceError):
         make_check(analyzer, "", analyzer.instruct)
     assert analyzer.releases == 2
+
+
+def test_an_analyzer_that_is_replaced_during_the_check_is_refused(tmp_path):
+    analyzer = SeeingAnalyzer()
+
+    def replace_it(part, instruction):
+        analyzer.instruct(part, instruction)
+        if part is Part.REFLECTOR:
+            analyzer.identity = "Anritsu,MS2026C,other"
+
+    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
+        make_check(analyzer, "", replace_it)
+
+
+@pytest.fixture
+def stepped(monkeypatch, tmp_path):
+    """A main control whose analyzer sees what a step asks for."""
+    monkeypatch.setenv("GPR20_DATA", str(tmp_path))
+    bench = Bench(analyzer=SeeingAnalyzer())
+    yield bench
+    bench.release()
+
+
+def step(bench, number):
+    bench.analyzer.seen = dict(enumerate(Part)).get(number)
+    return bench.control.daily_check(number)
+
+
+def test_three_steps_make_a_check_with_a_verdict_and_a_line_of_the_history(stepped, tmp_path):
+    for _day in range(2):
+        assert [step(stepped, number) for number in (0, 1)] == [None, None]
+        verdict = step(stepped, 2)
+        assert verdict.good
+    assert "checks before (1)" in str(verdict.message)
+    lines = [json.loads(one) for one in (tmp_path / HISTORY).read_text().splitlines()]
+    assert [(one["robot"], one["simulated"]) for one in lines] == [("GPR-20", True)] * 2
+    # The release is not waited for.
+    stepped.robot.analyzer_calls.call(lambda: None, lambda: None)
+    assert (stepped.analyzer.sweeps, stepped.analyzer.releases) == (12, 6)
+    assert str(stepped.activities[0]) == "daily check of the radar"
+
+
+def test_a_step_without_those_before_it_is_refused_and_sweeps_nothing(stepped):
+    def refused(number):
+        sweeps = stepped.analyzer.sweeps
+        with raises_fault(CHECK_ORDER, error=RequestRefusedError):
+            step(stepped, number)
+        assert stepped.analyzer.sweeps == sweeps
+
+    for number in (1, 2, 3, 255):
+        refused(number)
+    step(stepped, 0)
+    refused(2)
+    step(stepped, 1)
+    # A new check forgets the one before.
+    step(stepped, 0)
+    refused(2)
+    step(stepped, 1)
+    step(stepped, 2)
+    refused(2)
+
+
+def test_a_check_is_given_up_after_half_an_hour(stepped, monkeypatch):
+    step(stepped, 0)
+    now_s = stepped.clock.now_s
+    monkeypatch.setattr(stepped.clock, "now_s", lambda: now_s() + CHECK_LIMIT_S + 1.0)
+    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
+        step(stepped, 1)
+    step(stepped, 0)
+    step(stepped, 1)
+
+
+def test_a_step_that_failed_or_could_not_be_stored_can_be_repeated(stepped, tmp_path):
+    step(stepped, 0)
+    stepped.analyzer.failures = 1
+    with pytest.raises(DeviceError):
+        step(stepped, 1)
+    step(stepped, 1)
+    blocked = tmp_path / HISTORY.parent
+    blocked.write_text("a file in place of the folder")
+    with pytest.raises(DeviceError, match="could not be made"):
+        step(stepped, 2)
+    blocked.unlink()
+    assert step(stepped, 2).good
+
+
+def test_a_stop_ends_a_step_beside_which_no_survey_starts(stepped):
+    may_sweep, sweeping = threading.Event(), threading.Event()
+
+    def hang():
+        sweeping.set()
+        may_sweep.wait(LIMIT_S)
+
+    stepped.analyzer.on_sweep = hang
+    ended = []
+
+    def check():
+        try:
+            step(stepped, 0)
+        except StopRequested as error:
+            ended.append(error.message.fault_code)
+
+    checking = threading.Thread(target=check)
+    checking.start()
+    assert sweeping.wait(LIMIT_S)
+    with raises_fault(faults.SERVICE_IN_PROGRESS, error=RequestRefusedError):
+        stepped.start()
+    stepped.control.stop()
+    checking.join(LIMIT_S)
+    may_sweep.set()
+    assert ended == [faults.TEST_STOPPED.code]
+
+
+def test_there_is_no_check_while_a_survey_has_not_ended(stepped):
+    stepped.y.fail_move = "the endstop was pressed"
+    stepped.start()
+    stepped.wait_for(SurveyState.PAUSED)
+    with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
+        step(stepped, 0)
+    stepped.control.stop()
+    stepped.wait_for(SurveyState.STOPPED)
 
 
 def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(tmp_path):

@@ -126,6 +126,9 @@ LEASE_LAPSED = Fault(
         "programs on the server, and check the network cable between the robot and the server."
     ),
 )
+CHECK_ORDER = Fault(
+    "service.check_order", Message("Begin the daily check again, with the empty sweep.")
+)
 # The window asks the operator about it.
 OTHER_ZEROS = Fault(
     "survey.other_zeros",

@@ -314,3 +314,8 @@ def test_nothing_of_service_is_cut_off(spoken):
     spoken.on_event(AnalyzerTest("192.168.100.100", identity, accuracy, 4000, 12.345, -123.4))
     spoken.refresh()
     assert_fits(spoken, view)
+    click(view.tools.daily)
+    assert view.tools.daily_found.toPlainText()
+    assert_fits(spoken, view)
+    for button in (view.tools.measure, view.tools.test, view.tools.daily):
+        assert min(button.width(), button.height()) >= spoken.look.px(TOUCH_PX), button.text()

@@ -58,6 +58,8 @@ def test_nothing_is_asked_before_the_confirmation(clock, requests):
     jog(model)
     model.measure_height()
     model.test_analyzer()
+    model.check_daily()
+    model.check_daily()
     assert requests.asked == []
     assert not model.state.entered
 

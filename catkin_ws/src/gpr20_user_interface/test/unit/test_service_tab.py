@@ -15,13 +15,16 @@ from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.daily_check import Part
 from gpr20_user_interface.mid.events import CurrentPosition
 from gpr20_user_interface.mid.robot_health import HealthReport
 from gpr20_user_interface.mid.service_events import (
     AxisMeasured,
     AxisMoved,
+    CheckStepTaken,
     EndstopState,
     HeightTested,
     MachineExamined,
@@ -130,6 +133,52 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
         "Calibration: calibrated, accuracy high",
         "Sweep of 51 points: 0.020 s, -40 dB",
     ]
+
+
+def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
+    begin(service)
+    click(service.service.switch_button)
+    tools = service.service.tools
+
+    def answered(answer):
+        service.on_event(answer)
+        service.refresh()
+
+    click(tools.daily)
+    assert service.tools.asked == []
+    swept = CheckStepTaken(True, verbatim("Swept twice."))
+    for number, instruction in ((1, "sky"), (2, "plate"), (3, "reflector")):
+        assert tools.daily.text() == f"MEASURE {number}/3"
+        assert instruction in tools.daily_found.toPlainText()
+        click(tools.daily)
+        # At once: a second touch sends nothing.
+        assert not tools.daily.isEnabled()
+        assert tools.daily_found.toPlainText() == "Measuring"
+        if number == 2:
+            answered(CheckStepTaken(False, verbatim("no connection to the VNA")))
+            assert "no connection" in tools.daily_found.toPlainText()
+            assert "plate" in tools.daily_found.toPlainText()
+            click(tools.daily)
+        if number < 3:
+            answered(swept)
+    answered(CheckStepTaken(True, verbatim("Good: every figure agrees."), True))
+    assert tools.daily_found.toPlainText() == "Good: every figure agrees."
+    assert tools.daily.text() == "DAILY CHECK"
+    parts = [Part.EMPTY, Part.PLATE, Part.PLATE, Part.REFLECTOR]
+    assert service.tools.asked == [("daily check", one) for one in parts]
+
+
+def test_a_daily_check_that_the_robot_has_given_up_begins_again(service):
+    begin(service)
+    click(service.service.switch_button)
+    tools = service.service.tools
+    click(tools.daily)
+    click(tools.daily)
+    forgotten = Message("a step before this one is missing").with_fault(CHECK_ORDER)
+    service.on_event(CheckStepTaken(False, forgotten))
+    service.refresh()
+    assert tools.daily.text() == "DAILY CHECK"
+    assert str(CHECK_ORDER.remedy) in tools.daily_found.toPlainText()
 
 
 def test_the_findings_are_listed_without_service_and_during_a_survey(service):

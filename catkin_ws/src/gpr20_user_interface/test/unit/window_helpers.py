@@ -125,6 +125,9 @@ class ServiceTools:
     def test_analyzer(self):
         self.asked.append("analyzer")
 
+    def check_daily(self, part):
+        self.asked.append(("daily check", part))
+
     def examine(self, nodes, surveying, thorough):
         self.asked.append(("examine", thorough))
 

@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import sys
-from pathlib import Path
 from typing import Any, Callable, Sequence
 
 import rosgraph
@@ -30,7 +29,12 @@ from gpr20_doctor.high.node_reports import descriptions
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.high.ros_devices import RosAnalyzer
-from gpr20_main_control.mid.daily_check import CheckedRobot, compare_with_history, make_check
+from gpr20_main_control.mid.daily_check import (
+    CheckedRobot,
+    compare_with_history,
+    history_folder,
+    make_check,
+)
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
 from gpr20_survey.plan.robot_description import ANALYZER, STORAGE
@@ -110,10 +114,9 @@ def _robot(given: argparse.Namespace) -> Any:
     nodes = descriptions(configuration)
     address = given.address or str(nodes[ANALYZER].configuration.get("address", ""))
     name = str(json.loads(configuration.site_json).get("robot", ""))
-    # The storage may run on another computer: then the history is kept on this one.
     stored = nodes[STORAGE].configuration.get("data", "") if STORAGE in nodes else ""
-    folder = given.data or (str(stored) if stored and Path(str(stored)).is_dir() else "")
-    return CheckedRobot(name, configuration.simulated, address), data_folder(folder, os.environ)
+    data = data_folder(given.data, os.environ) if given.data else history_folder(stored, os.environ)
+    return CheckedRobot(name, configuration.simulated, address), data
 
 
 def _refuse_beside_survey() -> None:

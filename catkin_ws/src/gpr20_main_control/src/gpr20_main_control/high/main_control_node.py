@@ -41,6 +41,8 @@ from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
     Command,
     CommandResponse,
+    DailyCheck,
+    DailyCheckResponse,
     ResumeSurvey,
     ResumeSurveyResponse,
     ServiceMove,
@@ -97,6 +99,7 @@ class MainControlNode:
             advertise("resume_survey", ResumeSurvey, self._resume),
             advertise("service_move", ServiceMove, self._service_move),
             advertise("test_analyzer", TestAnalyzer, self._test_analyzer),
+            advertise("daily_check", DailyCheck, self._daily_check),
         ]
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
@@ -152,6 +155,12 @@ class MainControlNode:
     def _test_analyzer(self, request: Any) -> TestAnalyzerResponse:
         test = self._control.test_analyzer(request.address)
         return TestAnalyzerResponse(**analyzer_test_fields(test))
+
+    def _daily_check(self, request: Any) -> DailyCheckResponse:
+        verdict = self._control.daily_check(request.step)
+        message = Message("Swept twice.") if verdict is None else verdict.message
+        good = verdict is not None and verdict.good
+        return DailyCheckResponse(success=True, good=good, **message_fields(message))
 
     def _health(self) -> diagnostics.Health:
         status = self._status.status

@@ -7,11 +7,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
+from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import Analyzer
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.files.json_lines import add_line, read_lines
 from gpr20_survey.results.daily_check import (
+    INSTRUCTIONS,
     Figures,
     Part,
     Verdict,
@@ -27,13 +30,6 @@ FORMAT = "gpr20-daily-check/1"
 # Below the data folder.
 HISTORY = Path("daily_checks") / "history.jsonl"
 CHECK_SWEEP = SweepSettings(600.0e6, 6.0e9, 501)
-INSTRUCTIONS = {
-    Part.EMPTY: Message(
-        "Empty sweep: let the antennas see the sky or an absorber, and nothing else within 2 m."
-    ),
-    Part.PLATE: Message("Metal plate: put it below the antennas, at its mark."),
-    Part.REFLECTOR: Message("Known reflector: take the plate away and put it at its mark."),
-}
 
 
 @dataclass(frozen=True)
@@ -66,10 +62,68 @@ class MadeCheck:
     figures: Figures
 
 
+@dataclass(frozen=True)
+class SweptPart:
+    """Two sweeps in a row of one part.
+
+    Attributes:
+        identity: Of the analyzer.
+        settings: What each sweep covered.
+        sweeps: The two.
+    """
+
+    identity: str
+    settings: SweepSettings
+    sweeps: Tuple[Sweep, Sweep]
+
+
+def sweep_part(
+    analyzer: Analyzer, address: str, call: Callable[[Callable[[], Any]], Any]
+) -> SweptPart:
+    """Sweep what is below the antennas now; the caller releases the analyzer.
+
+    Args:
+        analyzer: The analyzer.
+        address: Where it is.
+        call: Calls one function of the analyzer and returns its result.
+
+    Raises:
+        DeviceError: The analyzer failed.
+    """
+    identity = call(lambda: analyzer.connect(address))
+    call(analyzer.calibration)
+    settings = call(lambda: analyzer.configure(CHECK_SWEEP)).settings
+
+    def sweep() -> Sweep:
+        unconfirmed = call(analyzer.sweep)
+        call(lambda: analyzer.confirm(unconfirmed.number))
+        return unconfirmed.sweep
+
+    return SweptPart(identity, settings, (sweep(), sweep()))
+
+
+def made_check(parts: Mapping[Part, SweptPart]) -> MadeCheck:
+    """Return what the sweeps of all parts show.
+
+    Raises:
+        RequestRefusedError: Another analyzer, or other settings, in between.
+    """
+    first = parts[Part.EMPTY]
+    own = first.identity, first.settings
+    if any((one.identity, one.settings) != own for one in parts.values()):
+        raise RequestRefusedError(
+            Message("the VNA is not the same as at the beginning of the check"),
+            fault=CHECK_ORDER,
+        )
+    return MadeCheck(
+        first.identity, first.settings, check_figures({p: one.sweeps for p, one in parts.items()})
+    )
+
+
 def make_check(
     analyzer: Analyzer, address: str, instruct: Callable[[Part, Message], None]
 ) -> MadeCheck:
-    """Sweep each part twice in a row, and leave the analyzer to its front panel.
+    """Sweep each part, and leave the analyzer to its front panel after each.
 
     Args:
         analyzer: The analyzer.
@@ -79,20 +133,30 @@ def make_check(
 
     Raises:
         DeviceError: The analyzer failed.
+        RequestRefusedError: It was replaced during the check.
     """
-    identity = analyzer.connect(address)
-    try:
-        analyzer.calibration()
-        settings = analyzer.configure(CHECK_SWEEP).settings
-        sweeps: Dict[Part, Tuple[Sweep, Sweep]] = {}
-        for part, instruction in INSTRUCTIONS.items():
-            instruct(part, instruction)
-            sweeps[part] = (_sweep(analyzer), _sweep(analyzer))
-    finally:
-        # What failed before says more.
-        with contextlib.suppress(DeviceError):
-            analyzer.release()
-    return MadeCheck(identity, settings, check_figures(sweeps))
+    parts: Dict[Part, SweptPart] = {}
+    for part, instruction in INSTRUCTIONS.items():
+        instruct(part, instruction)
+        try:
+            parts[part] = sweep_part(analyzer, address, lambda one: one())
+        finally:
+            # What failed before says more.
+            with contextlib.suppress(DeviceError):
+                analyzer.release()
+    return made_check(parts)
+
+
+def history_folder(stored: object, environment: Mapping[str, str]) -> Path:
+    """Return the data folder that keeps the history.
+
+    Args:
+        stored: The data folder of the storage, which may be that of another computer: then the
+            history is kept in that of this one.
+        environment: The variables of the process.
+    """
+    folder = str(stored) if stored and Path(str(stored)).is_dir() else ""
+    return data_folder(folder, environment)
 
 
 def compare_with_history(
@@ -147,9 +211,3 @@ def _figures(line: Mapping[str, Any]) -> Figures:
     if not isinstance(figures, dict):
         raise ValueError("no figures")
     return figures_from(figures)
-
-
-def _sweep(analyzer: Analyzer) -> Sweep:
-    unconfirmed = analyzer.sweep()
-    analyzer.confirm(unconfirmed.number)
-    return unconfirmed.sweep

@@ -14,6 +14,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
+from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
 from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted, SurveyEngine
@@ -28,6 +29,7 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters, check_address
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.daily_check import Verdict
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 # A request waits this long for another one to end [s].
@@ -69,6 +71,7 @@ class MainControl:
         self._status = status
         self._interruption = Interruption(robot.nodes, clock)
         self._service = ServiceSlot(robot.axes, clock, on_service)
+        self._daily_check = DailyCheckSteps(robot, clock)
         self._requests = threading.Lock()
         self._plan: Optional[SurveyPlan] = None
         self._survey: Optional[RunningSurvey] = None
@@ -251,6 +254,16 @@ class MainControl:
             plan = self._plan
             settings = TEST_SWEEP if plan is None else plan.parameters.sweep_settings
             return run_analyzer_test(self._robot, address, settings, self._service.interruption)
+
+    def daily_check(self, step: int) -> Optional[Verdict]:
+        """Take a step of the daily check; return the verdict after the last one.
+
+        Raises:
+            SurveyError: It is refused or failed, or a stop was requested.
+            InvalidValueError: The parts of the robot have not described themselves.
+        """
+        with self._in_service(Message("daily check of the radar")):
+            return self._daily_check.take(step, self._service.interruption)
 
     @contextlib.contextmanager
     def _in_service(self, activity: Message) -> Iterator[None]:

@@ -49,6 +49,13 @@ PART_NAMES = {
     Part.PLATE: Message("metal plate"),
     Part.REFLECTOR: Message("known reflector"),
 }
+INSTRUCTIONS = {
+    Part.EMPTY: Message(
+        "Empty sweep: let the antennas see the sky or an absorber, and nothing else within 2 m."
+    ),
+    Part.PLATE: Message("Metal plate: put it below the antennas, at its mark."),
+    Part.REFLECTOR: Message("Known reflector: take the plate away and put it at its mark."),
+}
 
 
 @dataclass(frozen=True)

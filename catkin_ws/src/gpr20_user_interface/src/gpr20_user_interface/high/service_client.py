@@ -19,16 +19,18 @@ from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_msgs.msg import ServiceStatus
-from gpr20_msgs.srv import GetHeight, ServiceMove, TestAnalyzer
+from gpr20_msgs.srv import DailyCheck, GetHeight, ServiceMove, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
+from gpr20_survey.results.daily_check import Part
 from gpr20_user_interface import faults
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
 from gpr20_user_interface.mid.service_events import (
     AxisAction,
     AxisMoved,
+    CheckStepTaken,
     ClockOffset,
     EndstopState,
     HeightTested,
@@ -52,6 +54,7 @@ class ServiceToolsClient(RosEvents):
         self._move = ServiceClient("service_move", ServiceMove)
         self._height = ServiceClient("get_height", GetHeight)
         self._analyzer = ServiceClient("test_analyzer", TestAnalyzer)
+        self._daily_check = ServiceClient("daily_check", DailyCheck)
         self._watched: List[rospy.Subscriber] = []
         self._wanted = False
         self._following = threading.Lock()
@@ -129,6 +132,18 @@ class ServiceToolsClient(RosEvents):
             except ServiceUnavailableError as error:
                 return AnalyzerTest("", failure=no_answer(error))
             return analyzer_test_of(response)
+
+        in_background(lambda: self._emit(ask()))
+
+    def check_daily(self, part: Part) -> None:
+        """Ask to measure a part of the daily check; the answer is an event."""
+
+        def ask() -> CheckStepTaken:
+            try:
+                response = self._daily_check.call(ANALYZER_TIMEOUT_S, step=list(Part).index(part))
+            except ServiceUnavailableError as error:
+                return CheckStepTaken(False, no_answer(error))
+            return CheckStepTaken(response.success, message_from(response), response.good)
 
         in_background(lambda: self._emit(ask()))
 

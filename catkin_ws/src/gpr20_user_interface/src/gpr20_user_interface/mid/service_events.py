@@ -74,6 +74,21 @@ class AxisMoved:
 
 
 @dataclass(frozen=True)
+class CheckStepTaken:
+    """The answer to a step of the daily check.
+
+    Attributes:
+        success: Whether its part was swept.
+        message: After the last part the verdict; or what failed.
+        good: After the last part: whether nothing differs.
+    """
+
+    success: bool
+    message: Message
+    good: bool = False
+
+
+@dataclass(frozen=True)
 class HeightTested:
     """One height of the height sensor.
 

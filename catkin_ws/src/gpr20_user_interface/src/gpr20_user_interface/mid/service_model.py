@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Dict, Optional, Protocol, Tuple
 
 from gpr20_common.low.clock import Clock
@@ -10,6 +10,8 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.daily_check import Part
+from gpr20_user_interface.mid.daily_check_model import PARTS, DailyCheckState
 from gpr20_user_interface.mid.events import Position, Request
 from gpr20_user_interface.mid.message_source import Received
 from gpr20_user_interface.mid.robot_examination import ExaminationRequests, RobotExamination
@@ -17,6 +19,7 @@ from gpr20_user_interface.mid.service_events import (
     AxisAction,
     AxisMeasured,
     AxisMoved,
+    CheckStepTaken,
     EndstopState,
     HeightTested,
 )
@@ -39,6 +42,9 @@ class ServiceRequests(ExaminationRequests, Protocol):
 
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero."""
+
+    def check_daily(self, part: Part) -> None:
+        """Ask to measure a part of the daily check."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +78,7 @@ class ServiceState:
         height: The last height; None: none was measured.
         analyzer: The last test of the VNA; None: there was none.
         examining: Whether everything is being checked.
+        daily_check: Where the daily check is.
     """
 
     entered: bool
@@ -83,6 +90,7 @@ class ServiceState:
     height: Optional[HeightTested]
     analyzer: Optional[AnalyzerTest]
     examining: bool = False
+    daily_check: DailyCheckState = field(default_factory=DailyCheckState)
 
 
 class ServiceModel:
@@ -98,6 +106,7 @@ class ServiceModel:
         self._answer: Optional[AxisMoved] = None
         self._height: Optional[HeightTested] = None
         self._analyzer: Optional[AnalyzerTest] = None
+        self._daily_check = DailyCheckState()
         self._endstops: Dict[AxisId, _Lamp] = {}
         # Whether each axis is homed, and when that was reported [s].
         self._homed: Dict[AxisId, Tuple[bool, float]] = {}
@@ -112,7 +121,7 @@ class ServiceModel:
             lamp.note(content.pressed)
         elif isinstance(content, AxisMeasured):
             self._homed[content.axis] = content.position.homed, self._clock.now_s()
-        elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTest)):
+        elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTest, CheckStepTaken)):
             self._note_answer(content)
 
     def refresh(self, snapshot: Snapshot) -> None:
@@ -159,6 +168,7 @@ class ServiceModel:
             height=self._height,
             analyzer=self._analyzer,
             examining=self._examination.in_progress,
+            daily_check=self._daily_check,
         )
 
     def findings(self) -> Tuple[Finding, ...]:
@@ -212,6 +222,16 @@ class ServiceModel:
             self._analyzer = None
             self._requests.test_analyzer()
 
+    def check_daily(self) -> None:
+        """Begin the daily check; once it has begun, measure its next part."""
+        part = self._daily_check.part
+        if part is None:
+            self.touch()
+            self._daily_check = DailyCheckState(PARTS[0])
+        elif self._take_turn():
+            self._daily_check = DailyCheckState(part, measuring=True)
+            self._requests.check_daily(part)
+
     @property
     def _busy(self) -> bool:
         in_service = self._snapshot is not None and self._snapshot.service is not None
@@ -234,6 +254,8 @@ class ServiceModel:
             self._height = answer
         elif isinstance(answer, AnalyzerTest):
             self._analyzer = answer
+        elif isinstance(answer, CheckStepTaken):
+            self._daily_check = self._daily_check.after(answer)
 
     def _axis(self, axis: AxisId) -> AxisState:
         lamp = self._endstops.get(axis)

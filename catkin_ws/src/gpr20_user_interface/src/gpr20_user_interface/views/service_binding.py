@@ -41,6 +41,7 @@ class ServiceBinding(Binding):
         )
         view.height_requested.connect(lambda: self._after(model.measure_height))
         view.check_requested.connect(lambda: self._after(model.check_everything))
+        view.daily_check_requested.connect(lambda: self._after(model.check_daily))
         view.test_requested.connect(lambda: self._after(model.test_analyzer))
 
     def on_event(self, event: object) -> None:

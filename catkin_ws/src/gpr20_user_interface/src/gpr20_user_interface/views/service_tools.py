@@ -1,4 +1,4 @@
-"""The page of SERVICE for the instruments: the height sensor and the VNA."""
+"""The page of SERVICE for the instruments: the height sensor, the VNA, the daily check."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QTextEdit
 
 from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
 from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_user_interface.mid.daily_check_model import PARTS, DailyCheckState
 from gpr20_user_interface.mid.service_events import HeightTested
 from gpr20_user_interface.mid.service_model import ServiceState
 from gpr20_user_interface.views.look import GAP_PX, look_of
@@ -22,22 +24,34 @@ UNKNOWN = "—"
 class ServiceTools(TranslatedWidget):
     """One column per instrument: a button, and what came back."""
 
-    def __init__(self, measure_height: Callable[[], None], test_analyzer: Callable[[], None]):
+    def __init__(
+        self,
+        measure_height: Callable[[], None],
+        test_analyzer: Callable[[], None],
+        check_daily: Callable[[], None],
+    ) -> None:
         super().__init__()
         self._state: Optional[ServiceState] = None
         self.measure = new_button(measure_height)
         self.test = new_button(test_analyzer)
+        self.daily = new_button(check_daily)
         self.height_found, self.analyzer_found = _text_area(), _text_area()
+        self.daily_found = _text_area()
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
         for column, (button, text) in enumerate(
-            ((self.measure, self.height_found), (self.test, self.analyzer_found))
+            (
+                (self.measure, self.height_found),
+                (self.test, self.analyzer_found),
+                (self.daily, self.daily_found),
+            )
         ):
             self._grid.addWidget(button, 0, column)
             self._grid.addWidget(text, 1, column)
         self._grid.setRowStretch(1, 1)
         self._grid.setColumnStretch(0, 2)
         self._grid.setColumnStretch(1, 3)
+        self._grid.setColumnStretch(2, 3)
         self.restyle()
         self.retranslate()
 
@@ -46,10 +60,12 @@ class ServiceTools(TranslatedWidget):
         if state == self._state:
             return
         self._state = state
-        for button in (self.measure, self.test):
+        for button in (self.measure, self.test, self.daily):
             button.setEnabled(state.entered and not state.busy)
         self.height_found.setPlainText(self._height_text(state.height))
         self.analyzer_found.setPlainText(self._analyzer_text(state.analyzer))
+        self.daily_found.setPlainText(self._daily_text(state.daily_check))
+        self._write_daily(state.daily_check.part)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -59,9 +75,31 @@ class ServiceTools(TranslatedWidget):
         """Write the texts in the language of the application."""
         self.measure.setText(self.tr("MEASURE HEIGHT"))
         self.test.setText(self.tr("TEST VNA"))
+        self._write_daily(None)
         state, self._state = self._state, None
         if state is not None:
             self.show_state(state)
+
+    def _write_daily(self, part: Optional[Part]) -> None:
+        text = self.tr("DAILY CHECK")
+        if part is not None:
+            text = self.tr("MEASURE {number}/{total}").format(
+                number=PARTS.index(part) + 1, total=len(PARTS)
+            )
+        self.daily.setText(text)
+
+    def _daily_text(self, check: DailyCheckState) -> str:
+        if check.measuring:
+            return self.tr("Measuring")
+        lines = []
+        if check.answer is not None:
+            message = check.answer.message
+            lines.append(shown_text(message))
+            if message.remedy is not None:
+                lines.append(shown_text(message.remedy))
+        if check.part is not None:
+            lines.append(shown_text(INSTRUCTIONS[check.part]))
+        return "\n".join(lines) or UNKNOWN
 
     def _height_text(self, height: Optional[HeightTested]) -> str:
         if height is None:

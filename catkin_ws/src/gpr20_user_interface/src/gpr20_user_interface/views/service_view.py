@@ -32,6 +32,7 @@ class ServiceView(TranslatedWidget):
     move_requested = pyqtSignal(object, object, float)
     height_requested = pyqtSignal()
     test_requested = pyqtSignal()
+    daily_check_requested = pyqtSignal()
     check_requested = pyqtSignal()
     # The operator looks at another page.
     touched = pyqtSignal()
@@ -46,7 +47,11 @@ class ServiceView(TranslatedWidget):
         self.hint = QLabel()
         self.hint.setWordWrap(True)
         self.axes = AxisRows(self._on_move)
-        self.tools = ServiceTools(self.height_requested.emit, self.test_requested.emit)
+        self.tools = ServiceTools(
+            self.height_requested.emit,
+            self.test_requested.emit,
+            self.daily_check_requested.emit,
+        )
         self.outcome = QLabel()
         self.outcome.setWordWrap(True)
         self.switch_button = new_button(self._on_switch)
