@@ -41,6 +41,14 @@ CHOSEN = {
     ],
     "gpr20_foreign_formats": ["test_files_are_recognized", "test_gprmax_import"],
     "gpr20_main_control": ["test_survey_run", "test_survey_stop", "test_workers"],
+    "gpr20_simulator": [
+        *("test_rpc", "test_rpc_server", "test_scpi", "test_spi", "test_stale_states"),
+        *("test_vxi11_clients", "test_vxi11_server"),
+    ],
+    "gpr20_vna_acquisition": [
+        *("test_block_parser", "test_ms2026c_settings", "test_own_analyzer"),
+        *("test_vxi11_library", "test_vxi11_packing", "test_vxi11_transport"),
+    ],
     "gpr20_user_interface": [
         *("test_display_probe", "test_main_window", "test_own_language", "test_settings_file"),
         *("test_stop_signals", "test_survey_arguments", "test_trace_events", "test_translations"),
