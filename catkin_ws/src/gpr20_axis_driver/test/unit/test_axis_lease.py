@@ -75,6 +75,21 @@ def test_a_motion_of_a_lease_that_was_taken_again_ends(lease):
         assert lapsed()
 
 
+def test_a_node_whose_lease_has_ended_moves_nothing_before_it_reserves_the_axis_again(lease, clock):
+    number = lease.reserve(CONTROL)
+    clock.time_s += LIMIT_S + 0.001
+    with pytest.raises(LeaseLapsedError), lease.use(CONTROL):
+        raise AssertionError("nobody would watch this motion")
+    with lease.use(OTHER):
+        assert lease.owner == OTHER
+    number = lease.reserve(CONTROL)
+    with lease.use(CONTROL):
+        assert lease.owner == CONTROL
+    lease.release(CONTROL, number)
+    with lease.use(CONTROL):
+        assert lease.owner == CONTROL
+
+
 def test_only_the_holder_ends_a_lease(lease):
     number = lease.reserve(CONTROL)
     lease.release(OTHER, number)
@@ -144,6 +159,10 @@ class LeaseMachine(RuleBasedStateMachine):
                 raise AssertionError("refused")
             return
         held = self.holder == name and self.clock.time_s <= self.until_s
+        if self.holder == name and not held:
+            with pytest.raises(LeaseLapsedError), use:
+                raise AssertionError("nobody would watch this motion")
+            return
         self.uses.append((name, use, use.__enter__(), self.number if held else 0))
 
     @precondition(lambda self: self.uses)

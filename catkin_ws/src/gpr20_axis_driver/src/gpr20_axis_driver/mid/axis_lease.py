@@ -55,7 +55,15 @@ class AxisLease:
 
         Raises:
             AxisOwnedError: Another node owns it.
+            LeaseLapsedError: Its lease has ended, and it has not reserved the axis again: nothing
+                would end its motion if it hung.
         """
+        self._check_owner(caller)
+        with self._lock:
+            if caller == self._holder and not self._is_live():
+                raise LeaseLapsedError(self.lapse)
+
+    def _check_owner(self, caller: str) -> None:
         owner = self.owner
         if owner not in ("", caller):
             raise AxisOwnedError(
@@ -72,7 +80,7 @@ class AxisLease:
             AxisOwnedError: Another node owns it.
         """
         with self._lock:
-            self.check(caller)
+            self._check_owner(caller)
             self._number += 1
             self._holder, self._renewed_s = caller, self._now_s()
             return self._number
@@ -104,6 +112,7 @@ class AxisLease:
 
         Raises:
             AxisOwnedError: Another node owns it.
+            LeaseLapsedError: See `check`.
         """
         with self._lock:
             self.check(caller)

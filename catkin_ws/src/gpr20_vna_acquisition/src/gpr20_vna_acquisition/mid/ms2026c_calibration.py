@@ -1,4 +1,4 @@
-"""The calibration of an MS2026C, as far as it tells."""
+"""The calibration of an MS2026C, as far as the instrument reports it."""
 
 from __future__ import annotations
 
