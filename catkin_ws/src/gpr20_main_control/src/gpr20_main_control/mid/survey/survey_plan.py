@@ -136,8 +136,9 @@ class SurveyPlan:
         if last is None or not last.zeros or any(one.zeros == last.zeros for one in recorded):
             return recorded
         # A survey that was cut off before its first report began with these.
-        proof = Proof.ACCEPTED if recorded else Proof.START
-        return [*recorded, UsedZeros(last.zeros, last.index, "", proof)]
+        if not recorded:
+            return [UsedZeros(last.zeros, 0, "", Proof.START)]
+        return [*recorded, UsedZeros(last.zeros, last.index, "", Proof.ACCEPTED)]
 
     @property
     def stored_indices(self) -> Sequence[int]:
