@@ -147,6 +147,7 @@ def make_survey(
         Limits(timeout_s=10.0, period_s=0.05),
         on_opened=lambda _: None,
         on_stored=lambda _: None,
+        on_logged=lambda _: None,
     )
     processing.start()
     metadata = {"planned_traces": len(POINTS), "parameters": PARAMETERS, "axes": AXES, **more}

@@ -113,6 +113,7 @@ class Kit:
     ) -> None:
         self.stored: List[Trace] = []
         self.opened: List[str] = []
+        self.logged: List[RecordedMessage] = []
         self.now_ns = now_ns
         self.processing = DataProcessing(
             Storage(
@@ -129,6 +130,7 @@ class Kit:
             limits,
             on_opened=self.opened.append,
             on_stored=lambda message: self.stored.append(recorded_trace(message)),
+            on_logged=self.logged.append,
         )
         self.processing.start()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
@@ -15,14 +16,16 @@ from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, head
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import annotate_folder
+from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import (
     Annotation,
     Wgs84Position,
     annotation_of,
     position_from_text,
 )
+from gpr20_survey.trace import utc_time
 
 NONE = verbatim("-")
 
@@ -57,14 +60,20 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Change what is given, print the whole annotation and return the exit status."""
     if not chosen.survey.is_dir():
         raise AnalysisError(not_there(chosen.survey), fault=faults.NO_INPUT)
-    description = survey_metadata.read_description(chosen.survey / survey_folder.SURVEY_FILE)
-    present = annotation_of(description)
+    description = read_description(chosen.survey)
     changes = _changes(chosen)
-    wanted = replace(present, **changes)
     if changes:
         _refuse_open(chosen.survey, description)
-        annotate_folder(chosen.survey, wanted)
-    print_rows(_rows(wanted), catalogue)
+        now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
+        # What another program annotated meanwhile stays.
+        description = add_to_survey(
+            chosen.survey,
+            lambda present: Fact(
+                Kind.ANNOTATION, replace(annotation_of(present), **changes).values()
+            ),
+            now,
+        )
+    print_rows(_rows(annotation_of(description)), catalogue)
     return DONE
 
 
@@ -116,7 +125,7 @@ def _position(text: str) -> Wgs84Position:
 
 COMMAND = Command(
     "Set name, operator, site, notes, position and heading of a survey. What is not given stays; "
-    "without any, they are printed. A survey whose survey.json is damaged is refused.",
+    "without any, they are printed. A survey of which noted entries are lost is refused.",
     add_arguments,
     run,
 )

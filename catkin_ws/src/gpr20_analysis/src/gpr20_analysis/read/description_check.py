@@ -6,40 +6,21 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_survey.folder.description_copies import (
-    agrees,
-    latched_description,
-    recorded_texts,
-    sealed_description,
-)
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.plan.robot_description import is_simulated_identity
 
 
-def compare_copies(folder: Path, description: Dict[str, Any], with_bag: bool) -> List[Message]:
-    """Return the differences between survey.json and its copies in the recordings.
+def compare_copy(folder: Path, description: Dict[str, Any]) -> List[Message]:
+    """Return the differences between survey.json and its copy in the MCAP.
 
     Args:
         folder: The survey's folder.
         description: The content of survey.json.
-        with_bag: Whether the copy in the bag is compared too; it may take long to find.
     """
-    found: List[Message] = []
     sealed = sealed_description(folder)
-    if sealed is not None:
-        found += _differences(description, sealed, "survey.mcap")
-        texts = recorded_texts(folder)
-        if texts is not None and not agrees(sealed, texts):
-            found.append(Message("the metadata record of survey.mcap differs from its attachment"))
-    latched = latched_description(folder) if with_bag else None
-    if latched is not None:
-        found += _differences(description, latched, "survey.bag")
-    return found
-
-
-def has_sealed_copy(folder: Path) -> bool:
-    """Return whether the MCAP holds a whole copy of survey.json."""
-    return sealed_description(folder) is not None
+    return [] if sealed is None else _differences(description, sealed, survey_folder.MCAP_FILE)
 
 
 def contradictions(description: Dict[str, Any]) -> List[Message]:

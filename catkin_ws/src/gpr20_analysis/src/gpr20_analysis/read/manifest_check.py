@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import enum
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import List, Optional
+from typing import List, Optional, Sequence
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, sealing, survey_folder
+from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.manifest import Manifest
 
 
@@ -38,8 +40,13 @@ class ManifestCheck:
     """Differences between the files and a valid manifest."""
 
 
-def check_manifest(folder: Path, survey_id: str) -> ManifestCheck:
+def check_manifest(folder: Path, survey_id: str, records: Sequence[LogRecord]) -> ManifestCheck:
     """Compare a survey's files with its manifest.
+
+    Args:
+        folder: The survey's folder.
+        survey_id: UUID of the survey.
+        records: Its log; empty for a survey of an earlier version.
 
     Raises:
         OSError: The disk cannot be read.
@@ -52,11 +59,14 @@ def check_manifest(folder: Path, survey_id: str) -> ManifestCheck:
         return ManifestCheck(Seal.DAMAGED, damage=error.message)
     if sealed.reopened is not None:
         return ManifestCheck(Seal.REOPENED, sealed)
-    return ManifestCheck(Seal.VALID, sealed, differences=_differences(folder, sealed))
+    differences = [*_differences(folder, sealed), *_other_log(sealed, records)]
+    return ManifestCheck(Seal.VALID, sealed, differences=differences)
 
 
 def _differences(folder: Path, sealed: Manifest) -> List[Message]:
     listed, present = sealed.files, set(sealing.file_names(folder))
+    # A manifest of an earlier version lists it.
+    present |= {name for name in manifest.JUDGED_BY_LOG if name in listed and exists(folder, name)}
     found = [
         Message("{file} is in the manifest but does not exist", file=name)
         for name in sorted(listed.keys() - present)
@@ -69,6 +79,24 @@ def _differences(folder: Path, sealed: Manifest) -> List[Message]:
     for name in sorted(present & listed.keys()):
         found += _changes(folder / name, name, sealed)
     return found
+
+
+def exists(folder: Path, name: str) -> bool:
+    """Return whether a folder has an entry, of whatever kind."""
+    return os.path.lexists(str(folder / name))
+
+
+def _other_log(sealed: Manifest, records: Sequence[LogRecord]) -> List[Message]:
+    if sealed.log is None or sealed.covers(records):
+        return []
+    return [
+        Message(
+            "the log of the survey ends with entry {last}, but with entry {sealed} in the "
+            "manifest, or with another one of this number",
+            last=records[-1].number if records else "-",
+            sealed=sealed.log.number,
+        )
+    ]
 
 
 def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:

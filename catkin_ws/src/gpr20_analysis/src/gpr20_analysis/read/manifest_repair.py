@@ -1,4 +1,4 @@
-"""Writing a lost or damaged manifest again, if everything else in the survey agrees."""
+"""Writing a damaged log or manifest again, if everything else in the survey agrees."""
 
 from __future__ import annotations
 
@@ -15,13 +15,17 @@ from gpr20_analysis.read.manifest_check import ManifestCheck, Seal
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+from gpr20_survey.folder import manifest, sealing, survey_folder
+from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 
 SHOWN = 5
 """Number of differences that are named."""
+VOUCHED = Message(
+    "the log vouches for all of it: traces and recordings are those with which the survey ended"
+)
 NOT_VOUCHED = Message(
-    "nothing can tell whether these were changed before now: how survey.json says that the survey "
-    "ended, its report and notes, and messages that only one of the recordings contains"
+    "nothing can tell whether traces or recordings were replaced as a whole before now"
 )
 
 
@@ -47,9 +51,9 @@ class RepairResult:
 def repair_manifest(
     folder: Path, revision: str, now: str, progress: Progress = no_progress
 ) -> RepairResult:
-    """Write the manifest of a closed survey again if it is missing or damaged.
+    """Write what of the log is damaged, and a missing or damaged manifest, of a closed survey.
 
-    No other file is changed. A damaged manifest is kept in `damaged/`.
+    The traces and the recordings are not changed. What is damaged is kept in `damaged/`.
 
     Args:
         folder: The folder of one survey.
@@ -60,31 +64,47 @@ def repair_manifest(
     Raises:
         AnalysisError: It is no survey, the survey is not closed, or its files differ from a
             valid manifest.
-        SurveyRefusedError: survey.json cannot be read.
+        SurveyRefusedError: Nothing describes the survey, or another process writes it.
         OSError: The disk cannot be read or written.
     """
     check_survey_folder(folder)
-    path = folder / survey_folder.SURVEY_FILE
-    description = survey_metadata.read_description(path)
-    survey_folder.check_survey_id(description["survey_id"])
-    found = manifest_check.check_manifest(folder, description["survey_id"])
-    if found.seal is Seal.VALID and not found.differences:
+    with locked(folder, SHORT_WAIT_S):
+        survey_folder.check_no_links(folder)
+        recovered = recover(folder)
+        survey_folder.check_survey_id(recovered.survey_id)
+        return _repair(folder, recovered, revision, now, progress)
+
+
+def _repair(
+    folder: Path, recovered: RecoveredSurvey, revision: str, now: str, progress: Progress
+) -> RepairResult:
+    log = recovered.found
+    found = manifest_check.check_manifest(folder, recovered.survey_id, log.records)
+    is_valid = found.seal is Seal.VALID and not found.differences
+    if is_valid and (log.is_whole or not log.has_log) and not recovered.unconfirmed:
         return RepairResult(Repair.NOT_NEEDED)
-    _refuse(found, description.get("ended") is not None)
-    verified = verify_survey(folder, progress, use_manifest=False)
+    ended = recovered.description.get("ended")
+    if not is_valid:
+        _refuse(found, ended is not None)
+    verified = verify_survey(folder, progress, use_manifest=is_valid, repairing=True)
     if verified.faults:
         return RepairResult(Repair.IMPOSSIBLE, verified.faults, verified.notes)
-    notes = list(verified.notes)
-    reason = Message("it was missing") if found.damage is None else found.damage
-    old = folder / manifest.MANIFEST_FILE
+    notes = [*verified.notes, *repairs_of(recovered)]
     if found.seal is Seal.DAMAGED:
+        old = folder / manifest.MANIFEST_FILE
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
+    whole_log = open_log(folder, recovered, now)
+    if is_valid:
+        assert found.manifest is not None
+        sealing.seal_log(folder, found.manifest, whole_log)
+        return RepairResult(Repair.WRITTEN, notes=notes)
+    reason = Message("it was missing") if found.damage is None else found.damage
     rewritten = ({"time": now, "reason": reason.sentence()},)
-    sealing.write_manifest(
-        folder, description["survey_id"], revision, description["ended"], rewritten=rewritten
-    )
-    notes.append(Message("all three forms of every trace agree; manifest.json was written again"))
-    return RepairResult(Repair.WRITTEN, notes=[*notes, NOT_VOUCHED])
+    proven = sealing.write_manifest(
+        folder, whole_log, revision, str(ended), rewritten=rewritten
+    ) == recovered.description.get(sealing.CONTENT)
+    notes.append(Message("manifest.json was written again"))
+    return RepairResult(Repair.WRITTEN, notes=[*notes, VOUCHED if proven else NOT_VOUCHED])
 
 
 def _refuse(found: ManifestCheck, has_ended: bool) -> None:

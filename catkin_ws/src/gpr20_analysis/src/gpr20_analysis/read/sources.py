@@ -18,6 +18,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.recovery import recover, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -169,10 +170,12 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
     described = folder / survey_folder.SURVEY_FILE
     files = _trace_files(traces if traces.is_dir() else folder)
-    description, damage = None, []
-    if described.exists():
+    description, damage, notes = None, [], []
+    if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
-            description = survey_metadata.read_description(described)
+            recovered = recover(folder)
+            description = recovered.description
+            notes = [unconfirmed_message(one) for one in (recovered.all_unconfirmed,) if one]
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
     if not files and described.exists():
@@ -192,6 +195,7 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
         )
     source = JsonSource(folder.name, files, description, read)
     source.faults += damage
+    source.notes += notes
     return source
 
 
@@ -209,4 +213,5 @@ def _decode(content: bytes) -> Trace:
         raise TraceRefusedError(
             Message("the file is not valid JSON", details=error), fault=TRACE_DAMAGED
         ) from error
+    trace_json.is_proven(content)
     return trace_json.from_values(values)

@@ -18,12 +18,15 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
+from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover, unconfirmed_message
 from gpr20_survey.plan.zero_history import unproven_zeros
 
 FILES = (
     survey_folder.SURVEY_FILE,
+    survey_folder.LOG_FILE,
     survey_folder.TRACES_FOLDER,
     survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
@@ -53,7 +56,10 @@ def check_survey_folder(folder: Path) -> None:
 
 
 def verify_survey(
-    folder: Union[str, Path], progress: Progress = no_progress, use_manifest: bool = True
+    folder: Union[str, Path],
+    progress: Progress = no_progress,
+    use_manifest: bool = True,
+    repairing: bool = False,
 ) -> Verification:
     """Check a survey's folder; nothing in it is changed.
 
@@ -61,6 +67,7 @@ def verify_survey(
         folder: The folder of one survey.
         progress: Shows the progress of each pass over its traces.
         use_manifest: False: check it as if it had no manifest, so everything else is compared.
+        repairing: Whether the caller holds the folder's lock and writes the log again.
 
     Returns:
         What was found, with the verdict.
@@ -71,31 +78,46 @@ def verify_survey(
     """
     folder = Path(folder).expanduser()
     check_survey_folder(folder)
+    writer = None if repairing else writer_of(folder)
     try:
-        description = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
-        survey_folder.check_survey_id(description["survey_id"])
+        survey_folder.check_no_links(folder)
+        recovered = recover(folder)
+        survey_folder.check_survey_id(recovered.survey_id)
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
-    return _Verifier(folder, description, progress, use_manifest).run()
+    verifier = _Verifier(folder, recovered, progress, use_manifest, writer)
+    return verifier.run(with_log=not repairing)
 
 
 class _Verifier:
     def __init__(
-        self, folder: Path, description: Dict[str, Any], progress: Progress, use_manifest: bool
+        self,
+        folder: Path,
+        recovered: RecoveredSurvey,
+        progress: Progress,
+        use_manifest: bool,
+        writer: Optional[str],
     ) -> None:
         self._folder = folder
         self._progress = progress
         self._use_manifest = use_manifest
-        self._description = description
+        self._recovered = recovered
+        self._description = description = recovered.description
         self._survey_id: str = description["survey_id"]
         self._indexed = description.get("ended") is not None  # the recordings have their index
         interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
-        self._found = Verification(closed=self._indexed and not interrupted)
+        self._found = Verification(
+            closed=self._indexed and not interrupted,
+            writer=writer or "",
+            has_log=recovered.found.has_log,
+        )
         self._zeros: List[Zeros] = []
 
-    def run(self) -> Verification:
-        if self._use_manifest:
+    def run(self, with_log: bool) -> Verification:
+        if self._use_manifest and not self._found.writer:
             self._check_manifest()
+        if with_log:
+            self._check_log()
         files = trace_files.read_all(
             self._traces, self._survey_id, lambda paths: iter(self._progress(paths, len(paths)))
         )
@@ -121,7 +143,8 @@ class _Verifier:
         return self._folder / survey_folder.TRACES_FOLDER
 
     def _check_manifest(self) -> None:
-        found = manifest_check.check_manifest(self._folder, self._survey_id)
+        records = self._recovered.found.records
+        found = manifest_check.check_manifest(self._folder, self._survey_id, records)
         self._found.sealed = found.seal is Seal.VALID
         self._found.faults += found.differences
         if found.damage is not None:
@@ -231,10 +254,40 @@ class _Verifier:
                 ).with_fault(faults.ZEROS_UNPROVEN)
             )
 
+    def _check_log(self) -> None:
+        log = self._recovered.found
+        if not self._found.writer:
+            # While somebody writes, the two files may be read at different moments.
+            self._found.faults += [
+                Message(
+                    "{damage}; its entries are whole elsewhere: resuming the survey, or gpr20 "
+                    "repair, writes it again",
+                    damage=one,
+                )
+                for one in log.damage
+            ]
+            self._found.faults += [
+                Message("entry {number} of the log is damaged in every copy", number=number)
+                for number in log.lost
+            ]
+            if log.behind:
+                self._found.note(
+                    Message(
+                        "log.jsonl or survey.json lacks the last entry of the log, as after a "
+                        "power cut; the other has it"
+                    )
+                )
+        named = self._recovered.all_unconfirmed
+        self._found.unconfirmed = tuple(named)
+        if named:
+            self._found.note(unconfirmed_message(named))
+
     def _check_description(self, readable: int) -> None:
         recorded = self._description
-        self._found.faults += description_check.compare_copies(
-            self._folder, recorded, with_bag=not self._found.sealed
+        if self._found.writer:
+            return
+        self._found.faults += description_check.compare_copy(
+            self._folder, self._recovered.found.own or recorded
         )
         self._found.faults += description_check.contradictions(recorded)
         if self._indexed and recorded.get("stored_traces") != readable:

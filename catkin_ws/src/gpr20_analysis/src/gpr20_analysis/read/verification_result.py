@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_analysis import faults
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
+from gpr20_survey.faults import LOCKED, UNCONFIRMED
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
-UNCOVERED = Message(
-    "entries of survey.json that change during a survey, messages that only one recording "
-    "contains, and bytes outside the messages of an unfinished recording"
+SHOWN = 5  # entries that are named in the verdict
+UNCOVERED = Message("survey.bag, and messages other than traces at the end of survey.mcap")
+UNCOVERED_WITHOUT_LOG = Message(
+    "entries of survey.json that change during a survey, {recordings}", recordings=UNCOVERED
 )
 
 
@@ -34,6 +36,12 @@ class Verification:
     """Whether a manifest covers every file, so that no change could be unseen."""
     closed: bool = False
     """Whether the survey was closed, not cut off or interrupted."""
+    unconfirmed: Tuple[str, ...] = ()
+    """Names of the entries of survey.json that nothing vouches for."""
+    writer: str = ""
+    """Number of the process that writes the survey; empty: nobody does."""
+    has_log: bool = True
+    """Whether it has a log; a survey of an earlier version has none."""
 
     def fault(self, message: Message) -> None:
         """Note what is damaged or contradictory."""
@@ -52,6 +60,8 @@ class Verification:
             "unproven": self.unproven,
             "sealed": self.sealed,
             "closed": self.closed,
+            "unconfirmed": list(self.unconfirmed),
+            "being_written": bool(self.writer),
             "verdict": message_fields(self.verdict),
             "faults": [
                 message_fields(one if one.cause else one.with_fault(faults.NOT_INTACT))
@@ -62,10 +72,14 @@ class Verification:
 
     @property
     def status(self) -> int:
-        """0 complete and intact, 1 incomplete, unsealed or unproven, 2 damaged or contradictory."""
+        """0 complete and intact, 2 damaged or contradictory, 1 anything between."""
         if self.faults:
             return DAMAGED
-        return COMPLETE if self._is_whole and not self.unproven else INCOMPLETE
+        return COMPLETE if self._is_whole and not self._has_doubts else INCOMPLETE
+
+    @property
+    def _has_doubts(self) -> bool:
+        return bool(self.unproven or self.unconfirmed)
 
     @property
     def _is_whole(self) -> bool:
@@ -78,10 +92,14 @@ class Verification:
         if self.faults:
             of_manifest = all(one.fault_code == faults.MANIFEST.code for one in self.faults)
             return self._sentence.with_fault(faults.MANIFEST if of_manifest else faults.NOT_INTACT)
+        if self.writer:
+            return self._sentence.with_fault(LOCKED)
         if not self._is_whole:
             return self._sentence.with_fault(faults.NOT_COMPLETE)
         if self.unproven:
             return self._sentence.with_fault(faults.ZEROS_UNPROVEN)
+        if self.unconfirmed:
+            return self._sentence.with_fault(UNCONFIRMED)
         return self._sentence
 
     @property
@@ -92,12 +110,26 @@ class Verification:
                 count=len(self.faults),
                 counted=self._counted,
             )
+        if self.writer:
+            return Message(
+                "BEING WRITTEN by process {process}: {counted} so far, without a fault",
+                process=self.writer,
+                counted=self._counted,
+            )
         if self._is_whole and self.unproven:
             return Message(
                 "POSITIONS NOT PROVEN: all {planned} planned traces are stored and intact, but "
                 "{count} of them refer to other zeros of the axes",
                 planned=self.planned,
                 count=self.unproven,
+            )
+        if self._is_whole and self.unconfirmed:
+            return Message(
+                "intact, except {count} entries UNCONFIRMED: all {planned} planned traces are "
+                "stored and readable, but nothing vouches for {names}",
+                count=len(self.unconfirmed),
+                planned=self.planned,
+                names=", ".join(self.unconfirmed[:SHOWN]),
             )
         if self.status == COMPLETE:
             return Message(
@@ -109,7 +141,7 @@ class Verification:
                 "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
                 "manifest, changes to {uncovered} cannot be detected",
                 counted=self._counted,
-                uncovered=UNCOVERED,
+                uncovered=UNCOVERED if self.has_log else UNCOVERED_WITHOUT_LOG,
             )
         if self.closed:
             return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)

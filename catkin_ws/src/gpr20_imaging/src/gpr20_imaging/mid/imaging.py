@@ -147,8 +147,8 @@ class Imaging:
             raise ImagingError(Message("Choose what to export."), fault=faults.NOTHING_CHOSEN)
         if any(one.analysis for one in chosen):
             self._require_analysis()
-        folder, description = find_survey(self._data, survey)
-        simulated = description.get("simulated") is not False
+        folder, found = find_survey(self._data, survey)
+        simulated = found.description.get("simulated") is not False
         request = ExportRequest(folder, simulated, chosen, value, language, volume)
         exporter = Exporter(
             self._analysis, self._volumes, lambda stage: self._progress(request_id, stage)

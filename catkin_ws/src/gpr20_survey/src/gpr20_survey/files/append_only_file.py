@@ -29,31 +29,12 @@ class AppendOnlyFile:
         Raises:
             OSError: The file exists or the disk refused.
         """
-        self._take(path, os.O_CREAT | os.O_EXCL, 0, trailer)
-        sync_path(path.parent)
-
-    @classmethod
-    def resumed(cls, path: Path, length: int, trailer: bytes = b"") -> AppendOnlyFile:
-        """Continue a file behind its first bytes; `cut` removes what follows them.
-
-        Args:
-            path: The file.
-            length: How much of it is whole [bytes].
-            trailer: As for a new file.
-
-        Raises:
-            OSError: The file cannot be opened.
-        """
-        file = cls.__new__(cls)
-        file._take(path, 0, length, trailer)
-        return file
-
-    def _take(self, path: Path, flags: int, committed: int, trailer: bytes) -> None:
         self.path = path
         self._trailer = trailer
-        self._committed = committed  # length of what is durable [bytes]
+        self._committed = 0  # length of what was written [bytes]
         self._collected = bytearray()
-        self._descriptor = access.open_new(path, flags | os.O_RDWR)
+        self._descriptor = access.open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
+        sync_path(path.parent)
 
     @property
     def collected_bytes(self) -> int:
@@ -89,8 +70,11 @@ class AppendOnlyFile:
         put_in_place(self.path, path)
         self.path = path
 
-    def commit(self) -> None:
+    def commit(self, sync: bool = True) -> None:
         """Write what was collected; return when it is durable.
+
+        Args:
+            sync: False: return when other programs can read it.
 
         Raises:
             FileReplacedError: The file was moved, removed or replaced.
@@ -98,21 +82,11 @@ class AppendOnlyFile:
         """
         if self._collected:
             self._write_at(self._committed, bytes(self._collected) + self._trailer)
-            os.fsync(self._descriptor)
+            if sync:
+                os.fsync(self._descriptor)
             self._check_in_place()
             self._committed += len(self._collected)
             self._collected.clear()
-
-    def cut(self) -> None:
-        """Leave nothing behind the committed part but the trailer; return when that is durable.
-
-        Raises:
-            OSError: The disk refused; the call may be repeated.
-        """
-        # The trailer first: at no instant does the file end without one.
-        self.overwrite(self._committed, self._trailer)
-        os.ftruncate(self._descriptor, self._committed + len(self._trailer))
-        os.fsync(self._descriptor)
 
     def write_tail(self, data: bytes) -> None:
         """Write the end of the file behind the trailer; return when it is durable.

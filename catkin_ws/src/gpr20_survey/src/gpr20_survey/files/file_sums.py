@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from pathlib import Path
-from typing import Iterator, NamedTuple
+from typing import Iterator, NamedTuple, Optional
 
 from gpr20_survey.files.regular_file import open_regular
 
@@ -56,3 +56,11 @@ def sum_of_file(path: Path) -> FileSum:
                 return FileSum(digest.hexdigest(), size)
             digest.update(piece)
             size += len(piece)
+
+
+def sum_if_readable(path: Path) -> Optional[FileSum]:
+    """Return the checksum of a file; None if it cannot be read."""
+    try:
+        return sum_of_file(path)
+    except OSError:
+        return None

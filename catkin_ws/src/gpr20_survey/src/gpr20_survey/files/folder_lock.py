@@ -5,20 +5,29 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import time
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, Optional
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, printable
 
+# How long somebody who adds one fact waits for another who does the same.
+SHORT_WAIT_S = 5.0
+_POLL_S = 0.01
+
 
 @contextlib.contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def locked(folder: Path, wait_s: float = 0.0) -> Iterator[None]:
     """Hold the lock of a survey's folder; it ends with the process at the latest.
 
-    It writes nothing, and does not prevent anybody from reading the folder or from changing it
-    without asking for the lock.
+    Every writer of the folder holds it. It writes nothing, and does not prevent anybody from
+    reading the folder.
+
+    Args:
+        folder: The survey's folder.
+        wait_s: How long to wait for another process that holds it [s].
 
     Raises:
         SurveyRefusedError: Another process holds it.
@@ -26,22 +35,48 @@ def locked(folder: Path) -> Iterator[None]:
     """
     descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
     try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise SurveyRefusedError(
-                Message(
-                    "the survey in {folder} is being written by another process ({process}), for "
-                    "example by another robot with the same data folder; end the survey there "
-                    "first, or the process if it hangs",
-                    folder=printable(folder),
-                    process=_holder(descriptor),
-                ),
-                fault=faults.LOCKED,
-            ) from None
+        deadline_s = time.monotonic() + wait_s
+        while not _take(descriptor):
+            if time.monotonic() >= deadline_s:
+                raise _held(folder, descriptor)
+            time.sleep(_POLL_S)
         yield
     finally:
         os.close(descriptor)
+
+
+def writer_of(folder: Path) -> Optional[str]:
+    """Return the number of the process that writes a survey's folder; None: nobody does.
+
+    Raises:
+        OSError: The folder cannot be opened.
+    """
+    descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        return None if _take(descriptor, fcntl.LOCK_SH) else _holder(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _take(descriptor: int, kind: int = fcntl.LOCK_EX) -> bool:
+    try:
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _held(folder: Path, descriptor: int) -> SurveyRefusedError:
+    return SurveyRefusedError(
+        Message(
+            "the survey in {folder} is being written by another process ({process}), for "
+            "example by another robot with the same data folder; end the survey there "
+            "first, or the process if it hangs",
+            folder=printable(folder),
+            process=_holder(descriptor),
+        ),
+        fault=faults.LOCKED,
+    )
 
 
 def _holder(descriptor: int) -> str:

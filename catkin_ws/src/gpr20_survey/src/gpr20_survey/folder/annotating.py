@@ -1,84 +1,125 @@
-"""Changing what people add to a survey that is not open: annotation and markers."""
+"""Adding to a survey that is not open: annotation, markers and other facts."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable, storing
-from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
-from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.folder.description_differences import differences
-from gpr20_survey.plan.annotation import ANNOTATION, Annotation
+from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+from gpr20_survey.folder import manifest, sealing, survey_folder
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.recovery import is_vouched, open_log, recover
+from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
-def annotate_folder(folder: Path, annotation: Annotation) -> None:
-    """Change the annotation of a survey that nobody writes; see `change_description`.
+class Fact(NamedTuple):
+    """What is to be added to the log of a survey."""
+
+    kind: Kind
+    values: Dict[str, Any]
+
+
+Change = Callable[[Dict[str, Any]], Optional[Fact]]
+"""Takes the content of survey.json and returns what is added; None: it says that already."""
+
+
+def annotate(annotation: Annotation) -> Change:
+    """Return the change that replaces the annotation.
 
     Args:
-        folder: The survey's folder.
-        annotation: The new annotation, whole.
+        annotation: The new annotation, whole; its heading is that of the former one at this
+            position.
     """
-    change_description(folder, lambda description: {**description, ANNOTATION: annotation.values()})
+
+    def change(description: Dict[str, Any]) -> Fact:
+        return Fact(Kind.ANNOTATION, keeping_heading(annotation, description).values())
+
+    return change
 
 
-def change_description(
-    folder: Path, change: Callable[[Dict[str, Any]], Optional[Dict[str, Any]]]
-) -> Dict[str, Any]:
-    """Change survey.json of a survey that nobody writes; return it when that is durable.
+def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
+    """Add a fact to a survey that nobody writes; return survey.json's content when it is durable.
 
-    A survey.json that is damaged is not written again: its new checksum would hide the damage.
+    A form of the log that is damaged is written again from the other one. A survey of an earlier
+    version gets a log.
 
     Args:
         folder: The survey's folder.
-        change: Takes the content of survey.json and returns the whole new one; only
-            `survey_metadata.LATER_KEYS` may differ. None: nothing is to be changed.
+        change: What is added.
+        now: The present moment, as ISO 8601 text.
 
     Raises:
-        SurveyRefusedError: survey.json or the manifest cannot be read, or survey.json is not as
-            it was written, or `change` refused.
-        StorageFailedError: The disk refused; survey.json has its former content or the new one.
+        SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
+            damaged, another process writes it, or `change` refused.
+        StorageFailedError: The disk refused; the call may be repeated.
     """
     survey_folder.check_no_links(folder)
-    path = folder / survey_folder.SURVEY_FILE
-    description = survey_metadata.read_description(path)
-    changed = change(description)
-    if changed is None:
-        return description
-    with storing(Message("{path} could not be written", path=printable(path)), path):
-        _check_as_written(folder, description)
-        sealed = _is_sealed(folder)
-        if not sealed:
-            durable_files.replace_file(path, survey_metadata.encode(changed))
-    if sealed:
-        sealing.reseal_description(folder, changed)
-    return changed
+    failure = Message("{path} could not be written", path=printable(folder))
+    with storing(failure, folder), locked(folder, SHORT_WAIT_S):
+        sealed = _seal_of(folder)
+        recovered = recover(folder)
+        if sealed is not None and recovered.found.has_log:
+            _check_covered(folder, sealed, recovered.found.records)
+        elif sealed is not None and not is_vouched(folder):
+            raise _damaged(folder, ())
+        if recovered.found.lost:
+            raise _damaged(folder, recovered.found.damage)
+        fact = change(recovered.description)
+        if fact is None and recovered.found.is_whole:
+            return recovered.description
+        log = open_log(folder, recovered, now)
+        if sealed is not None:
+            sealed = sealing.seal_log(folder, sealed, log)
+        if fact is not None:
+            record = log.next(fact.kind, fact.values, now)
+            if sealed is None:
+                log.add(record)
+            else:
+                sealing.add_sealed(folder, sealed, log, record)
+    return log.description
 
 
-def _is_sealed(folder: Path) -> bool:
+def _seal_of(folder: Path) -> Optional[Manifest]:
+    """Return the manifest of a survey that is closed; None: it was cut off or reopened."""
     try:
-        return manifest.read_manifest(folder).reopened is None
+        sealed = manifest.read_manifest(folder)
     except FileNotFoundError:
-        return False  # the survey was cut off before its end
-    except ManifestDamagedError:
-        return True
+        return None
+    except ManifestDamagedError as error:
+        raise _manifest_damaged(folder, error.message) from error
+    return sealed if sealed.reopened is None else None
 
 
-def _check_as_written(folder: Path, description: Dict[str, Any]) -> None:
-    copy = sealed_description(folder)
-    changed = [] if copy is None else differences(copy, description)
-    if changed:
-        raise SurveyRefusedError(
-            Message(
-                "'{key}' in survey.json in {folder} is {present}, but {former} in its sealed copy "
-                "in survey.mcap; nothing was changed; resume the survey, which repairs it",
-                key=changed[0].key,
-                folder=printable(folder),
-                present=changed[0].second,
-                former=changed[0].first,
-            ),
-            fault=faults.DESCRIPTION_DAMAGED,
+def _check_covered(folder: Path, sealed: Manifest, records: Sequence[LogRecord]) -> None:
+    if not sealed.covers(records):
+        raise _manifest_damaged(
+            folder, Message("the log of the survey does not end as the manifest says")
         )
+
+
+def _manifest_damaged(folder: Path, reason: Message) -> SurveyRefusedError:
+    return SurveyRefusedError(
+        Message(
+            "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
+            path=printable(folder / manifest.MANIFEST_FILE),
+            reason=reason,
+        ),
+        fault=faults.MANIFEST_DAMAGED,
+    )
+
+
+def _damaged(folder: Path, damage: Sequence[Message]) -> SurveyRefusedError:
+    reasons = in_a_row(damage) if damage else Message("survey.json differs from the manifest")
+    return SurveyRefusedError(
+        Message(
+            "what is noted of the survey in {folder} is damaged: {reasons}; nothing was changed; "
+            "resume the survey, which repairs it and names what is lost",
+            folder=printable(folder),
+            reasons=reasons,
+        ),
+        fault=faults.DESCRIPTION_DAMAGED,
+    )

@@ -6,7 +6,7 @@ import hashlib
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -15,16 +15,34 @@ from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.log_record import LogRecord
 
 MANIFEST_FILE = "manifest.json"
-FORMAT = "gpr20-manifest/2"
-FORMER_FORMAT = "gpr20-manifest/1"  # has no checksum of its own
-DATA_FILES = (survey_folder.SURVEY_FILE, survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
+SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
+FORMAT = "gpr20-manifest/3"
+WITHOUT_LOG_FORMAT = "gpr20-manifest/2"  # lists survey.json instead of the log
+FORMER_FORMAT = "gpr20-manifest/1"  # and has no checksum of its own
+DATA_FILES = (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
+# The log judges itself, and survey.json is what it says; the last checksum of the log is enough.
+JUDGED_BY_LOG = (survey_folder.LOG_FILE, survey_folder.SURVEY_FILE)
 MAX_BYTES = 512 << 20  # a million traces
 
 _TEXTS = ("survey_id", "software_revision", "written")
 _FORMER_KEYS = {"format", *_TEXTS, "files"}
-_KEYS = {*_FORMER_KEYS, "reopened", "rewritten", "replacing", "sha256"}
+_KEYS = {*_FORMER_KEYS, "reopened", "rewritten", "log", "next_log", "unconfirmed"}
+_KEYS_WITHOUT_LOG = {*_FORMER_KEYS, "reopened", "rewritten", "replacing"}
+
+
+class LogHead(NamedTuple):
+    """The last record of a log."""
+
+    number: int
+    sha256: str
+
+    @classmethod
+    def of(cls, record: LogRecord) -> LogHead:
+        """Return the place and the checksum of a record."""
+        return cls(record.number, record.sha256)
 
 
 @dataclass(frozen=True)
@@ -38,8 +56,14 @@ class Manifest:
     """When the survey was closed, as ISO 8601 text."""
     files: Mapping[str, Optional[FileSum]]
     """Of each file, relative to the folder; None: it was no data and could not be read."""
+    log: Optional[LogHead] = None
+    """The last record of the log; None: the survey is one of an earlier version."""
+    next_log: Optional[LogHead] = None
+    """The record that is being added to the log; None again when that is done."""
+    unconfirmed: Tuple[str, ...] = ()
+    """Names of the entries of survey.json that nothing vouches for."""
     replacing: Mapping[str, FileSum] = field(default_factory=dict)
-    """Of the new content of a file that is being replaced; empty again when that is done."""
+    """Of an earlier version: the new content of a file that was being replaced."""
     reopened: Optional[str] = None
     """When the survey was reopened: its files may have changed since. None: it was not."""
     rewritten: Tuple[Mapping[str, str], ...] = ()
@@ -51,6 +75,11 @@ class Manifest:
         """Return whether a file has the content that it had when the survey was closed."""
         return present is not None and present in (self.files.get(name), self.replacing.get(name))
 
+    def covers(self, records: Sequence[LogRecord]) -> bool:
+        """Return whether a log ends as it did when this was written."""
+        head = LogHead.of(records[-1]) if records else None
+        return head is not None and head in (self.log, self.next_log)
+
     def encode(self) -> bytes:
         """Return the content of manifest.json, which ends with a checksum over all else."""
         values = {
@@ -60,7 +89,9 @@ class Manifest:
             "written": self.written,
             "reopened": self.reopened,
             "rewritten": [dict(one) for one in self.rewritten],
-            "replacing": {name: one._asdict() for name, one in self.replacing.items()},
+            "log": self.log and self.log._asdict(),
+            "next_log": self.next_log and self.next_log._asdict(),
+            "unconfirmed": list(self.unconfirmed),
             "files": {name: one and one._asdict() for name, one in self.files.items()},
         }
         return survey_metadata.encode({**values, "sha256": _own_sum(values)})
@@ -79,7 +110,7 @@ def decode(content: bytes) -> Manifest:
         raise ManifestDamagedError(Message("it is not ASCII text", details=error)) from error
     except SurveyRefusedError as error:
         raise ManifestDamagedError(error.message, fault=faults.MANIFEST_DAMAGED) from error
-    if values.get("format") == FORMAT:
+    if values.get("format") in (FORMAT, WITHOUT_LOG_FORMAT):
         return _decoded(content, values)
     if values.get("format") == FORMER_FORMAT:
         return _former(values)
@@ -134,7 +165,7 @@ def trace_name(file_name: str) -> str:
 
 def is_data(name: str) -> bool:
     """Return whether a file, named relative to the survey's folder, holds data of the survey."""
-    return name in DATA_FILES or name.startswith(trace_name(""))
+    return name in (*DATA_FILES, survey_folder.SURVEY_FILE) or name.startswith(trace_name(""))
 
 
 def _own_sum(values: Mapping[str, Any]) -> str:
@@ -148,20 +179,33 @@ def _decoded(content: bytes, values: Dict[str, Any]) -> Manifest:
         content
     ):
         raise ManifestDamagedError(Message("its own SHA-256 has changed"))
-    replacing, rewritten = values.get("replacing"), values.get("rewritten")
+    has_log = values["format"] == FORMAT
+    rewritten = values.get("rewritten")
     if (
-        values.keys() != _KEYS - {"sha256"}
-        or not isinstance(replacing, dict)
+        values.keys() != (_KEYS if has_log else _KEYS_WITHOUT_LOG)
+        or not isinstance(values.get("replacing", {}), dict)
+        or not isinstance(values.get("unconfirmed", []), list)
         or not isinstance(rewritten, list)
         or not all(isinstance(one, dict) for one in rewritten)
     ):
         raise ManifestDamagedError(Message("its entries are not those of a manifest"))
     return _manifest(
         values,
-        replacing={name: _sum(one) for name, one in replacing.items()},
+        log=_head(values.get("log")),
+        next_log=_head(values.get("next_log")),
+        unconfirmed=tuple(map(str, values.get("unconfirmed", []))),
+        replacing={name: _sum(one) for name, one in values.get("replacing", {}).items()},
         reopened=values["reopened"],
         rewritten=tuple(rewritten),
     )
+
+
+def _head(values: Any) -> Optional[LogHead]:
+    if values is None:
+        return None
+    if not isinstance(values, dict) or values.keys() != set(LogHead._fields):
+        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
+    return LogHead(**values)
 
 
 def _former(values: Dict[str, Any]) -> Manifest:

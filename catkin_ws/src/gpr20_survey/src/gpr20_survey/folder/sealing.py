@@ -1,37 +1,35 @@
-"""Writing the manifest of a survey, and changing what it covers."""
+"""Writing the manifest of a survey, and adding to a survey that is closed."""
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
-from gpr20_common.message import Message
-from gpr20_survey import faults
-from gpr20_survey.errors import (
-    ManifestDamagedError,
-    SurveyRefusedError,
-    printable,
-    storing,
-)
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.files.file_sums import FileSum
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.description_differences import differences
-from gpr20_survey.folder.manifest import MANIFEST_FILE, Manifest
+from gpr20_survey.folder import manifest, survey_folder
+from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.folder.log_record import LogRecord
+from gpr20_survey.folder.manifest import MANIFEST_FILE, LogHead, Manifest
+from gpr20_survey.folder.survey_log import SurveyLog
 
+CONTENT = "content_sha256"
+"""Key of survey.json: what `content_sum` gives when the survey ends."""
 NO_SUMS: Mapping[str, FileSum] = MappingProxyType({})
+NOT_LISTED = (MANIFEST_FILE, manifest.SIGNATURE_FILE, *manifest.JUDGED_BY_LOG)
 
 
 def write_manifest(
     folder: Path,
-    survey_id: str,
+    log: SurveyLog,
     revision: str,
     written: str,
     known: Mapping[str, FileSum] = NO_SUMS,
     rewritten: Tuple[Mapping[str, str], ...] = (),
-) -> None:
+) -> str:
     """Write the checksums of every file of a survey; return when they are durable.
 
     What is not data of the survey and cannot be read, such as a link in `damaged/`, is listed
@@ -39,12 +37,15 @@ def write_manifest(
 
     Args:
         folder: The survey's folder; nothing in it may change any more.
-        survey_id: UUID of the survey.
+        log: The survey's log.
         revision: Version of the suite.
         written: When, as ISO 8601 text.
         known: Files whose content is known because it was just written; they are not read. A
             change since then is found by the next verification.
         rewritten: `time` and `reason` of each time that a lost manifest was written again.
+
+    Returns:
+        What `content_sum` gives for it.
 
     Raises:
         OSError: A file of the survey's data cannot be read, or the disk refused.
@@ -52,8 +53,19 @@ def write_manifest(
     files: Dict[str, Optional[FileSum]] = {}
     for name in sorted({*file_names(folder), *known}):
         files[name] = known[name] if name in known else _sum(folder, name)
-    new = Manifest(survey_id, revision, written, files, rewritten=rewritten)
+    description = log.description
+    new = Manifest(
+        description["survey_id"],
+        revision,
+        written,
+        files,
+        LogHead.of(log.last),
+        unconfirmed=_names(description),
+        rewritten=rewritten,
+    )
     durable_files.replace_file(folder / MANIFEST_FILE, new.encode())
+    data = {name: one for name, one in files.items() if one is not None and manifest.is_data(name)}
+    return content_sum(data)
 
 
 def mark_reopened(folder: Path, sealed: Manifest, now: str) -> None:
@@ -71,48 +83,52 @@ def mark_reopened(folder: Path, sealed: Manifest, now: str) -> None:
     durable_files.replace_file(folder / MANIFEST_FILE, marked.encode())
 
 
-def reseal_description(folder: Path, new_values: Dict[str, Any]) -> None:
-    """Replace survey.json of a closed survey, and its checksum in the manifest.
+def seal_log(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
+    """Let the manifest of a closed survey name the present log; return it when it is durable.
 
-    After a power cut at any moment survey.json has the former or the new content, and the
-    manifest covers both until the replacement is finished.
+    Damaged forms of the log that were put aside are listed too. The manifest of an earlier
+    version, which lists survey.json, becomes one of this version.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    files = {name: one for name, one in sealed.files.items() if name not in manifest.JUDGED_BY_LOG}
+    aside = f"{survey_folder.DAMAGED_FOLDER}/"
+    for name in file_names(folder):
+        if name.startswith(aside) and name not in files:
+            files[name] = _sum(folder, name)
+    present = replace(
+        sealed,
+        files=files,
+        log=LogHead.of(log.last),
+        next_log=None,
+        unconfirmed=_names(log.description),
+        replacing={},
+        covers_itself=True,
+    )
+    durable_files.replace_file(folder / MANIFEST_FILE, present.encode())
+    return present
+
+
+def add_sealed(folder: Path, sealed: Manifest, log: SurveyLog, record: LogRecord) -> None:
+    """Add a record to the log of a closed survey, and to what its manifest names.
+
+    After a power cut at any moment the log ends with this record or with the one before it, and
+    the manifest names both until the record is durable.
 
     Args:
         folder: The survey's folder.
-        new_values: The whole new content. Only `survey_metadata.LATER_KEYS` may differ.
+        sealed: Its manifest, which names the present log.
+        log: The survey's log.
+        record: The next record.
 
     Raises:
-        SurveyRefusedError: The survey is not closed, survey.json or the manifest is damaged, or
-            the new content changes what must not change.
-        StorageFailedError: The disk refused; the call may be repeated.
+        OSError: The disk refused; the call may be repeated.
     """
-    path = folder / survey_folder.SURVEY_FILE
-    with storing(Message("{path} could not be replaced", path=printable(path)), path):
-        sealed = _seal_of(folder)
-        present = file_sums.sum_of_file(path)
-        if not sealed.matches(path.name, present):
-            raise SurveyRefusedError(
-                Message(
-                    "{path} differs from the manifest, so it is damaged; resume the survey, which "
-                    "repairs it, or restore the file",
-                    path=printable(path),
-                ),
-                fault=faults.DESCRIPTION_DAMAGED,
-            )
-        changed = differences(survey_metadata.read_description(path), new_values)
-        if changed:
-            raise SurveyRefusedError(
-                Message("'{key}' of survey.json cannot be changed", key=changed[0].key)
-            )
-        content = survey_metadata.encode(new_values)
-        new = file_sums.sum_of(content)
-        both = replace(
-            sealed, files={**sealed.files, path.name: present}, replacing={path.name: new}
-        )
-        durable_files.replace_file(folder / MANIFEST_FILE, both.encode())
-        durable_files.replace_file(path, content)
-        done = replace(sealed, files={**sealed.files, path.name: new}, replacing={})
-        durable_files.replace_file(folder / MANIFEST_FILE, done.encode())
+    both = replace(sealed, next_log=LogHead.of(record))
+    durable_files.replace_file(folder / MANIFEST_FILE, both.encode())
+    log.add(record)
+    seal_log(folder, both, log)
 
 
 def file_names(folder: Path) -> Iterator[str]:
@@ -122,8 +138,22 @@ def file_names(folder: Path) -> Iterator[str]:
         OSError: The folder cannot be read.
     """
     for name in file_sums.regular_files(folder):
-        if name != MANIFEST_FILE and not durable_files.is_temporary(Path(name).name):
+        if name not in NOT_LISTED and not durable_files.is_temporary(Path(name).name):
             yield name
+
+
+def content_sum(sums: Mapping[str, FileSum]) -> str:
+    """Return a checksum of the traces and the recordings of a survey, as its log names it.
+
+    Args:
+        sums: Of each of these files, by its name relative to the folder.
+    """
+    lines = (f"{sums[name].sha256} {sums[name].size} {name}\n" for name in sorted(sums))
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _names(description: Mapping[str, Any]) -> Tuple[str, ...]:
+    return tuple(description.get(UNCONFIRMED, {}))
 
 
 def _sum(folder: Path, name: str) -> Optional[FileSum]:
@@ -133,34 +163,3 @@ def _sum(folder: Path, name: str) -> Optional[FileSum]:
         if manifest.is_data(name):
             raise
         return None
-
-
-def _seal_of(folder: Path) -> Manifest:
-    try:
-        sealed = manifest.read_manifest(folder)
-    except FileNotFoundError:
-        raise SurveyRefusedError(
-            Message(
-                "the survey in {folder} is not closed: it has no manifest; stop or resume it",
-                folder=printable(folder),
-            ),
-            fault=faults.NOT_CLOSED,
-        ) from None
-    except ManifestDamagedError as error:
-        raise SurveyRefusedError(
-            Message(
-                "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
-                path=printable(folder / MANIFEST_FILE),
-                reason=error.message,
-            ),
-            fault=faults.MANIFEST_DAMAGED,
-        ) from error
-    if sealed.reopened is not None:
-        raise SurveyRefusedError(
-            Message(
-                "the survey in {folder} is not closed: it was reopened; resume and stop it",
-                folder=printable(folder),
-            ),
-            fault=faults.NOT_CLOSED,
-        )
-    return sealed

@@ -13,6 +13,7 @@ from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 SURVEY_FILE = "survey.json"
+LOG_FILE = "log.jsonl"
 BAG_FILE = "survey.bag"
 MCAP_FILE = "survey.mcap"
 DAMAGED_FOLDER = "damaged"
@@ -97,7 +98,7 @@ def check_no_links(folder: Path) -> None:
     Raises:
         SurveyRefusedError: One of its files or folders is a symbolic link.
     """
-    for name in (SURVEY_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER):
+    for name in (SURVEY_FILE, LOG_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER):
         if (folder / name).is_symlink():
             raise SurveyRefusedError(
                 Message(

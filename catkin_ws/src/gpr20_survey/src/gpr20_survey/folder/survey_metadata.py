@@ -26,8 +26,13 @@ MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
+# A record of the log, and the list of them in survey.json, hold an object of that depth.
+MAX_FILE_DEPTH = MAX_DEPTH + 4
 # How deep a message may be that is part of survey.json.
 MAX_MESSAGE_DEPTH = 24
+
+# What survey.json holds of facts that came after the start, and the records themselves.
+LOGGED_KEYS = ("resumed", "report", MARKERS, "log", "unconfirmed", "content_sha256")
 
 # What the storage itself writes into survey.json, in addition to the metadata.
 OWN_KEYS = frozenset(
@@ -42,9 +47,7 @@ OWN_KEYS = frozenset(
         FAULT_CODE,
         "stored_traces",
         "software_revision",
-        "resumed",
-        "report",
-        MARKERS,
+        *LOGGED_KEYS,
     }
 )
 
@@ -56,30 +59,31 @@ LATER_KEYS = (
     REASON_MESSAGE,
     FAULT_CODE,
     "stored_traces",
-    "resumed",
-    "report",
     ANNOTATION,
-    MARKERS,
+    *LOGGED_KEYS,
 )
 
 # A whole text, or the end of one that does not end; else a bracket.
 _TOKEN = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?|[\[{]|[\]}]', re.DOTALL)
 
 
-def parse_object(text: str, name: str, max_bytes: int = MAX_BYTES) -> Dict[str, Any]:
+def parse_object(
+    text: str, name: str, max_bytes: int = MAX_BYTES, max_depth: int = MAX_DEPTH
+) -> Dict[str, Any]:
     """Return a JSON object that came from outside.
 
     Args:
         text: The JSON.
         name: What it is, for the message.
         max_bytes: How long it may be [bytes].
+        max_depth: How deep it may be nested.
 
     Raises:
         SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no
             object.
     """
     _check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
-    _check_depth(text, name)
+    _check_depth(text, name, max_depth)
     try:
         values = json.loads(text, parse_constant=_refuse_constant)
         json.dumps(values, allow_nan=False)  # 1e999 is read as infinity
@@ -106,7 +110,7 @@ def parse_metadata(text: str) -> Dict[str, Any]:
         SurveyRefusedError: It is not allowed; see `parse_object`. Or its annotation is not.
     """
     values = parse_object(text, "metadata_json")
-    for key in ("resumed", "report", MARKERS):
+    for key in LOGGED_KEYS:
         if key in values:
             raise SurveyRefusedError(
                 Message(
@@ -168,20 +172,32 @@ def _check_size(size: int, name: str, max_bytes: int) -> None:
         )
 
 
-def read_description(path: Path) -> Dict[str, Any]:
-    """Return the content of a survey.json.
+def read_content(path: Path) -> bytes:
+    """Return the bytes of a survey.json.
 
     Raises:
-        SurveyRefusedError: It is missing, or the storage did not write it so.
+        SurveyRefusedError: It is missing, no regular file or far too large.
     """
     try:
-        with open(open_regular(path, follow_link=True), "rb") as stream:
+        with open(open_regular(path), "rb") as stream:
             # Before it is read, so that a huge file takes no memory.
             _check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
-            text = stream.read(MAX_FILE_BYTES + 1).decode("ascii")
-        values = parse_object(text, path.name, MAX_FILE_BYTES)
+            return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise _unreadable(path, os_reason(error)) from error
+    except SurveyRefusedError as error:
+        raise _unreadable(path, error.message.with_fault(None)) from error
+
+
+def parse_view(content: bytes, path: Path) -> Dict[str, Any]:
+    """Return the content of a survey.json, with the records of its log if it holds them.
+
+    Raises:
+        SurveyRefusedError: The storage did not write it so.
+    """
+    try:
+        text = content.decode("ascii")
+        values = parse_object(text, path.name, MAX_FILE_BYTES, MAX_FILE_DEPTH)
     except UnicodeDecodeError as error:
         raise _unreadable(path, Message("it is not ASCII text", details=error)) from error
     except SurveyRefusedError as error:
@@ -193,8 +209,7 @@ def read_description(path: Path) -> Dict[str, Any]:
 def _unreadable(path: Path, reason: Message) -> SurveyRefusedError:
     return SurveyRefusedError(
         Message(
-            "{path} cannot be read: {reason}; survey.mcap holds a copy of it as it was at the "
-            "start",
+            "{path} cannot be read: {reason}",
             path=printable(path),
             reason=reason,
         ),

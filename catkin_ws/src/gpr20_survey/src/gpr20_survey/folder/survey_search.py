@@ -3,51 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Tuple, TypeVar
+from typing import Callable, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, printable
-from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.description_recovery import RecoveredDescription, recover_description
-
-Found = TypeVar("Found")
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 
 
-def find_survey(data: Path, survey: str) -> Tuple[Path, Dict[str, Any]]:
-    """Return the folder and the description of a survey, as its survey.json has it.
+def find_survey(
+    data: Path, survey: str, recover_survey: Callable[[Path], RecoveredSurvey] = recover
+) -> Tuple[Path, RecoveredSurvey]:
+    """Return the folder of a survey, and what it says of its survey.
 
     Args:
         data: The data folder.
         survey: The survey's id, or the name of its folder.
+        recover_survey: Reads a folder.
 
     Raises:
-        SurveyRefusedError: There is none, its survey.json cannot be read, or part of it is a
+        SurveyRefusedError: There is none, nothing in its folder describes it, or part of it is a
             symbolic link.
     """
-    return _find(data, survey, _read_description, lambda values: values)
-
-
-def find_damaged_survey(data: Path, survey: str) -> Tuple[Path, RecoveredDescription]:
-    """Return the folder of a survey, and its description with the help of every copy.
-
-    Args:
-        data: The data folder.
-        survey: The survey's id, or the name of its folder.
-
-    Raises:
-        SurveyRefusedError: There is none, its survey.json and the copies cannot be read, or part
-            of it is a symbolic link.
-    """
-    return _find(data, survey, recover_description, lambda found: found.best)
-
-
-def _find(
-    data: Path,
-    survey: str,
-    read: Callable[[Path], Found],
-    description_of: Callable[[Found], Dict[str, Any]],
-) -> Tuple[Path, Found]:
     reason = Message(
         "there is no survey {survey} in {folder}",
         survey=repr(survey[:64]),
@@ -55,8 +33,8 @@ def _find(
     )
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
-        found = read(folder)
-        survey_id = survey_folder.check_survey_id(description_of(found)["survey_id"])
+        found = recover_survey(folder)
+        survey_id = survey_folder.check_survey_id(found.survey_id)
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, found
         reason = Message(
@@ -66,7 +44,3 @@ def _find(
             survey=survey[:64],
         )
     raise SurveyRefusedError(reason, fault=faults.UNKNOWN_SURVEY)
-
-
-def _read_description(folder: Path) -> Dict[str, Any]:
-    return survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -31,13 +31,16 @@ class TraceFile(NamedTuple):
     """Of the trace [us since 1970, UTC]."""
     sum: FileSum
     """Of the file's content."""
+    is_proven: bool
+    """Whether the file has a checksum of its own, which is right."""
 
     @classmethod
     def of(cls, trace: Trace, content: bytes) -> TraceFile:
         """Return what is remembered of the file of a trace, and of its content."""
         name = survey_folder.trace_file_name(trace)
+        proven = trace_json.is_proven(content)
         own_sum = sum_of(content)
-        return cls(name, trace.fingerprint(), trace.sample_id, trace.timestamp_us, own_sum)
+        return cls(name, trace.fingerprint(), trace.sample_id, trace.timestamp_us, own_sum, proven)
 
 
 @dataclass
@@ -129,19 +132,6 @@ def read_all(
         samples[trace.sample_id] = trace.index
         if on_trace is not None:
             on_trace(trace)
-    return found
-
-
-def prints_put_aside(folder: Path, survey_id: str) -> Dict[int, Set[bytes]]:
-    """Return the fingerprints of the whole traces of a survey that were put aside, by index."""
-    found: Dict[int, Set[bytes]] = {}
-    for path in folder.glob("*.json*"):
-        try:
-            trace = trace_json.decode(_content(path))
-        except (OSError, TraceRefusedError):
-            continue  # no whole trace: it contradicts nothing
-        if trace.survey_id == survey_id:
-            found.setdefault(trace.index, set()).add(trace.fingerprint())
     return found
 
 

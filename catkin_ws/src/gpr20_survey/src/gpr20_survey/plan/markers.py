@@ -127,10 +127,10 @@ def values_of(markers: Tuple[Marker, ...]) -> List[Dict[str, Any]]:
     return [asdict(one) for one in markers]
 
 
-def with_marker(
+def new_marker(
     description: Mapping[str, Any], marker: Marker, now: str
 ) -> Optional[Dict[str, Any]]:
-    """Return a description with one more marker; None if it has it already.
+    """Return the entry of one more marker; None if the survey has it already.
 
     Args:
         description: Content of survey.json.
@@ -154,13 +154,13 @@ def with_marker(
             Message("the survey has {count} markers; it can have no more", count=len(present)),
             fault=faults.TOO_MANY_MARKERS,
         )
-    return {**description, MARKERS: values_of((*present, replace(marker, time=now)))}
+    return asdict(replace(marker, time=now))
 
 
-def without_marker(
+def removed_marker(
     description: Mapping[str, Any], marker_id: str, author: str, now: str
 ) -> Optional[Dict[str, Any]]:
-    """Return a description in which a marker is removed; None if it is already.
+    """Return what changes in the entry of a marker that is removed; None if it is already.
 
     Args:
         description: Content of survey.json.
@@ -180,9 +180,7 @@ def without_marker(
         )
     if not former.is_present:
         return None
-    removed = replace(former, removed=now, removed_by=author)
-    changed = tuple(removed if one is former else one for one in present)
-    return {**description, MARKERS: values_of(changed)}
+    return {"marker_id": marker_id, "removed": now, "removed_by": author}
 
 
 def _stored(description: Mapping[str, Any]) -> Tuple[Marker, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Iterable, List, Tuple, Union
+from typing import Dict, List, Tuple, Union
 
 from gpr20_survey.files.append_only_file import AppendOnlyFile
 from gpr20_survey.recording import bag_format
@@ -23,8 +23,12 @@ EMPTY_CHUNK = bag_format.chunk_record(b"")
 class BagFile(Recording):
     """Writes messages into a bag (uncompressed: noise does not compress).
 
-    The stock writer of rosbag would leave a bag of which `rosbag reindex` loses the last chunk.
+    A bag has no checksums. It is written for the readers of ROS, and again from the MCAP where it
+    is damaged. The stock writer of rosbag would leave a bag of which `rosbag reindex` loses the
+    last chunk.
     """
+
+    is_believed = False
 
     def __init__(self, path: Path) -> None:
         """Create the file; its head is on the disk after the first commit.
@@ -32,48 +36,12 @@ class BagFile(Recording):
         Raises:
             OSError: The file exists or the disk refused.
         """
-        self._begin(AppendOnlyFile(path, trailer=EMPTY_CHUNK), (), ())
-        self._file.write(bag_format.MAGIC + bag_format.file_header(0, 0, 0))
-
-    @classmethod
-    def resumed(
-        cls,
-        path: Path,
-        length: int,
-        connections: Iterable[Connection],
-        chunk_infos: Iterable[bytes],
-    ) -> BagFile:
-        """Continue behind the last whole chunk of a bag; its index and all else there is cut off.
-
-        Args:
-            path: The bag.
-            length: Where the index records of the last whole chunk end [bytes].
-            connections: Those of the chunks before, numbered from 0.
-            chunk_infos: Records of the chunks before, for the index of the whole file.
-
-        Raises:
-            OSError: The disk refused; the call may be repeated.
-        """
-        bag = cls.__new__(cls)
-        file = AppendOnlyFile.resumed(path, length, EMPTY_CHUNK)
-        bag._begin(file, connections, chunk_infos)
-        try:
-            # First: a header never names an index that is not there.
-            file.overwrite(len(bag_format.MAGIC), bag_format.file_header(0, 0, 0))
-            file.cut()
-        except OSError:
-            bag.abandon()
-            raise
-        return bag
-
-    def _begin(
-        self, file: AppendOnlyFile, connections: Iterable[Connection], chunk_infos: Iterable[bytes]
-    ) -> None:
-        super().__init__(file)
-        self._connections = {connection_key(one): one for one in connections}
+        super().__init__(AppendOnlyFile(path, trailer=EMPTY_CHUNK))
+        self._connections: Dict[Tuple[str, str], Connection] = {}
         self._chunk = bytearray()
         self._indexes: Indexes = {}
-        self._chunk_infos: List[bytes] = list(chunk_infos)
+        self._chunk_infos: List[bytes] = []
+        self._file.write(bag_format.MAGIC + bag_format.file_header(0, 0, 0))
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""

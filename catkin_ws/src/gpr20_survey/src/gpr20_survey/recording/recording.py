@@ -38,10 +38,15 @@ class RecordedMessage:
 class Recording(abc.ABC):
     """One file that messages are appended to.
 
+    Attributes:
+        is_believed: Whether the file has checksums: only then a commit makes it durable.
+
     `write` and `begin_chunk` only collect; nothing is promised before `commit` returns.
     After a `commit` that failed everything collected is still there and the next one
     writes it again.
     """
+
+    is_believed = True
 
     def __init__(self, file: AppendOnlyFile) -> None:
         """Take an empty file."""
@@ -82,13 +87,15 @@ class Recording(abc.ABC):
     def commit(self) -> None:
         """Write everything collected to the disk; return when it is there for good.
 
+        What has no checksums is readable then, but durable only when it is finished.
+
         Raises:
             FileReplacedError: The file was moved, removed or replaced.
             OSError: The disk refused; everything collected remains for the next commit.
         """
         if not self._finishing:
             self.begin_chunk()
-            self._file.commit()
+            self._file.commit(self.is_believed)
 
     def take_place_of(self, path: Path) -> None:
         """Give the file the name of another, which it replaces; return when that is durable.

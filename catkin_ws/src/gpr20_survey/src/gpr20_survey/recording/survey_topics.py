@@ -9,6 +9,7 @@ from typing import Any, Mapping, Optional
 
 from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.folder.log_record import LogRecord, record_of_line
 from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
@@ -17,6 +18,7 @@ from gpr20_survey.trace.trace import Trace
 
 TRACE_TOPIC = "trace"
 METADATA_TOPIC = "survey_metadata"
+LOG_TOPIC = "survey_log"
 # std_msgs/String
 TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION = (
     "std_msgs/String",
@@ -35,6 +37,8 @@ class SurveyTopics:
     """Absolute name."""
     metadata_topic: str = f"/{METADATA_TOPIC}"
     """Absolute name."""
+    log_topic: str = f"/{LOG_TOPIC}"
+    """Absolute name."""
     replay_topic: str = f"/{REPLAY_TOPIC}"
     """Absolute name; recorded only, so that it is published when the recording is played."""
 
@@ -51,11 +55,11 @@ class SurveyTopics:
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         """Return the content of survey.json as a latched message."""
-        content = text.encode()
-        data = struct.pack("<I", len(content)) + content
-        return RecordedMessage(
-            self.metadata_topic, TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION, data, time_ns, True
-        )
+        return _text(self.metadata_topic, text.encode(), time_ns, latching=True)
+
+    def log(self, record: LogRecord, time_ns: int) -> RecordedMessage:
+        """Return a record of the survey's log as a message, added at a moment [ns]."""
+        return _text(self.log_topic, record.line()[:-1], time_ns, latching=False)
 
     def replay(self, description: Mapping[str, Any], folder: Path, time_ns: int) -> RecordedMessage:
         """Return the latched message by which a replay of the survey is recognized."""
@@ -68,6 +72,21 @@ class SurveyTopics:
             time_ns,
             True,
         )
+
+
+def recorded_log(message: RecordedMessage) -> Optional[LogRecord]:
+    """Return the record of the survey's log in a message, or None if it holds none that is right.
+
+    The robot may have a namespace.
+    """
+    if message.datatype != TEXT_TYPE or message.topic.rsplit("/", 1)[-1] != LOG_TOPIC:
+        return None
+    return record_of_line(message.data[4:])
+
+
+def _text(topic: str, content: bytes, time_ns: int, latching: bool) -> RecordedMessage:
+    data = struct.pack("<I", len(content)) + content
+    return RecordedMessage(topic, TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION, data, time_ns, latching)
 
 
 def is_metadata_topic(topic: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from typing import Any, Dict, NoReturn, Tuple
@@ -32,13 +33,19 @@ AUX_KEYS = frozenset(("name", "value", "unit", "stamp"))
 # Absent from a trace whose zeros are not known: that of an early version.
 ZERO_EPOCHS, ZERO_TIMES = "zero_epochs", "zero_times"
 ZERO_KEYS = frozenset((ZERO_EPOCHS, ZERO_TIMES))
+# The last entry: SHA-256 of the bytes before it. Absent from a trace of an early version.
+CHECKSUM = "sha256"
+_CHECKSUM_START = f', "{CHECKSUM}": "'.encode()
+_CHECKSUM_END = b'"}\n'
+_CHECKSUM_BYTES = 64
+_ENTRY_BYTES = len(_CHECKSUM_START) + _CHECKSUM_BYTES + len(_CHECKSUM_END)
 
 
 def encode(trace: Trace) -> bytes:
     """Return the content of a trace's file.
 
     Numbers are written with as many digits as bring the same float64 back; equal traces
-    give equal bytes.
+    give equal bytes. It ends with a checksum of what is before it.
     """
     height = trace.antennae_height_m
     values: Dict[str, Any] = {
@@ -75,7 +82,33 @@ def encode(trace: Trace) -> bytes:
     if trace.zeros:
         values[ZERO_EPOCHS] = [one.number for one in trace.zeros]
         values[ZERO_TIMES] = [utc_time.iso_text(one.time_us) for one in trace.zeros]
-    return (json.dumps(values, allow_nan=False) + "\n").encode("ascii")
+    covered = json.dumps(values, allow_nan=False).encode("ascii")[:-1]
+    own_sum = hashlib.sha256(covered).hexdigest().encode("ascii")
+    return covered + _CHECKSUM_START + own_sum + _CHECKSUM_END
+
+
+def is_proven(content: bytes) -> bool:
+    """Return whether the content of a trace's file has a checksum.
+
+    Raises:
+        TraceRefusedError: It has one, which is not that of the content.
+    """
+    entry = content[-_ENTRY_BYTES:]
+    if not entry.startswith(_CHECKSUM_START) or not entry.endswith(_CHECKSUM_END):
+        if CHECKSUM.encode() in entry:
+            raise _changed()
+        return False
+    own_sum = entry[len(_CHECKSUM_START) : -len(_CHECKSUM_END)]
+    covered = memoryview(content)[: -len(entry)]
+    if hashlib.sha256(covered).hexdigest().encode("ascii") != own_sum:
+        raise _changed()
+    return True
+
+
+def _changed() -> TraceRefusedError:
+    return TraceRefusedError(
+        Message("its content does not have the checksum that it names"), fault=faults.TRACE_DAMAGED
+    )
 
 
 def decode(content: bytes) -> Trace:
@@ -84,6 +117,7 @@ def decode(content: bytes) -> Trace:
     Raises:
         TraceRefusedError: It is not the whole content of a trace's file.
     """
+    is_proven(content)
     try:
         values = json.loads(content.decode("ascii"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
@@ -103,7 +137,7 @@ def from_values(values: Any) -> Trace:
     Raises:
         TraceRefusedError: It is not the value of a trace's file.
     """
-    keys = values.keys() - {AUX} if isinstance(values, dict) else frozenset()
+    keys = values.keys() - {AUX, CHECKSUM} if isinstance(values, dict) else frozenset()
     if keys & ZERO_KEYS == ZERO_KEYS:
         keys = keys - ZERO_KEYS
     if keys not in (KEYS, KEYS | ANALYZER_KEYS):

@@ -44,7 +44,12 @@ from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC, SurveyTopics
+from gpr20_survey.recording.survey_topics import (
+    LOG_TOPIC,
+    METADATA_TOPIC,
+    TRACE_TOPIC,
+    SurveyTopics,
+)
 from gpr20_survey.results.reopened_survey import reopened_fields
 from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.faults import DISK_SLOW
@@ -72,6 +77,7 @@ class ProcessingNode:
         self._limits = parameters.limits()
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
+        self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
@@ -80,6 +86,7 @@ class ProcessingNode:
                     Trace._full_text,
                     rospy.resolve_name(TRACE_TOPIC),
                     rospy.resolve_name(METADATA_TOPIC),
+                    rospy.resolve_name(LOG_TOPIC),
                     rospy.resolve_name(REPLAY_TOPIC),
                 ),
                 free_bytes=free_bytes,
@@ -92,6 +99,7 @@ class ProcessingNode:
             self._limits,
             on_opened=lambda text: _publish(self._metadata, String(text)),
             on_stored=lambda message: _publish(self._trace, preserialized(Trace, message.data)),
+            on_logged=lambda message: _publish(self._log, preserialized(String, message.data)),
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)

@@ -12,7 +12,7 @@ import rospy
 from gpr20_common.high.connection_header import connection_header
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
+from gpr20_survey.recording.survey_topics import LOG_TOPIC, METADATA_TOPIC, TRACE_TOPIC
 
 # Topics that make an axis move or stop.
 COMMANDS = ("/axis/goal", "/axis/cancel")
@@ -39,7 +39,8 @@ class TopicRecorder:
         self._record = record
         self._now_ns = now_ns
         # The storage records these itself, exactly once.
-        own = {rospy.resolve_name(name) for name in (TRACE_TOPIC, METADATA_TOPIC, REPLAY_TOPIC)}
+        stored = (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
+        own = {rospy.resolve_name(name) for name in stored}
         names = {rospy.resolve_name(topic) for topic in topics} - own
         self._subscribers = [
             rospy.Subscriber(name, rospy.AnyMsg, self._received, callback_args=recorded_name(name))

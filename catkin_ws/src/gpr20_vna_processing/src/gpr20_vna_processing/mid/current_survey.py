@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional, Sequence
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
-from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import annotate_folder, change_description
+from gpr20_survey.folder.annotating import Change, add_to_survey, annotate
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.folder.survey_search import find_damaged_survey, find_survey
-from gpr20_survey.plan.annotation import Annotation, keeping_heading
+from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
@@ -27,12 +28,11 @@ from gpr20_vna_processing.mid.processing_records import (
     AnnotatedSurvey,
     ClosedSurvey,
     MarkedSurvey,
-    MarkerChange,
     Storage,
 )
-from gpr20_vna_processing.mid.reopening import Reopening
+from gpr20_vna_processing.mid.publication import Publication
+from gpr20_vna_processing.mid.reopening import Reopening, recover_with_recording
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
-from gpr20_vna_processing.mid.trace_publication import TracePublication
 
 
 class CurrentSurvey:
@@ -45,6 +45,7 @@ class CurrentSurvey:
         latched: LatchedTopics,
         on_opened: Callable[[str], None],
         on_stored: Callable[[RecordedMessage], None],
+        on_logged: Callable[[RecordedMessage], None],
     ) -> None:
         """Build it empty.
 
@@ -54,12 +55,13 @@ class CurrentSurvey:
             latched: The last messages of latched topics, with which a recording begins.
             on_opened: Called with the JSON description of a survey that was opened.
             on_stored: Called with the message of every trace when it is durable; must not raise.
+            on_logged: Likewise of every record of the survey's log.
         """
         self._storage = storage
         self._disk_reserve_bytes = disk_reserve_bytes
         self._latched = latched
         self._on_opened = on_opened
-        self._publication = TracePublication(on_stored)
+        self._publication = Publication(on_stored, on_logged)
         self._survey: Optional[OpenSurvey] = None
         self._lock = ExitStack()  # holds the lock of the open survey's folder
         self._closed: Optional[ClosedSurvey] = None
@@ -121,9 +123,12 @@ class CurrentSurvey:
             with storing(failure, folder):
                 new_survey.make_folder(folder, self._storage.readers)
                 lock.enter_context(locked(folder))
+                new_survey.make_empty(folder)
                 recordings = self._storage.open_recordings(folder, description)
-            topics, publication = self._storage.topics, self._publication
-            self._take(OpenSurvey(folder, description, recordings, topics, publication), now_ns)
+            log = SurveyLog(folder, [new_survey.plan_record(description)], whole=False)
+            survey = OpenSurvey(folder, log, recordings, self._storage.topics, self._publication)
+            # Last: a folder with a survey.json is whole.
+            self._take(survey, log.records, now_ns, log.write)
             self._lock = lock.pop_all()
 
     def reopen(self, name: str) -> ReopenedSurvey:
@@ -144,19 +149,19 @@ class CurrentSurvey:
             survey.resume(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, _ = find_damaged_survey(self._storage.data, name)
+        folder, _ = find_survey(self._storage.data, name, recover_with_recording)
         new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
         with ExitStack() as lock:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
                 lock.enter_context(locked(folder))
             # Again, because the process that held the lock may have closed the survey meanwhile.
-            folder, recovered = find_damaged_survey(self._storage.data, name)
-            reopening = Reopening(folder, recovered, self._storage.topics)
+            folder, _ = find_survey(self._storage.data, name, recover_with_recording)
+            reopening = Reopening(folder, self._storage.topics)
             repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
             survey = OpenSurvey(
                 folder,
-                repaired.description,
+                repaired.log,
                 repaired.recordings,
                 self._storage.topics,
                 self._publication,
@@ -164,7 +169,7 @@ class CurrentSurvey:
                 repaired.recent,
                 repaired.types,
             )
-            self._take(survey, now_ns)
+            self._take(survey, repaired.added, now_ns)
             self._lock = lock.pop_all()
         self._publication.reopened(
             survey.survey_id,
@@ -174,21 +179,33 @@ class CurrentSurvey:
         )
         return survey.reopened(repaired.repairs)
 
-    def _take(self, survey: OpenSurvey, now_ns: int) -> None:
-        """Begin to record a survey whose files are whole but for what comes now."""
-        content = survey_metadata.encode(survey.description)
-        path = survey.folder / survey_folder.SURVEY_FILE
+    def _take(
+        self,
+        survey: OpenSurvey,
+        added: Sequence[LogRecord],
+        now_ns: int,
+        write_log: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Begin to record a survey whose files are whole but for what comes now.
+
+        Args:
+            survey: The survey.
+            added: The records of its log that its recordings do not hold yet.
+            now_ns: The present moment [ns since 1970, UTC].
+            write_log: Writes the log of a new survey.
+        """
+        text = survey_metadata.encode(survey.description).decode("ascii")
+        path = survey.folder / survey_folder.LOG_FILE
         try:
-            self._begin_recording(survey, content.decode("ascii"), now_ns)
+            self._begin_recording(survey, text, added, now_ns)
             with storing(Message("{path} could not be written", path=printable(path)), path):
-                # Last: a folder with a survey.json is whole.
-                durable_files.write_new_file(path, content)
+                write_log()
         except Exception:
             self._latched.end()
             survey.abandon()
             raise
         self._survey = survey
-        self._on_opened(content.decode("ascii"))
+        self._on_opened(text)
 
     def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
         if self._survey is not None:
@@ -204,12 +221,15 @@ class CurrentSurvey:
         new_survey.check_clock(now_ns)
         new_survey.check_space(self._storage, needed_bytes, self._disk_reserve_bytes)
 
-    def _begin_recording(self, survey: OpenSurvey, text: str, now_ns: int) -> None:
+    def _begin_recording(
+        self, survey: OpenSurvey, text: str, added: Sequence[LogRecord], now_ns: int
+    ) -> None:
         # From now on messages queue up behind this job; those before are in the snapshot.
         latched = self._latched.begin(now_ns)
         topics = self._storage.topics
         replay = topics.replay(survey.description, survey.folder, now_ns)
-        survey.record([replay, topics.metadata(text, now_ns), *latched])
+        log = [topics.log(record, now_ns) for record in added]
+        survey.record([replay, topics.metadata(text, now_ns), *log, *latched])
         survey.commit()
 
     def close(
@@ -236,7 +256,7 @@ class CurrentSurvey:
         survey = self.opened_as(survey_id)
         now_ns = self._storage.now_ns()
         survey.record(end or [self._end_status(survey, outcome, reason, now_ns)])
-        survey.close(outcome, reason, utc_time.iso_text(now_ns // utc_time.NS_PER_US))
+        survey.close(outcome, reason, now_ns)
         # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
         survey.write_manifest(self._storage.revision)
         self._latched.end()
@@ -254,15 +274,27 @@ class CurrentSurvey:
 
     def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:
         try:
-            folder, description = find_survey(self._storage.data, survey_id)
+            folder, found = find_survey(self._storage.data, survey_id)
         except SurveyRefusedError:
             return None
+        description = found.description
         stored = description.get("stored_traces")
         # The manifest comes last: without it the survey was cut off while it was closed.
         closed = (folder / manifest.MANIFEST_FILE).is_file()
         if not closed or description.get("outcome") != outcome or not isinstance(stored, int):
             return None
         return ClosedSurvey(survey_id, folder, stored)
+
+    def report(self, survey_id: str, report: Dict[str, Any]) -> int:
+        """Add a report to the log of the open survey; return how many traces are stored.
+
+        Raises:
+            SurveyRefusedError: The survey is not open, or is being closed.
+            StorageFailedError: The disk refused; the former report remains.
+        """
+        survey = self.opened_as(survey_id)
+        survey.add(Kind.REPORT, report, self._storage.now_ns())
+        return survey.stored_traces
 
     def annotate(self, survey: str, annotation: Annotation) -> AnnotatedSurvey:
         """Replace the annotation of a survey, whether it is open or not.
@@ -275,33 +307,36 @@ class CurrentSurvey:
             SurveyRefusedError: There is no such survey, or its survey.json is damaged.
             StorageFailedError: The disk refused; the former annotation remains.
         """
-        opened = self.opened() if not survey else self._survey
-        if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
-            opened.annotate(keeping_heading(annotation, opened.description))
-            return AnnotatedSurvey(opened.survey_id, opened.folder)
-        folder, description = find_survey(self._storage.data, survey)
-        annotate_folder(folder, keeping_heading(annotation, description))
+        folder, description = self.change(survey, annotate(annotation))
         return AnnotatedSurvey(description["survey_id"], folder)
 
-    def mark(self, survey: str, change: MarkerChange) -> MarkedSurvey:
-        """Add or remove a marker of a survey, whether it is open or not.
+    def mark(self, survey: str, change: Change) -> MarkedSurvey:
+        """Add or remove a marker of a survey, whether it is open or not; see `change`."""
+        folder, description = self.change(survey, change)
+        return MarkedSurvey(description["survey_id"], folder, markers_of(description))
+
+    def change(self, survey: str, change: Change) -> Tuple[Path, Dict[str, Any]]:
+        """Add a fact to the log of a survey, whether it is open or not.
 
         Args:
             survey: The survey's id, or the name of its folder; empty: the open one.
-            change: What is to be done.
+            change: What is to be added.
+
+        Returns:
+            The folder, and the content of survey.json.
 
         Raises:
-            SurveyRefusedError: There is no such survey, its survey.json is damaged, or the
-                change is not possible.
-            StorageFailedError: The disk refused; the former markers remain.
+            SurveyRefusedError: There is no such survey, what is noted of it is damaged, another
+                process writes it, or the change is not possible.
+            StorageFailedError: The disk refused; the call may be repeated.
         """
+        now_ns = self._storage.now_ns()
         opened = self.opened() if not survey else self._survey
         if opened is not None and survey in ("", opened.survey_id, opened.folder.name):
-            folder, description = opened.folder, opened.mark(change)
-        else:
-            folder, _ = find_survey(self._storage.data, survey)
-            description = change_description(folder, change)
-        return MarkedSurvey(description["survey_id"], folder, markers_of(description))
+            return opened.folder, opened.change(change, now_ns)
+        folder, _ = find_survey(self._storage.data, survey)
+        now = utc_time.iso_text(now_ns // utc_time.NS_PER_US)
+        return folder, add_to_survey(folder, change, now)
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.

@@ -15,8 +15,10 @@ from gpr20_survey.errors import (
     SurveyRefusedError,
 )
 from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.annotating import Fact
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.markers import Marker, with_marker, without_marker
+from gpr20_survey.plan.markers import Marker, new_marker, removed_marker
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import utc_time
@@ -51,6 +53,7 @@ class DataProcessing:
         limits: Limits,
         on_opened: Callable[[str], None],
         on_stored: Callable[[RecordedMessage], None],
+        on_logged: Callable[[RecordedMessage], None],
     ) -> None:
         """Build the storage; `start` begins its thread.
 
@@ -59,6 +62,7 @@ class DataProcessing:
             limits: Bounds.
             on_opened: Called with the JSON description of a survey that was opened.
             on_stored: Called with the message of every trace when it is durable; must not raise.
+            on_logged: Likewise of every record of a survey's log.
         """
         self._storage = storage
         self._limits = limits
@@ -68,7 +72,7 @@ class DataProcessing:
         self._latched = LatchedTopics()
         # Changed on the storage thread only.
         self._survey = CurrentSurvey(
-            storage, limits.disk_reserve_bytes, self._latched, on_opened, on_stored
+            storage, limits.disk_reserve_bytes, self._latched, on_opened, on_stored, on_logged
         )
         self._unrecorded = 0
         self._commit_due_s = 0.0
@@ -148,7 +152,7 @@ class DataProcessing:
             report_json, "report_json", survey_metadata.MAX_REPORT_BYTES
         )
         survey_folder.check_survey_id(survey_id)
-        return self._do(lambda: self._survey.opened_as(survey_id).report(report))
+        return self._do(lambda: self._survey.report(survey_id, report))
 
     def annotate(self, survey: str, annotation: Annotation) -> AnnotatedSurvey:
         """Replace the annotation of the open survey or of a past one, durably.
@@ -177,7 +181,7 @@ class DataProcessing:
                 another marker of this id or too many markers.
             StorageFailedError: The disk refused; the former markers remain.
         """
-        return self._mark(survey, lambda values, now: with_marker(values, marker, now))
+        return self._mark(survey, Kind.MARKER, lambda values, now: new_marker(values, marker, now))
 
     def remove_marker(self, survey: str, marker_id: str, author: str) -> MarkedSurvey:
         """Remove a marker, durably; it stays in survey.json as removed. May be repeated.
@@ -192,20 +196,27 @@ class DataProcessing:
             StorageFailedError: The disk refused; the marker is still there.
         """
         return self._mark(
-            survey, lambda values, now: without_marker(values, marker_id, author, now)
+            survey,
+            Kind.MARKER_REMOVED,
+            lambda values, now: removed_marker(values, marker_id, author, now),
         )
 
     def _mark(
-        self, survey: str, change: Callable[[Dict[str, Any], str], Optional[Dict[str, Any]]]
+        self,
+        survey: str,
+        kind: Kind,
+        change: Callable[[Dict[str, Any], str], Optional[Dict[str, Any]]],
     ) -> MarkedSurvey:
         now = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
-        return self._do(
-            lambda: self._survey.mark(survey, lambda values: change(values, now)),
-            self._limits.long_timeout_s,
-        )
+
+        def fact(description: Dict[str, Any]) -> Optional[Fact]:
+            values = change(description, now)
+            return None if values is None else Fact(kind, values)
+
+        return self._do(lambda: self._survey.mark(survey, fact), self._limits.long_timeout_s)
 
     def store(self, trace: Trace) -> Path:
-        """Store a trace; return its JSON file when it is durable in all three forms.
+        """Store a trace; return its JSON file when that and the MCAP are durable.
 
         Raises:
             SurveyRefusedError: No survey is open.

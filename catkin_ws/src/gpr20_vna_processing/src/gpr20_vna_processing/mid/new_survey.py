@@ -12,7 +12,8 @@ from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.description_recovery import START
+from gpr20_survey.folder.log_content import START
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
@@ -85,25 +86,68 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
         )
 
 
+def plan_record(description: Dict[str, Any]) -> LogRecord:
+    """Return the first record of a survey's log.
+
+    Its time is that of the survey, so that it can be made again of the copy in the MCAP.
+    """
+    return LogRecord.after(None, Kind.PLAN, description, description["started"])
+
+
 def make_folder(folder: Path, readers: Readers) -> None:
-    """Make the folder of a survey and that of its traces.
+    """Make the folder of a survey, or take one whose survey could not be opened.
 
     Args:
         folder: The survey's folder.
         readers: Who may read the survey.
 
     Raises:
-        SurveyRefusedError: The folder exists.
+        SurveyRefusedError: The folder holds a survey.
         OSError: The disk refused.
     """
     try:
         durable_files.make_new_folder(folder, readers.folder_mode)
     except FileExistsError:
-        raise SurveyRefusedError(
-            Message(
-                "{folder} exists already; every survey needs its own id and folder",
-                folder=printable(folder),
-            ),
-            fault=faults.FOLDER_EXISTS,
-        ) from None
-    durable_files.make_new_folder(folder / survey_folder.TRACES_FOLDER)
+        if not _is_unopened(folder):
+            raise _exists(folder) from None
+
+
+def make_empty(folder: Path) -> None:
+    """Remove what an opening that failed has left, and make the folder of the traces.
+
+    Args:
+        folder: The survey's folder, locked.
+
+    Raises:
+        SurveyRefusedError: The folder holds a survey.
+        OSError: The disk refused.
+    """
+    if not _is_unopened(folder):
+        raise _exists(folder)
+    durable_files.remove_temporaries(folder)
+    for name in _BEGUN:
+        durable_files.remove_file(folder / name)
+    durable_files.ensure_folder(folder / survey_folder.TRACES_FOLDER)
+
+
+# What is made before survey.json, with which a survey begins.
+_BEGUN = (survey_folder.LOG_FILE, survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
+
+
+def _is_unopened(folder: Path) -> bool:
+    """Return whether a folder holds nothing but what is made before a survey was opened."""
+    known = {*_BEGUN, survey_folder.TRACES_FOLDER}
+    traces = folder / survey_folder.TRACES_FOLDER
+    names = {one.name for one in folder.iterdir() if not durable_files.is_temporary(one.name)}
+    empty = not traces.exists() or not any(traces.iterdir())
+    return names <= known and empty
+
+
+def _exists(folder: Path) -> SurveyRefusedError:
+    return SurveyRefusedError(
+        Message(
+            "{folder} exists already; every survey needs its own id and folder",
+            folder=printable(folder),
+        ),
+        fault=faults.FOLDER_EXISTS,
+    )

@@ -25,10 +25,12 @@ from gpr20_survey.errors import (
     storing,
 )
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import sum_of
+from gpr20_survey.files.file_sums import sum_of, sum_of_file
 from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.folder.annotating import Change
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
-from gpr20_survey.plan.annotation import ANNOTATION, Annotation
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.recording.topic_types import TopicTypes
@@ -36,8 +38,7 @@ from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES, Re
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.processing_records import MarkerChange
-from gpr20_vna_processing.mid.trace_publication import TracePublication
+from gpr20_vna_processing.mid.publication import Publication
 
 COMMIT_BYTES = 1 << 20
 
@@ -58,10 +59,10 @@ class OpenSurvey:
     def __init__(
         self,
         folder: Path,
-        description: Dict[str, Any],
+        log: SurveyLog,
         recordings: Sequence[Recording],
         topics: SurveyTopics,
-        publication: TracePublication,
+        publication: Publication,
         stored: Optional[Mapping[int, TraceFile]] = None,
         recent: Sequence[Trace] = (),
         types: Optional[Mapping[str, AbstractSet[str]]] = None,
@@ -70,17 +71,18 @@ class OpenSurvey:
 
         Args:
             folder: The survey's folder.
-            description: The content of survey.json.
+            log: The survey's log, with its plan.
             recordings: Where every message goes; they hold the traces that are stored.
-            topics: Makes the messages of traces.
-            publication: Publishes every trace when it is durable.
+            topics: Makes the messages of traces and of the log.
+            publication: Publishes every trace and every record of the log when it is durable.
             stored: The traces that are stored already, by their index.
             recent: The first traces of the plan, and those that were stored last.
             types: The checksums of the message types that the recordings hold of each topic.
         """
         self.folder = folder
-        self.description = self.opened_as = description
-        self.survey_id: str = description["survey_id"]
+        self._log = log
+        self.opened_as = log.description
+        self.survey_id: str = self.opened_as["survey_id"]
         self._first = {one.index: one for one in recent if one.index < FIRST_TRACES}
         self._recent = deque(recent, maxlen=RECENT_TRACES)
         stored = stored or {}
@@ -97,8 +99,15 @@ class OpenSurvey:
         self._publication = publication
         self._types = TopicTypes(types or {})
 
+    @property
+    def description(self) -> Dict[str, Any]:
+        """The content of survey.json, without the records of the log."""
+        return self._log.description
+
     def store(self, trace: Trace, time_ns: int) -> Path:
-        """Store a trace in the JSON file and the recordings; return when all are durable.
+        """Store a trace in the JSON file and the recordings.
+
+        Return when the file and the MCAP are durable; the bag is written beside them.
 
         A trace that is stored already with the same content is not written again.
 
@@ -151,21 +160,19 @@ class OpenSurvey:
             SurveyRefusedError: The survey is being closed.
             StorageFailedError: The disk refused.
         """
-        self._refuse_ending()
-        now = utc_time.iso_text(time_ns // utc_time.NS_PER_US)
-        resumed = [*self.description.get("resumed", []), now]
-        self._describe({**self.description, "resumed": resumed})
+        self.add(Kind.RESUME, {"stored_traces": self.stored_traces}, time_ns)
         self.commit()
 
     def reopened(self, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
         """Return the answer for a survey that was opened again."""
-        report = self.description.get("report")
+        description = self.description
+        report = description.get("report")
         recent = {one.index for one in self._recent}
         first = [self._first[index] for index in sorted(self._first.keys() - recent)]
         return ReopenedSurvey(
             survey_id=self.survey_id,
             folder=str(self.folder),
-            metadata_json=json.dumps(survey_metadata.metadata_of(self.description)),
+            metadata_json=json.dumps(survey_metadata.metadata_of(description)),
             report_json="" if report is None else json.dumps(report),
             stored_indices=tuple(self._stored_indices()),
             recent=(*first, *self._recent),
@@ -215,50 +222,43 @@ class OpenSurvey:
                 self._first[stored.trace.index] = stored.trace
             self._publication.stored(stored.trace)
 
-    def report(self, report: Dict[str, Any]) -> int:
-        """Write a report into survey.json; it replaces the former one.
+    def add(self, kind: Kind, values: Dict[str, Any], time_ns: int) -> None:
+        """Add a fact to the log, to the recordings and to what is published.
 
-        Returns:
-            How many traces are stored.
-
-        Raises:
-            SurveyRefusedError: The survey is being closed.
-            StorageFailedError: The disk refused; the former report remains.
-        """
-        self._refuse_ending()
-        self._describe({**self.description, "report": report})
-        return self.stored_traces
-
-    def annotate(self, annotation: Annotation) -> None:
-        """Write an annotation into survey.json; it replaces the former one.
+        Args:
+            kind: What the fact is.
+            values: The fact.
+            time_ns: When that is [ns since 1970, UTC].
 
         Raises:
             SurveyRefusedError: The survey is being closed.
-            StorageFailedError: The disk refused; the former annotation remains.
+            StorageFailedError: The disk refused; the log has its former records.
         """
-        self._refuse_ending()
-        self._describe({**self.description, ANNOTATION: annotation.values()})
+        if self._ending:
+            raise SurveyRefusedError(refusals.CLOSING)
+        message = self._topics.log(self._add(kind, values, time_ns), time_ns)
+        self.record([message])
+        self._publication.logged(message)
 
-    def mark(self, change: MarkerChange) -> Dict[str, Any]:
-        """Add or remove a marker in survey.json; return its content when that is durable.
+    def change(self, change: Change, time_ns: int) -> Dict[str, Any]:
+        """Add what a change says, if anything; return survey.json's content when it is durable.
 
         Raises:
             SurveyRefusedError: The survey is being closed, or the change is not possible.
-            StorageFailedError: The disk refused; the former markers remain.
+            StorageFailedError: The disk refused; the log has its former records.
         """
-        self._refuse_ending()
-        changed = change(self.description)
-        if changed is not None:
-            self._describe(changed)
+        fact = change(self.description)
+        if fact is not None:
+            self.add(fact.kind, fact.values, time_ns)
         return self.description
 
-    def close(self, outcome: str, reason: Message, ended: str) -> None:
+    def close(self, outcome: str, reason: Message, time_ns: int) -> None:
         """Finish the recordings and write how the survey ended; may be repeated.
 
         Args:
             outcome: One word.
             reason: Why.
-            ended: When, as ISO 8601 text.
+            time_ns: When [ns since 1970, UTC].
 
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
@@ -271,15 +271,17 @@ class OpenSurvey:
             with self._storing(recording):
                 recording.finish()
             self._unfinished.pop(0)
+        self._sum_recordings()
         ending = {
-            "ended": ended,
+            "ended": utc_time.iso_text(time_ns // utc_time.NS_PER_US),
             "outcome": outcome,
             "reason": str(reason),
             survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
             survey_metadata.FAULT_CODE: reason.fault_code,
             "stored_traces": self.stored_traces,
+            sealing.CONTENT: sealing.content_sum(self._sums),
         }
-        self._describe({**self.description, **ending})
+        self._add(Kind.END, ending, time_ns)
 
     def write_manifest(self, revision: str) -> None:
         """Write the checksums of all files of a survey that was closed; may be repeated.
@@ -296,7 +298,7 @@ class OpenSurvey:
         with storing(Message("{path} could not be written", path=printable(path)), path):
             # Last: a survey with a manifest has ended, and nothing changes any more.
             sealing.write_manifest(
-                self.folder, self.survey_id, revision, self.description["ended"], self._sums
+                self.folder, self._log, revision, self.description["ended"], self._sums
             )
 
     def _storing(self, recording: Recording) -> ContextManager[None]:
@@ -313,15 +315,19 @@ class OpenSurvey:
         for recording in self._unfinished:
             recording.abandon()
 
-    def _refuse_ending(self) -> None:
-        if self._ending:
-            raise SurveyRefusedError(refusals.CLOSING)
-
-    def _describe(self, description: Dict[str, Any]) -> None:
-        path = self.folder / survey_folder.SURVEY_FILE
+    def _add(self, kind: Kind, values: Dict[str, Any], time_ns: int) -> LogRecord:
+        path = self.folder / survey_folder.LOG_FILE
+        record = self._log.next(kind, values, utc_time.iso_text(time_ns // utc_time.NS_PER_US))
         with storing(Message("{path} could not be written", path=printable(path)), path):
-            durable_files.replace_file(path, survey_metadata.encode(description))
-        self.description = description
+            return self._log.add(record)
+
+    def _sum_recordings(self) -> None:
+        """Read the finished recordings once: the log and the manifest name their checksums."""
+        for recording in self._recordings:
+            path = self.folder / recording.name
+            if path.name not in self._sums and path.exists():
+                with storing(Message("{path} could not be read", path=printable(path)), path):
+                    self._sums[path.name] = sum_of_file(path)
 
     def _keep_collected_small(self) -> None:
         # Memory must not grow while the disk is full.

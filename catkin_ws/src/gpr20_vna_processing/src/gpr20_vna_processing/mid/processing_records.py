@@ -66,10 +66,6 @@ class AnnotatedSurvey:
     folder: Path
 
 
-MarkerChange = Callable[[Dict[str, Any]], Optional[Dict[str, Any]]]
-"""Returns the content of survey.json with one marker more or less; None: it has that already."""
-
-
 @dataclass(frozen=True)
 class MarkedSurvey:
     """A survey whose markers were changed."""

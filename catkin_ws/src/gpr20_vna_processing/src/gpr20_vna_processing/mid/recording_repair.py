@@ -1,16 +1,15 @@
-"""Making the recordings of a survey whole, from the traces that are true."""
+"""Writing the recordings of a survey again, from the traces that are right."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import AbstractSet, Any, Dict, List, Optional
+from typing import Any, Dict, Iterator, List
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.errors import StorageFailedError, TraceRefusedError, printable
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder, trace_files
+from gpr20_survey.folder import survey_folder, trace_files
 from gpr20_survey.recording.bag_writer import BagFile
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.recordings import new_mcap
@@ -19,20 +18,23 @@ from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
-from gpr20_vna_processing.mid.recorded_traces import RecordedTraces
-from gpr20_vna_processing.mid.stored_forms import StoredForms
+from gpr20_vna_processing.mid.stored_traces import StoredTraces
 
 SHOWN = 3  # faults of a recording that are named
 COPIED_BYTES = 4 << 20  # what a copy holds in memory between two commits
 
 
 class RecordingRepair:
-    """Repairs the bag and the MCAP of one survey, whose JSON files are whole."""
+    """Writes the MCAP and the bag of one survey again, whose JSON files are whole.
+
+    The MCAP is copied, because the index of the whole file is in the memory of its writer. The
+    bag, which has no checksums, gets what the MCAP gets.
+    """
 
     def __init__(
         self,
         folder: Path,
-        forms: StoredForms,
+        stored: StoredTraces,
         topics: SurveyTopics,
         start: Dict[str, Any],
         repairs: List[Message],
@@ -41,117 +43,99 @@ class RecordingRepair:
 
         Args:
             folder: The survey's folder.
-            forms: What was found in it.
+            stored: What was found in it.
             topics: Makes messages of traces.
-            start: The description with which a new MCAP begins.
+            start: The description with which the new MCAP begins.
             repairs: What is repaired is added here.
         """
         self._folder = folder
-        self._damaged = folder / survey_folder.DAMAGED_FOLDER
-        self._forms = forms
+        self._stored = stored
         self._topics = topics
         self._start = start
         self._repairs = repairs
-        self._types = TopicTypes(forms.md5sums())
+        self._types = TopicTypes(stored.mcap.types)
 
     def write(self) -> List[Recording]:
-        """Make both recordings whole, remove the manifest and return them, open at their ends.
+        """Replace both recordings by whole ones; return them, open at their ends.
 
         Raises:
             StorageFailedError: A trace changed while it was read.
             OSError: The disk refused.
         """
+        paths = [self._folder / survey_folder.BAG_FILE, self._folder / survey_folder.MCAP_FILE]
+        temporary = [durable_files.temporary_path(path) for path in paths]
         recordings: List[Recording] = []
         try:
-            recordings.append(self._resume_bag() or self._write_again(self._forms.bag))
-            recordings.append(self._write_again(self._forms.mcap))
-            # Last: until now it vouches for files that were not changed yet.
-            durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
+            recordings.append(BagFile(temporary[0]))
+            recordings.append(new_mcap(temporary[1], self._start))
+            self._copy(recordings)
+            self._keep_damaged(paths)
+            for recording, path in zip(recordings, paths):
+                recording.take_place_of(path)
         except BaseException:
             for recording in recordings:
                 recording.abandon()
+            for path in temporary:
+                path.unlink(missing_ok=True)  # it may have filled the disk
             raise
         return recordings
 
-    def _resume_bag(self) -> Optional[Recording]:
-        """Continue the bag without its torn tail or its index, if all before that is right."""
-        bag = self._forms.stored_bag.resume() if self._forms.bag_is_right() else None
-        if bag is None:
-            return None
-        try:
-            missing = self._forms.truth.keys() - self._forms.bag.prints.keys()
-            self._add(missing, bag, self._forms.bag.name)
-        except BaseException:
-            bag.abandon()
-            raise
-        return bag
+    def _keep_damaged(self, paths: List[Path]) -> None:
+        """Keep both recordings in `damaged/` if the MCAP is not whole: each may hold more."""
+        mcap = self._stored.mcap
+        missing = not mcap.stored.path.exists()
+        if not mcap.faults and not missing:
+            return
+        for path in paths:
+            if path.exists():
+                durable_files.keep_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
+        found = mcap.faults or [Message("{file} is missing", file=mcap.stored.path.name)]
+        self._repairs.append(
+            Message(
+                "rebuilt {file}: {faults}",
+                file=survey_folder.MCAP_FILE,
+                faults=in_a_row(found[:SHOWN]),
+            ).with_fault(REPAIRED)
+        )
 
-    def _write_again(self, recorded: RecordedTraces) -> Recording:
-        """Replace a recording by a whole new file; a damaged one stays in `damaged/`."""
-        path = recorded.stored.path
-        temporary = durable_files.temporary_path(path)
-        new: Recording
-        if recorded is self._forms.bag:
-            new = BagFile(temporary)
-        else:
-            new = new_mcap(temporary, self._start)
-        found = self._forms.faults_of(recorded)
-        try:
-            self._copy(recorded, new)
-            if found and path.exists():
-                durable_files.keep_aside(path, self._damaged)
-            new.take_place_of(path)
-        except BaseException:
-            new.abandon()
-            temporary.unlink(missing_ok=True)  # it may have filled the disk
-            raise
-        if found:
-            self._repairs.append(
-                Message(
-                    "rebuilt {file}: {faults}", file=path.name, faults=in_a_row(found[:SHOWN])
-                ).with_fault(REPAIRED)
-            )
-        return new
+    def _copy(self, recordings: List[Recording]) -> None:
+        """Write every trace that is right once, and all other messages."""
+        for message in self._messages():
+            for recording in recordings:
+                if message.datatype == trace_message.DATATYPE:
+                    recording.write_alone(message)
+                else:
+                    recording.write(message)
+                if recording.collected_bytes > COPIED_BYTES:
+                    recording.commit()
+        for recording in recordings:
+            recording.commit()
 
-    def _copy(self, recorded: RecordedTraces, new: Recording) -> None:
-        """Write every true trace once and all other messages."""
-        missing = set(self._forms.truth)
-        source = self._forms.source_of(recorded).stored
-        for message in map(self._forms.with_certain_type, source.messages()):
-            if message.datatype != trace_message.DATATYPE:
-                if message.topic != self._topics.trace_topic:
-                    new.write(message)
-            else:
-                trace = self._forms.true_trace(message)
-                if trace is not None and trace.index in missing:
-                    missing.remove(trace.index)
-                    new.write_alone(self._of_same_type(trace, message))
-            if new.collected_bytes > COPIED_BYTES:
-                new.commit()
-        self._add(missing, new, recorded.name)
-
-    def _of_same_type(self, trace: Trace, message: RecordedMessage) -> RecordedMessage:
-        """Return the message of a trace, with the version of its type that its topic has."""
-        if message.md5sum in trace_message.FORMER_MD5SUMS:
-            return replace(message, data=trace_message.encode(trace, message.md5sum))
-        return replace(self._topics.trace(trace, message.time_ns), topic=message.topic)
-
-    def _read(self, index: int) -> Trace:
-        path = self._folder / survey_folder.TRACES_FOLDER / self._forms.files.files[index].name
-        return read_again(path, self._start["survey_id"])
-
-    def _add(self, missing: AbstractSet[int], new: Recording, name: str) -> None:
-        for index in sorted(missing):
+    def _messages(self) -> Iterator[RecordedMessage]:
+        mcap, truth = self._stored.mcap, self._stored.truth
+        right = mcap.places(truth)
+        for place, message in enumerate(mcap.stored.messages()):
+            if message.datatype != trace_message.DATATYPE or place in right:
+                yield message
+        present = {index for index, own in mcap.prints.items() if truth.get(index) == own}
+        missing = sorted(truth.keys() - present)
+        for index in missing:
             trace = self._read(index)
             message = self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
-            new.write_alone(self._types.named(message) or message)
-            if new.collected_bytes > COPIED_BYTES:
-                new.commit()
-        new.commit()
+            yield self._types.named(message) or message
         if missing:
             self._repairs.append(
-                Message("added {count} traces to {file}", count=len(missing), file=name)
+                Message(
+                    "added {count} traces to {file}",
+                    count=len(missing),
+                    file=survey_folder.MCAP_FILE,
+                )
             )
+
+    def _read(self, index: int) -> Trace:
+        name = self._stored.files.files[index].name
+        path = self._folder / survey_folder.TRACES_FOLDER / name
+        return read_again(path, self._start["survey_id"])
 
 
 def read_again(path: Path, survey_id: str) -> Trace:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import List, Sequence
+from typing import List
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.errors import (
@@ -12,8 +12,6 @@ from gpr20_survey.errors import (
     TraceRefusedError,
     printable,
 )
-from gpr20_survey.faults import DESCRIPTION_LOST
-from gpr20_survey.folder.description_differences import Difference
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
 
@@ -122,30 +120,4 @@ def traces_not_planned(folder: Path, misfits: List[Message]) -> SurveyRefusedErr
             details=f"{len(misfits)} differences",
         ),
         fault=faults.TRACES_NOT_PLANNED,
-    )
-
-
-def description_lost(folder: Path) -> SurveyRefusedError:
-    """Return the error: survey.json is lost, and nothing confirms its only copy."""
-    return SurveyRefusedError(
-        Message(
-            "survey.json in {folder} cannot be read, and its only copy in the recordings has no "
-            "plan that the traces could confirm; restore survey.json from a copy of the folder",
-            folder=printable(folder),
-        ),
-        fault=DESCRIPTION_LOST,
-    )
-
-
-def descriptions_differ(folder: Path, found: Sequence[Difference]) -> SurveyRefusedError:
-    """Return the error: survey.json and its copy contradict each other."""
-    return SurveyRefusedError(
-        Message(
-            "survey.json in {folder} and its copy in survey.bag differ in {keys}, and nothing "
-            "decides which is right; restore survey.json from a copy of the folder; nothing was "
-            "changed",
-            folder=printable(folder),
-            keys=", ".join(one.key for one in found[:SHOWN]),
-        ),
-        fault=DESCRIPTION_LOST,
     )

@@ -18,8 +18,8 @@ from gpr20_survey.errors import (
     printable,
 )
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.manifest import MANIFEST_FILE
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import ANNOTATION
@@ -102,8 +102,8 @@ class SurveyArchive:
             SurveyRefusedError: There is none, or its survey.json cannot be read.
             ProcessingError: Its folder cannot be read.
         """
-        folder, description = find_survey(self._data, survey)
-        description = _with_sealed_plan(folder, description)
+        folder, found = find_survey(self._data, survey)
+        description = found.description
         files = _trace_files(folder)
         without_report = {key: value for key, value in description.items() if key != "report"}
         indices = tuple(index for index, _ in files)
@@ -122,8 +122,8 @@ class SurveyArchive:
             ProcessingError: Its folder cannot be read.
         """
         _check_count("max_traces", max_traces, MAX_TRACES_PER_PAGE)
-        folder, description = find_survey(self._data, survey)
-        survey_id = description["survey_id"]
+        folder, found = find_survey(self._data, survey)
+        survey_id = found.survey_id
         due = [one for one in _trace_files(folder) if one[0] >= first_index]
         traces: List[Trace] = []
         unreadable: List[Tuple[int, Message]] = []
@@ -170,9 +170,8 @@ class SurveyArchive:
     def _summary(self, folder: Path) -> SurveySummary:
         try:
             survey_folder.check_no_links(folder)
-            values = survey_metadata.read_description(folder / survey_folder.SURVEY_FILE)
+            values = read_description(folder)
             survey_folder.check_survey_id(values["survey_id"])
-            values = _with_sealed_plan(folder, values)
             stored = [index for index, _ in _trace_files(folder)]
             # Without a manifest nothing vouches for the outcome.
             sealed = (folder / MANIFEST_FILE).is_file()
@@ -232,17 +231,6 @@ def _trace_files(folder: Path) -> List[Tuple[int, str]]:
             )
         ) from error
     return sorted(found.items())
-
-
-def _with_sealed_plan(folder: Path, description: Dict[str, Any]) -> Dict[str, Any]:
-    """Return a description whose constant entries are those of the sealed copy, if there is one.
-
-    A damaged survey.json must not show another area than the one that is measured.
-    """
-    sealed = sealed_description(folder)
-    if sealed is None or sealed["survey_id"] != description["survey_id"]:
-        return description
-    return survey_metadata.with_start_of(description, sealed)
 
 
 def _planned_traces(parameters: Any) -> int:

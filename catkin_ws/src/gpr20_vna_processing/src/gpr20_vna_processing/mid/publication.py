@@ -1,4 +1,4 @@
-"""Publishing each trace once when it is stored, whatever failed in between."""
+"""Publishing each trace once when it is stored, and each record of the log."""
 
 from __future__ import annotations
 
@@ -9,24 +9,30 @@ from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace.trace import Trace
 
 
-class TracePublication:
+class Publication:
     """Publishes each trace once in the life of this process. Belongs to the storage thread.
 
     A trace can be found stored when its survey is reopened although it was never published: the
     disk, or this process, failed between the first of its files and the last.
     """
 
-    def __init__(self, on_stored: Callable[[RecordedMessage], None]) -> None:
+    def __init__(
+        self,
+        on_stored: Callable[[RecordedMessage], None],
+        on_logged: Callable[[RecordedMessage], None],
+    ) -> None:
         """Build it.
 
         Args:
             on_stored: Publishes the message of a trace; must not raise.
+            on_logged: Publishes that of a record of the log; must not raise.
         """
         self._on_stored = on_stored
+        self.logged = on_logged
         # By survey and index: traces that have a durable file, but were not published.
         self._waiting: Dict[Tuple[str, int], Tuple[Trace, RecordedMessage]] = {}
-        # By survey: time and index of the newest trace that was published.
-        self._newest: Dict[str, Tuple[int, int]] = {}
+        # By survey: the largest index that was published. Not its time: clocks are set back.
+        self._newest: Dict[str, int] = {}
 
     def expect(self, trace: Trace, message: RecordedMessage) -> None:
         """Note a trace that has a durable file and will be published when it is stored."""
@@ -60,14 +66,10 @@ class TracePublication:
             file = stored.get(trace.index)
             if file is not None and file.fingerprint == trace.fingerprint():
                 self._publish(trace, message)
-        if last is not None and _moment(last) > self._newest.get(survey_id, (-1, -1)):
+        if last is not None and last.index > self._newest.get(survey_id, -1):
             self._publish(last, message_of(last))
 
     def _publish(self, trace: Trace, message: RecordedMessage) -> None:
         self._on_stored(message)
-        newest = self._newest.get(trace.survey_id, (-1, -1))
-        self._newest[trace.survey_id] = max(newest, _moment(trace))
-
-
-def _moment(trace: Trace) -> Tuple[int, int]:
-    return trace.timestamp_us, trace.index
+        newest = self._newest.get(trace.survey_id, -1)
+        self._newest[trace.survey_id] = max(newest, trace.index)

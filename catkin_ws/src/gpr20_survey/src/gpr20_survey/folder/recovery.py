@@ -1,0 +1,261 @@
+"""What a survey's folder says of its survey, and what of that nothing vouches for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, Iterable, List, Optional, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_survey import faults
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable
+from gpr20_survey.files import durable_files, file_sums
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_log import (
+    FoundLog,
+    SurveyLog,
+    json_text,
+    lost_entries,
+    read_log,
+)
+from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.markers import MARKERS, markers_of
+
+NO_COPY = "no copy of survey.json confirms it"
+WRONG_FORM = "it is not as the storage writes it"
+MAX_RESUMPTIONS = 100_000
+# How survey.json begins.
+FIRST_KEYS = ("format", "survey_id", "started")
+
+
+@dataclass(frozen=True)
+class RecoveredSurvey:
+    """A survey as its folder describes it.
+
+    Attributes:
+        description: The content of survey.json, without the records of its log.
+        found: Its log as it was found; a survey of an earlier version has none.
+        unconfirmed: Names of entries that nothing vouches for, with the reason, which no record
+            of the log names yet.
+        left_out: Entries of `description` that cannot be used as they are.
+    """
+
+    description: Dict[str, Any]
+    found: FoundLog
+    unconfirmed: Dict[str, Any]
+    left_out: Tuple[str, ...] = ()
+
+    @property
+    def survey_id(self) -> str:
+        """UUID of the survey."""
+        return str(self.description["survey_id"])
+
+    @property
+    def all_unconfirmed(self) -> Dict[str, Any]:
+        """The entries that nothing vouches for, also those that the log names."""
+        return {**self.description.get(UNCONFIRMED, {}), **self.unconfirmed}
+
+
+def read_description(folder: Path) -> Dict[str, Any]:
+    """Return the content of survey.json, repaired from the log or the MCAP where it is damaged.
+
+    Raises:
+        SurveyRefusedError: Nothing in the folder describes the survey.
+    """
+    return recover(folder).description
+
+
+def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey:
+    """Return what a folder says of its survey; nothing is changed.
+
+    Args:
+        folder: The survey's folder.
+        recorded: Records of its log that were found in a recording.
+
+    Raises:
+        SurveyRefusedError: Nothing in it describes the survey.
+    """
+    recorded = list(recorded)
+    try:
+        found = read_log(folder, recorded)
+    except SurveyRefusedError as error:
+        sealed = _sealed_for(folder)
+        if sealed is None:
+            # Resuming, which repairs it as long as there is a copy, does not help.
+            raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
+        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
+    if not found.has_log:
+        return _former(folder, found)
+    if not found.records or found.records[0].kind != Kind.PLAN.value:
+        found = _with_plan(folder, found, recorded)
+    description = description_of(found.records)
+    survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
+    unconfirmed = lost_entries(found)["entries"] if found.lost else {}
+    return RecoveredSurvey(description, found, unconfirmed)
+
+
+def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
+    """Return a description as it was when the survey began."""
+    constant = {
+        key: value for key, value in description.items() if key not in survey_metadata.LATER_KEYS
+    }
+    first = {key: constant[key] for key in FIRST_KEYS if key in constant}
+    return {**first, **START, **constant}
+
+
+def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
+    """Make the log of a survey whole, and return it; the folder must be locked.
+
+    A file that was damaged is kept in `damaged/`. The log of a survey of an earlier version begins
+    with its survey.json. What nothing vouches for is named in the log, for ever.
+
+    Args:
+        folder: The survey's folder.
+        recovered: What was found in it.
+        now: The present moment, as ISO 8601 text.
+
+    Raises:
+        OSError: The disk refused; the call may be repeated.
+    """
+    found = recovered.found
+    log = SurveyLog(folder, found.records, found.is_whole)
+    if found.damage or found.own is None:
+        for name in (survey_folder.LOG_FILE, survey_folder.SURVEY_FILE):
+            _keep_damaged(folder, name)
+    if not found.records:
+        kept = {
+            key: value
+            for key, value in recovered.description.items()
+            if key not in recovered.left_out
+        }
+        log.add(log.next(Kind.PLAN, kept, now))
+    elif not found.is_whole:
+        log.write()
+    if recovered.unconfirmed:
+        lost = lost_entries(found)
+        values = {"entries": recovered.unconfirmed, "lost": lost["lost"]}
+        log.add(log.next(Kind.UNCONFIRMED, values, now))
+    return log
+
+
+def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
+    """Return what `open_log` repairs, and what nothing vouches for, for people."""
+    found = recovered.found
+    repairs = [
+        Message(
+            "{damage}; wrote it again from the other copies of its entries", damage=one
+        ).with_fault(faults.REPAIRED)
+        for one in found.damage
+    ]
+    if recovered.unconfirmed:
+        repairs.append(unconfirmed_message(recovered.unconfirmed))
+    return repairs
+
+
+def unconfirmed_message(entries: Dict[str, Any]) -> Message:
+    """Return the remark on entries that nothing vouches for."""
+    return Message(
+        "nothing vouches for {count} entries of survey.json: {names}; compare them with what you "
+        "know",
+        count=len(entries),
+        names=", ".join(list(entries)[:10]),
+    ).with_fault(faults.UNCONFIRMED)
+
+
+def is_vouched(folder: Path) -> Optional[bool]:
+    """Return whether survey.json is as its manifest says; None without a manifest that says it."""
+    try:
+        sealed = manifest.read_manifest(folder)
+        present = file_sums.sum_of_file(folder / survey_folder.SURVEY_FILE)
+    except (OSError, ManifestDamagedError):
+        return None
+    if sealed.matches(survey_folder.SURVEY_FILE, present):
+        return True
+    return None if sealed.reopened is not None else False
+
+
+def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
+    """Return a survey of an earlier version, which has no log."""
+    assert found.own is not None
+    own, left_out = found.own, _left_out(found.own)
+    unconfirmed: Dict[str, Any] = {
+        key: {"reason": WRONG_FORM, "found": [json_text(own[key])]} for key in left_out
+    }
+    if is_vouched(folder):
+        return RecoveredSurvey(own, found, unconfirmed, left_out)
+    later = {name: {"reason": NO_COPY} for name in _later_entries(own, left_out)}
+    sealed = _sealed_for(folder)
+    if sealed is None:
+        unconfirmed = {"plan": {"reason": NO_COPY}, **later, **unconfirmed}
+        return RecoveredSurvey(own, found, unconfirmed, left_out)
+    best = survey_metadata.with_start_of(own, sealed)
+    return RecoveredSurvey(best, found, {**later, **unconfirmed}, left_out)
+
+
+def _sealed_for(folder: Path) -> Optional[Dict[str, Any]]:
+    path = folder / survey_folder.SURVEY_FILE
+    if path.exists() and not path.is_file():
+        return None  # the copy could not take its place
+    return sealed_description(folder)
+
+
+def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord]) -> FoundLog:
+    """Return the log with its first record, which survey.mcap holds too.
+
+    Raises:
+        SurveyRefusedError: It does not.
+    """
+    sealed = _sealed_for(folder)
+    if sealed is not None:
+        plan = LogRecord.after(None, Kind.PLAN, sealed, str(sealed.get("started")))
+        after = next((one for one in found.records if one.number == 1), None)
+        if after is None or after.previous == plan.sha256:
+            return read_log(folder, [*recorded, plan])
+    raise SurveyRefusedError(
+        Message(
+            "the first entry of the log in {folder}, which describes the survey, is damaged in "
+            "every copy",
+            folder=printable(folder),
+        ),
+        fault=faults.DESCRIPTION_LOST,
+    )
+
+
+def _left_out(own: Dict[str, Any]) -> Tuple[str, ...]:
+    """Return the entries that the storage did not write so."""
+    wrong = []
+    resumed = own.get("resumed", [])
+    if not isinstance(resumed, list) or len(resumed) >= MAX_RESUMPTIONS:
+        wrong.append("resumed")
+    if not isinstance(own.get("report", {}), dict):
+        wrong.append("report")
+    try:
+        markers_of(own)
+    except InvalidValueError:
+        wrong.append(MARKERS)
+    return tuple(wrong)
+
+
+def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
+    """Return the names of the entries that came after the start, key by key."""
+    names = [key for key in (ANNOTATION, "report", "outcome") if own.get(key)]
+    if MARKERS not in left_out:
+        names += [f"{MARKERS}/{place}" for place, _ in enumerate(own.get(MARKERS, []))]
+    return [name for name in names if name not in left_out]
+
+
+def _later_lost() -> Dict[str, Any]:
+    reason = {"reason": "survey.json and log.jsonl cannot be read"}
+    return {"everything after the start": reason}
+
+
+def _keep_damaged(folder: Path, name: str) -> None:
+    path = folder / name
+    if path.is_file() and not path.is_symlink():
+        durable_files.keep_aside(path, folder / survey_folder.DAMAGED_FOLDER)
+    elif path.is_symlink() or path.exists():
+        durable_files.move_aside(path, folder / survey_folder.DAMAGED_FOLDER)

@@ -1,0 +1,210 @@
+"""Which traces of a survey are right, by the JSON files and the MCAP, which have checksums."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Callable, Dict, List, Mapping, Optional, Set
+
+from gpr20_common.message import Message
+from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest, sealing, survey_folder, trace_files
+from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.trace_files import TraceFile
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.survey_topics import recorded_trace
+from gpr20_survey.trace.trace import Trace
+
+Misfits = Callable[[Trace], List[Message]]
+"""Returns what of a trace is not as it was planned."""
+
+
+class RecordedTraces:
+    """The traces of a survey's MCAP, whose chunks have checksums; nothing is changed."""
+
+    def __init__(self, path: Path, survey_id: str, misfits: Misfits) -> None:
+        """Read the whole recording.
+
+        Args:
+            path: The MCAP.
+            survey_id: Whose traces there must be.
+            misfits: Compares a trace with the plan.
+
+        Raises:
+            OSError: The file cannot be read.
+        """
+        self.stored = StoredMcap(path)
+        self.prints: Dict[int, bytes] = {}
+        """Fingerprint of the trace of each index."""
+        self.wrong: Dict[int, List[Message]] = {}
+        """What of each trace is not as it was planned."""
+        self.types: Dict[str, Set[str]] = {}
+        """The checksums of the message types of each topic."""
+        self.foreign = 0
+        """How many whole traces of another survey it holds."""
+        self._survey_id = survey_id
+        self._misfits = misfits
+        self._places: Dict[int, int] = {}  # of the message of each index
+        found: List[Message] = []
+        for place, message in enumerate(self.stored.messages()):
+            self.types.setdefault(message.topic, set()).add(message.md5sum)
+            try:
+                self._note(place, message)
+            except TraceRefusedError as error:
+                self.foreign += isinstance(error, ForeignTraceError)
+                found.append(
+                    Message(
+                        "{file} holds a damaged trace: {reason}",
+                        file=path.name,
+                        reason=error.message,
+                    )
+                )
+        self.faults = [*self.stored.faults, *found]
+        """What is damaged; a trace that is missing is not a fault."""
+
+    def places(self, truth: Mapping[int, bytes]) -> Set[int]:
+        """Return which messages of the recording are traces that are right.
+
+        Args:
+            truth: Fingerprint of each trace that is stored.
+        """
+        return {
+            place for index, place in self._places.items() if truth.get(index) == self.prints[index]
+        }
+
+    def _note(self, place: int, message: RecordedMessage) -> None:
+        trace = recorded_trace(message)
+        if trace is None:
+            return
+        if trace.survey_id != self._survey_id:
+            raise ForeignTraceError(
+                Message(
+                    "{trace} belongs to survey {survey}", trace=trace.label, survey=trace.survey_id
+                )
+            )
+        if trace.index in self.prints:
+            raise TraceRefusedError(Message("trace {index} is there twice", index=trace.index))
+        self.prints[trace.index] = trace.fingerprint()
+        self._places[trace.index] = place
+        misfits = self._misfits(trace)
+        if misfits:
+            self.wrong[trace.index] = misfits
+
+
+class StoredTraces:
+    """Decides which traces are stored; nothing is changed.
+
+    The first form whose checksum holds is right: the JSON file with its own checksum, or with the
+    one that the manifest has of it; then the MCAP. A JSON file of an earlier version, which has no
+    checksum, counts where the MCAP lacks its trace, if the trace is as it was planned. The bag has
+    no checksums and is not asked.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        mcap: RecordedTraces,
+        survey_id: str,
+        sealed: Optional[Manifest],
+        misfits: Misfits,
+    ) -> None:
+        """Read every JSON file.
+
+        Args:
+            folder: The survey's folder.
+            mcap: The traces of its MCAP.
+            survey_id: Whose traces there must be.
+            sealed: The manifest, if there is a whole one.
+            misfits: Compares a trace with the plan.
+
+        Raises:
+            OSError: The disk cannot be read.
+        """
+        self._folder = folder
+        self._sealed = sealed
+        # The manifest if a file that differs from it is damaged: after a reopening, files change.
+        self._binding = sealed if sealed is not None and sealed.reopened is None else None
+        self._misfits = misfits
+        self.mcap = mcap
+        self._wrong: Dict[int, List[Message]] = {}  # misfits of each JSON file
+        traces = folder / survey_folder.TRACES_FOLDER
+        self.files = trace_files.read_all(traces, survey_id, on_trace=self._compare)
+        self.unproven: List[str] = []
+        """Names of the files without a checksum whose traces nothing else holds."""
+        self.truth: Dict[int, bytes] = {}
+        """Fingerprint of each trace that is stored."""
+        self._decide(traces)
+        self.misfits = self._misfits_of_truth()
+        """What of the stored traces is not as it was planned."""
+
+    @property
+    def foreign(self) -> int:
+        """How many whole traces of another survey there are."""
+        return self.files.foreign + self.mcap.foreign
+
+    def intact(self) -> bool:
+        """Return whether every file is as it was when the survey was closed."""
+        return (
+            self._sealed is not None
+            and not self.files.damaged
+            and self.files.prints == self.truth == self.mcap.prints
+            and not self.mcap.faults
+            and not self.changes()
+        )
+
+    def changes(self) -> List[Message]:
+        """Return how files other than traces differ from a binding manifest."""
+        binding = self._binding
+        if binding is None:
+            return []
+        unreadable = {name for name, one in binding.files.items() if one is None}
+        names = {*binding.files, *sealing.file_names(self._folder)} - unreadable
+        return [
+            _differs(name)
+            for name in sorted(names)
+            if not name.startswith(manifest.trace_name(""))
+            and name not in manifest.JUDGED_BY_LOG
+            and not binding.matches(name, file_sums.sum_if_readable(self._folder / name))
+        ]
+
+    def _compare(self, trace: Trace) -> None:
+        misfits = self._misfits(trace)
+        if misfits:
+            self._wrong[trace.index] = misfits
+
+    def _decide(self, traces: Path) -> None:
+        for index, file in list(self.files.files.items()):
+            listed = self._is_listed(file)
+            recorded = self.mcap.prints.get(index)
+            if self._binding is not None and not listed:
+                self._refuse(traces, index, _differs(file.name))
+            elif file.is_proven or listed or recorded == file.fingerprint:
+                self.truth[index] = file.fingerprint
+            elif recorded is not None:
+                self._refuse(traces, index, Message("survey.mcap holds other numbers"))
+            elif index in self._wrong:
+                self._refuse(traces, index, self._wrong[index][0])
+            else:
+                self.truth[index] = file.fingerprint
+                self.unproven.append(file.name)
+        for index, recorded in self.mcap.prints.items():
+            self.truth.setdefault(index, recorded)
+
+    def _misfits_of_truth(self) -> List[Message]:
+        found: List[Message] = []
+        for index in sorted(self.truth):
+            wrong = self._wrong if index in self.files.files else self.mcap.wrong
+            found += wrong.get(index, [])
+        return found
+
+    def _is_listed(self, file: TraceFile) -> bool:
+        name = manifest.trace_name(file.name)
+        return self._sealed is not None and self._sealed.matches(name, file.sum)
+
+    def _refuse(self, traces: Path, index: int, reason: Message) -> None:
+        self.files.damaged.append((traces / self.files.files.pop(index).name, reason))
+
+
+def _differs(name: str) -> Message:
+    return Message("{file} differs from the manifest", file=name)
