@@ -249,6 +249,7 @@ class FakeStorage:
         self.closed = []
         self.ends = []
         self.reports = []
+        self.notes = []
         self.reopened = None
         self.interrupted = ""
         self.reopenings = []
@@ -279,6 +280,9 @@ class FakeStorage:
         stored = sum(sample.survey_id == survey_id for sample in self.samples)
         before = 0 if self.reopened is None else len(self.reopened.stored_indices)
         return before + stored - self.lose
+
+    def note(self, survey_id, note):
+        self.notes.append(note)
 
     def store(self, sample):
         self.free.wait(LIMIT_S)

@@ -18,6 +18,7 @@ class StrictStorage:
         self.records = {}
         self.samples = defaultdict(dict)
         self.reports = {}
+        self.notes = defaultdict(list)
         self.outcomes = {}
         self.opened = ""
         self.broken = False
@@ -57,6 +58,10 @@ class StrictStorage:
         json.loads(report_json)
         self.reports[survey_id] = report_json
         return len(self.samples[survey_id])
+
+    def note(self, survey_id, note):
+        self._check_open(survey_id)
+        self.notes[survey_id].append(note)
 
     def store(self, sample):
         self._check_open(sample.survey_id)

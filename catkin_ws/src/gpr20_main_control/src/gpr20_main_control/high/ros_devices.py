@@ -30,6 +30,7 @@ from gpr20_main_control.mid.devices.robot import (
     SweepConfirmation,
     UnconfirmedSweep,
 )
+from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -40,6 +41,7 @@ from gpr20_msgs.srv import (
     GetData,
     GetFreq,
     GetHeight,
+    NoteSurvey,
     OpenSurvey,
     ReopenSurvey,
     ReportSurvey,
@@ -251,6 +253,7 @@ class RosStorage:
         self._open = service("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._reopen = service("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._report = service("report_survey", ReportSurvey, time_limit_s)
+        self._note = service("note_survey", NoteSurvey, time_limit_s)
         self._store = service("store_data", StoreData, time_limit_s)
         self._close = service("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
@@ -275,6 +278,11 @@ class RosStorage:
         """Store a report beside the survey's metadata; return how many traces are stored."""
         response = self._report(survey_id=survey_id, report_json=report_json)
         return int(response.stored_traces)
+
+    def note(self, survey_id: str, note: Note) -> None:
+        """Add a note to the survey's log; it is durable when this returns."""
+        values_json = json.dumps(note.values, allow_nan=False)
+        self._note(survey=survey_id, kind=note.kind.value, values_json=values_json)
 
     def store(self, trace: Trace) -> None:
         """Store a trace; it is durable when this returns."""

@@ -10,7 +10,7 @@ from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import is_vouched, open_log, recover
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
@@ -21,6 +21,14 @@ class Fact(NamedTuple):
 
     kind: Kind
     values: Dict[str, Any]
+
+    def is_in(self, records: Sequence[LogRecord]) -> bool:
+        """Return whether a log has this note: the answer to the first request may be lost.
+
+        A note has its own time. Other facts may come again.
+        """
+        same = (self.kind.value, self.values)
+        return self.kind in NOTES and same in ((one.kind, one.values) for one in records)
 
 
 Change = Callable[[Dict[str, Any]], Optional[Fact]]
@@ -69,6 +77,8 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
         if recovered.found.lost:
             raise _damaged(folder, recovered.found.damage)
         fact = change(recovered.description)
+        if fact is not None and fact.is_in(recovered.found.records):
+            fact = None
         if fact is None and recovered.found.is_whole:
             return recovered.description
         log = open_log(folder, recovered, now)

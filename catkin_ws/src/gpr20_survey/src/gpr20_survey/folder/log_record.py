@@ -43,6 +43,19 @@ class Kind(str, enum.Enum):
     """Entries that nothing vouches for."""
 
 
+NOTES = (
+    Kind.PAUSE,
+    Kind.CONTINUE,
+    Kind.DECISION,
+    Kind.CLOCK,
+    Kind.EPOCH,
+    Kind.FOUND,
+    Kind.EXPORT,
+    Kind.AUDIT,
+)
+"""Kinds that stay in the log alone; the others change entries of survey.json."""
+
+
 @dataclass(frozen=True)
 class LogRecord:
     """One fact.

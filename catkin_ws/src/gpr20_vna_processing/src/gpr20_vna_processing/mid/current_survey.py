@@ -10,7 +10,7 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import Change, add_to_survey, annotate
+from gpr20_survey.folder.annotating import Change, Fact, add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
@@ -308,6 +308,11 @@ class CurrentSurvey:
             StorageFailedError: The disk refused; the former annotation remains.
         """
         folder, description = self.change(survey, annotate(annotation))
+        return AnnotatedSurvey(description["survey_id"], folder)
+
+    def note(self, survey: str, fact: Fact) -> AnnotatedSurvey:
+        """Add a note to the log of a survey, whether it is open or not; see `change`."""
+        folder, description = self.change(survey, lambda _description: fact)
         return AnnotatedSurvey(description["survey_id"], folder)
 
     def mark(self, survey: str, change: Change) -> MarkedSurvey:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, Optional, Sequence
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
@@ -16,7 +16,7 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Fact
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker, new_marker, removed_marker
 from gpr20_survey.recording.recording import RecordedMessage
@@ -169,6 +169,24 @@ class DataProcessing:
             lambda: self._survey.annotate(survey, annotation), self._limits.long_timeout_s
         )
 
+    def note(self, survey: str, kind: str, values_json: str) -> AnnotatedSurvey:
+        """Add a note to the log of the open survey or of a past one; may be repeated.
+
+        Args:
+            survey: The survey's id, or the name of its folder; empty: the open one.
+            kind: One of `NOTES`.
+            values_json: JSON object with the note and its time.
+
+        Raises:
+            SurveyRefusedError: A value is not allowed, or there is no such survey.
+            StorageFailedError: The disk refused; the call may be repeated.
+        """
+        allowed = [one.value for one in NOTES]
+        if kind not in allowed:
+            raise SurveyRefusedError(not_one_of("kind", kind, allowed))
+        fact = Fact(Kind(kind), survey_metadata.parse_object(values_json, "values_json"))
+        return self._do(lambda: self._survey.note(survey, fact), self._limits.long_timeout_s)
+
     def add_marker(self, survey: str, marker: Marker) -> MarkedSurvey:
         """Add a marker to the open survey or to a past one, durably; may be repeated.
 
@@ -250,14 +268,7 @@ class DataProcessing:
             StorageFailedError: The disk refused; the survey is still open.
         """
         if outcome not in OUTCOMES:
-            raise SurveyRefusedError(
-                Message(
-                    "{place} is {value}; it must be one of {allowed}",
-                    place="outcome",
-                    value=repr(outcome[:64]),
-                    allowed=", ".join(OUTCOMES),
-                )
-            )
+            raise SurveyRefusedError(not_one_of("outcome", outcome, OUTCOMES))
         characters = len(str(reason))
         if characters > MAX_REASON_CHARACTERS:
             raise SurveyRefusedError(
@@ -330,6 +341,16 @@ class DataProcessing:
             survey.commit()
         except ProcessingError as error:
             self._note(error.message, failing=True)
+
+
+def not_one_of(place: str, value: str, allowed: Iterable[str]) -> Message:
+    """Return the refusal of a word that is none of those that are allowed."""
+    return Message(
+        "{place} is {value}; it must be one of {allowed}",
+        place=place,
+        value=repr(value[:64]),
+        allowed=", ".join(allowed),
+    )
 
 
 def _reason(error: Exception) -> Message:

@@ -248,7 +248,7 @@ class OpenSurvey:
             StorageFailedError: The disk refused; the log has its former records.
         """
         fact = change(self.description)
-        if fact is not None:
+        if fact is not None and not fact.is_in(self._log.records):
             self.add(fact.kind, fact.values, time_ns)
         return self.description
 

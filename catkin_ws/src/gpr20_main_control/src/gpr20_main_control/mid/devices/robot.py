@@ -16,6 +16,7 @@ from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
 from gpr20_main_control.mid.devices.axis_leases import LeasedAxis
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
+from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import SerialCalls, Workers
 from gpr20_survey.axes.axis_id import AxisId
@@ -268,6 +269,9 @@ class Storage(Protocol):
 
     def report(self, survey_id: str, report_json: str) -> int:
         """Store a report beside the survey's metadata; return how many traces are stored."""
+
+    def note(self, survey_id: str, note: Note) -> None:
+        """Add a note to the survey's log; it is durable when this returns."""
 
     def store(self, trace: Trace) -> None:
         """Store a trace; it is durable when this returns."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Optional
 
 from gpr20_common.message import Message
@@ -25,10 +26,13 @@ from gpr20_main_control.mid.survey.step_actions import StepActions
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive
 from gpr20_main_control.mid.survey.survey_ending import SurveyEnding
 from gpr20_main_control.mid.waits import Check
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState
 
 # Time to confirm the last sweep while a lost node is waited for [s]; then it is measured again.
 CONFIRMING_LIMIT_S = 3.0
+# Time to store a note on a pause [s].
+NOTES_LIMIT_S = 3.0
 POLL_S = 0.05
 
 
@@ -102,6 +106,8 @@ class SurveyEngine:
 
     def _accept(self, accepted: Accepted) -> None:
         self._analyzers.accept, self._survey.zeros.accept = accepted.analyzer, accepted.zeros
+        if accepted != NOTHING:
+            self._survey.notes.add(Kind.DECISION, **asdict(accepted))
 
     def refusal(self, limit_s: float) -> Optional[OtherAnalyzerError]:
         """Wait until the analyzer is known; return why it is refused, None if it is not.
@@ -209,6 +215,19 @@ class SurveyEngine:
             paused = Message("Paused: {reason}. Fix the fault and resume, or stop.", reason=reason)
         self._wait_paused(paused, error)
 
+    def _send_notes(self) -> None:
+        """Store the notes that wait; a storage that does not answer gets them later."""
+        limit = self._interruption.time_limit(
+            NOTES_LIMIT_S, NodeLostError(Message("the storage did not answer"))
+        )
+
+        def check() -> None:
+            self._interruption.check_stop()
+            limit()
+
+        with contextlib.suppress(DeviceError):
+            self._archive.send_notes(check)
+
     def _wait_paused(self, message: Message, error: Optional[DeviceError] = None) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
         self._archive.stop_timing()
@@ -218,12 +237,15 @@ class SurveyEngine:
         with self._lock:
             self._resume.clear()
             self._status.enter(SurveyState.PAUSED, message)
+            self._survey.notes.add_message(Kind.PAUSE, message)
             self._refusal = error if isinstance(error, OtherAnalyzerError) else None
             self._analyzers.checked.set()
+        self._send_notes()
         while not self._resume.is_set():
             self._interruption.check_stop()
             self._survey.clock_steps.check()
             self._survey.clock.wait_s(self._resume, POLL_S)
+        self._survey.notes.add(Kind.CONTINUE)
         self._recovery.note_resumed()
         plan = self._survey.plan
         interval_s = plan.settings.reference_interval_s / plan.config.time_scale

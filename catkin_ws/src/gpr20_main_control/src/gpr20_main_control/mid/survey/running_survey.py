@@ -11,6 +11,7 @@ from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.drift_record import DriftRecord
+from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey.survey_report import (
     AnalyzerRecord,
@@ -21,6 +22,7 @@ from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveyProgress
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_main_control.mid.waits import Interruption, WaitStatus
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.trace.trace import Trace
 
@@ -114,6 +116,7 @@ class RunningSurvey:
         drift: How its reference drifts.
         coverage: The state of each planned sample.
         report: What is stored about it beside its traces.
+        notes: What is added to its log.
         clock_steps: Notices that the computer's clock was set.
     """
 
@@ -144,14 +147,19 @@ class RunningSurvey:
         self.report = SurveyReport(
             self.coverage, self.analyzers, self.zeros, former_report, self.drift
         )
+        self.notes = SurveyNotes()
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
-        self.clock_steps = ClockSteps(self.clock, plan.last, self.show_warning)
+        self.clock_steps = ClockSteps(self.clock, plan.last, self._note_clock)
 
     def note_warning(self, warning: Message) -> None:
         """Note a warning, which is stored with the next report."""
         # The survey continues in spite of it, whatever it is.
         self.report.note_warning(warning.as_warning(), time_of_day_us())
+
+    def _note_clock(self, warning: Message) -> None:
+        self.notes.add_message(Kind.CLOCK, warning)
+        self.show_warning(warning)
 
     def show_warning(self, warning: Message) -> None:
         """Note a warning and show it until the next survey begins."""

@@ -17,6 +17,7 @@ from gpr20_main_control.mid.survey.sampling import Sampling
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive, interruption_remark
 from gpr20_main_control.mid.survey.survey_ending import SurveyEnding
 from gpr20_main_control.mid.waits import Check
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
@@ -127,6 +128,7 @@ class StepActions:
         zeros.note_homed(homed, present)
         if self._progress.last is None:
             zeros.begin(present, self._next_index, self._now())
+            self._note_zeros()
         self._progress.note_homed(zeros.needs_proof(present))
 
     def _compare(self, step: steps.Compare) -> None:
@@ -150,10 +152,14 @@ class StepActions:
                 self._next_index,
                 self._now(),
             )
+            self._note_zeros()
         finally:
             self._archive.note_repeats(known.repeats, self._interruption.check)
         self._progress.compare = False
         self._status.set_message(in_a_row([MEASURING, known.message]))
+
+    def _note_zeros(self) -> None:
+        self._survey.notes.add(Kind.EPOCH, **self._survey.zeros.used[-1].record())
 
     @property
     def _next_index(self) -> int:

@@ -77,6 +77,7 @@ class SurveyArchive:
         )
         if self.folder:
             self.reopen(check)
+            self.send_notes(check)
             self._note_other_sensors()
             if self._survey.analyzers.used != self._reported_analyzers:
                 # Before the first trace of another analyzer.
@@ -87,6 +88,7 @@ class SurveyArchive:
         opened = self._calls.call(lambda: self._storage.open(record), check)
         self.folder = opened.folder
         self._reported_analyzers = self._survey.analyzers.used
+        self.send_notes(check)
         return opened.interrupted
 
     def reopen(self, check: Check) -> None:
@@ -114,6 +116,13 @@ class SurveyArchive:
         for repeat in repeats:
             self._survey.report.note_repeat(repeat, time_of_day_us())
         self.send_report(check)
+
+    def send_notes(self, check: Check) -> None:
+        """Store what happened to the survey."""
+        survey_id = self._plan.survey_id
+        self._survey.notes.send(
+            lambda note: self._calls.call(lambda: self._storage.note(survey_id, note), check)
+        )
 
     def send_report(self, check: Check) -> None:
         """Store the report as it is now."""
@@ -183,6 +192,7 @@ class SurveyArchive:
         )
 
     def _send_report(self, report_json: str, check: Check) -> int:
+        self.send_notes(check)
         survey_id = self._plan.survey_id
         return self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
 
