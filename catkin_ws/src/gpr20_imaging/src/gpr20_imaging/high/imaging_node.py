@@ -13,6 +13,7 @@ from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.sent_message import message_fields
+from gpr20_imaging.high.export_notes import ExportNotes
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging import Imaging, health_values
@@ -49,6 +50,7 @@ class ImagingNode:
         self._imaging = Imaging(
             parameters.data_folder(), AnalysisProcess(), volumes, self._publish_progress
         )
+        self._notes = ExportNotes()
         rospy.on_shutdown(self._imaging.close)
         self._services = [
             advertise("focus_survey", FocusSurvey, self._focus),
@@ -88,6 +90,13 @@ class ImagingNode:
             request.volume,
         )
         message = Message("{count} files are on the USB stick", count=len(files))
+        not_noted = self._notes.add(request.survey, files, request.volume)
+        if not_noted is not None:
+            message = Message(
+                "{exported}; the log of the survey does not say so: {reason}",
+                exported=message,
+                reason=not_noted,
+            )
         return ExportSurveyResponse(success=True, **message_fields(message), files=files)
 
     def _volumes(self, _request: Any) -> ListVolumesResponse:
