@@ -15,6 +15,7 @@ from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import (
     FoundLog,
     SurveyLog,
@@ -69,29 +70,37 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey:
+def recover(
+    folder: Path, recorded: Iterable[LogRecord] = (), sealed: Optional[Manifest] = None
+) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:
         folder: The survey's folder.
         recorded: Records of its log that were found in a recording.
+        sealed: Its manifest, which knows how long the log was. If it is not given, it is read where
+            the log is not whole.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
     recorded = list(recorded)
     try:
-        found = read_log(folder, recorded)
+        found = read_log(folder, recorded, _last_sealed(sealed))
     except SurveyRefusedError as error:
-        sealed = _sealed_for(folder)
-        if sealed is None:
+        copy = _sealed_for(folder)
+        if copy is None:
             # Resuming, which repairs it as long as there is a copy, does not help.
             raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
-        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
+        return RecoveredSurvey(start_of(copy), FoundLog(), _later_lost())
     if not found.has_log:
         return _former(folder, found)
+    last = _last_sealed(sealed)
+    if not found.is_whole and sealed is None:
+        last = _last_sealed(_manifest(folder))
+        found = read_log(folder, recorded, last)
     if not found.records or found.records[0].kind != Kind.PLAN.value:
-        found = _with_plan(folder, found, recorded)
+        found = _with_plan(folder, found, recorded, last)
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"] if found.lost else {}
@@ -168,14 +177,24 @@ def unconfirmed_message(entries: Dict[str, Any]) -> Message:
 
 def is_vouched(folder: Path) -> Optional[bool]:
     """Return whether survey.json is as its manifest says; None without a manifest that says it."""
-    try:
-        sealed = manifest.read_manifest(folder)
-        present = file_sums.sum_of_file(folder / survey_folder.SURVEY_FILE)
-    except (OSError, ManifestDamagedError):
+    sealed = _manifest(folder)
+    if sealed is None:
         return None
+    present = file_sums.sum_if_readable(folder / survey_folder.SURVEY_FILE)
     if sealed.matches(survey_folder.SURVEY_FILE, present):
         return True
     return None if sealed.reopened is not None else False
+
+
+def _manifest(folder: Path) -> Optional[Manifest]:
+    try:
+        return manifest.read_manifest(folder)
+    except (OSError, ManifestDamagedError):
+        return None  # whoever needs it names what is wrong with it
+
+
+def _last_sealed(sealed: Optional[Manifest]) -> int:
+    return -1 if sealed is None or sealed.log is None else sealed.log.number
 
 
 def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
@@ -203,7 +222,7 @@ def _sealed_for(folder: Path) -> Optional[Dict[str, Any]]:
     return sealed_description(folder)
 
 
-def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord]) -> FoundLog:
+def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord], last: int) -> FoundLog:
     """Return the log with its first record, which survey.mcap holds too.
 
     Raises:
@@ -214,7 +233,7 @@ def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord]) -> Foun
         plan = LogRecord.after(None, Kind.PLAN, sealed, str(sealed.get("started")))
         after = next((one for one in found.records if one.number == 1), None)
         if after is None or after.previous == plan.sha256:
-            return read_log(folder, [*recorded, plan])
+            return read_log(folder, [*recorded, plan], last)
     raise SurveyRefusedError(
         Message(
             "the first entry of the log in {folder}, which describes the survey, is damaged in "

@@ -136,12 +136,13 @@ class SurveyLog:
         self._whole = True
 
 
-def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
+def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> FoundLog:
     """Return the log of a survey from log.jsonl and survey.json.
 
     Args:
         folder: The survey's folder.
         recorded: Records that were found elsewhere, as in a recording.
+        last: Number of a record that was there; -1: not known.
 
     Raises:
         SurveyRefusedError: Neither file can be read, or survey.json is of another format.
@@ -149,14 +150,16 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
     lines = _read_lines(folder / LOG_FILE)
     content, own, failure = _read_view(folder / survey_folder.SURVEY_FILE)
     shown = own.pop(LOG, None) if own is not None else None
-    in_log, damaged_lines = _records_of(lines or [], record_of_line, json_of_line)
-    in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
-    found = _merge([in_log, in_view, {one.number: one for one in recorded}])
+    in_log = _Form.of(lines or [], record_of_line, json_of_line)
+    in_view = _Form.of(shown if isinstance(shown, list) else [], record_of)
+    found = _merge([in_log.records, in_view.records, {one.number: one for one in recorded}])
     if not found and own is not None and shown is None:
         return FoundLog(own=own)
     if not found and failure is not None:
         raise failure
-    lost = _lost(found)
+    # What is whole in survey.json was there when the last fact was acknowledged.
+    view_is_whole = isinstance(shown, list) and not in_view.damaged
+    lost = _lost(found, max(last, in_view.last, -1 if view_is_whole else in_log.last))
     states = {
         LOG_FILE: _state_of_log(found, lines),
         survey_folder.SURVEY_FILE: _state_of_view(found, content),
@@ -164,7 +167,7 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
     return FoundLog(
         tuple(found),
         tuple(lost),
-        _legible(lost, (*damaged_lines, *damaged_entries)),
+        _legible(lost, (*in_log.damaged, *in_view.damaged)),
         tuple(
             Message("{file} is damaged", file=name)
             for name, state in states.items()
@@ -207,21 +210,36 @@ def _read_view(
         return b"", None, error
 
 
-def _records_of(
-    entries: Iterable[Any],
-    record_of_entry: Callable[[Any], Optional[LogRecord]],
-    legible: Callable[[Any], Any] = lambda entry: entry,
-) -> Tuple[Records, List[Any]]:
-    """Return the records that are right, and what can be read of the others."""
-    found: Dict[int, LogRecord] = {}
-    damaged: List[Any] = []
-    for entry in filter(None, entries):
-        record = record_of_entry(entry)
-        if record is None:
-            damaged.append(legible(entry))
-        else:
-            found.setdefault(record.number, record)
-    return found, damaged
+@dataclass(frozen=True)
+class _Form:
+    """The entries of one of the two files."""
+
+    records: Records
+    """Those that are right."""
+    damaged: Sequence[Any]
+    """What can be read of the others."""
+    last: int
+    """Number that the last entry must have had, be it right or not; -1 without any."""
+
+    @classmethod
+    def of(
+        cls,
+        entries: Iterable[Any],
+        record_of_entry: Callable[[Any], Optional[LogRecord]],
+        legible: Callable[[Any], Any] = lambda entry: entry,
+    ) -> _Form:
+        """Return what is right in some entries, and what is not."""
+        found: Dict[int, LogRecord] = {}
+        damaged: List[Any] = []
+        last = -1
+        for entry in filter(None, entries):
+            record = record_of_entry(entry)
+            last = last + 1 if record is None else record.number
+            if record is None:
+                damaged.append(legible(entry))
+            else:
+                found.setdefault(record.number, record)
+        return cls(found, damaged, last)
 
 
 def _legible(lost: Sequence[int], damaged: Iterable[Any]) -> Dict[int, List[Any]]:
@@ -263,7 +281,7 @@ def _follows(found: Sequence[LogRecord], record: LogRecord) -> bool:
     return last is None or last.number < record.number - 1 or last.sha256 == record.previous
 
 
-def _lost(found: Sequence[LogRecord]) -> List[int]:
+def _lost(found: Sequence[LogRecord], last: int) -> List[int]:
     present = {one.number for one in found}
     named = {
         number
@@ -271,7 +289,7 @@ def _lost(found: Sequence[LogRecord]) -> List[int]:
         if one.kind == Kind.UNCONFIRMED.value and one.values is not None
         for number in one.values.get("lost", [])
     }
-    last = found[-1].number if found else -1
+    last = max(last, found[-1].number if found else -1)
     return [number for number in range(last + 1) if number not in present | named]
 
 
@@ -298,17 +316,21 @@ def lost_entries(found: FoundLog) -> Dict[str, Any]:
 
     Whatever can be read of it stands beside it, and is not used.
     """
-    names = {number: f"record {number}" for number in found.lost}
-    return {
-        "lost": list(found.lost),
-        "entries": {
-            name: {
-                "reason": "its checksum is wrong in every form, or it is missing",
-                "found": [json_text(one) for one in found.legible.get(number, ())],
-            }
-            for number, name in names.items()
-        },
+    reason = "its checksum is wrong in every copy, or it is missing"
+    entries = {
+        _name(number, found.legible.get(number, ())): {
+            "reason": reason,
+            "found": [json_text(one) for one in found.legible.get(number, ())],
+        }
+        for number in found.lost
     }
+    return {"lost": list(found.lost), "entries": entries}
+
+
+def _name(number: int, legible: Sequence[Any]) -> str:
+    known = {one.value for one in Kind}
+    kinds = [one.get("kind") for one in legible if one.get("kind") in known]
+    return f"record {number} ({kinds[0]})" if kinds else f"record {number}"
 
 
 def json_text(value: Any) -> str:

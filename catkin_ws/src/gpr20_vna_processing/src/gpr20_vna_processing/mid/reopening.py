@@ -73,24 +73,26 @@ class RepairedSurvey:
     """The checksums of the message types that the recordings hold of each topic."""
 
 
-def recover_with_recording(folder: Path) -> RecoveredSurvey:
+def recover_with_recording(folder: Path, sealed: Optional[Manifest] = None) -> RecoveredSurvey:
     """Return what a folder says of its survey, with the records of the log in its MCAP if needed.
+
+    Args:
+        folder: The survey's folder.
+        sealed: Its manifest, if there is a whole one.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
         OSError: The MCAP cannot be read.
     """
     try:
-        recovered = recover(folder)
-        if recovered.found.has_log and not recovered.found.lost:
-            return recovered
-        if recovered.found.own is not None and not recovered.found.has_log:
+        recovered = recover(folder, sealed=sealed)
+        if recovered.found.own is not None and not recovered.found.lost:
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
     messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
     records = [record for record in map(recorded_log, messages) if record is not None]
-    return recover(folder, records)
+    return recover(folder, records, sealed)
 
 
 class Reopening:
@@ -115,13 +117,14 @@ class Reopening:
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
-            self._recovered = recover_with_recording(folder)
+            survey_id = recover_with_recording(folder).survey_id
+            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
+            # Again, because the manifest knows how long the log was.
+            self._recovered = recover_with_recording(folder, self._sealed)
             description = self._recovered.description
             self._repairs = repairs_of(self._recovered)
             self._start = self._start_copy()
             survey_metadata.started_us(self._start)
-            survey_id = self._recovered.survey_id
-            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
             misfits = _misfits(description)
             mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, misfits)
             self._stored = StoredTraces(folder, mcap, survey_id, self._sealed, misfits)
