@@ -96,7 +96,7 @@ def recover(
     if not found.has_log:
         return _former(folder, found)
     last = _last_sealed(sealed)
-    if not found.is_whole and sealed is None:
+    if not found.agrees and sealed is None:
         last = _last_sealed(_manifest(folder))
         found = read_log(folder, recorded, last)
     if not found.records or found.records[0].kind != Kind.PLAN.value:

@@ -10,6 +10,7 @@ import enum
 import itertools
 import os
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
@@ -52,19 +53,45 @@ class FoundLog:
         records: Those that are right, in their order.
         lost: Numbers of records that no form holds and that no record names as lost.
         legible: What can be read of the lost ones, by number; nothing vouches for it.
-        damage: What is wrong in log.jsonl and survey.json.
-        behind: Whether one of them lacks the last record, as after a power cut while it was added.
+        agrees: Whether every entry of both files is right and both have the same.
         has_log: Whether there is a log; a survey of an earlier version has survey.json alone.
         own: The content of survey.json without its records; None if it cannot be read.
+        lines: The lines of log.jsonl; None if it cannot be read.
+        view: The bytes of survey.json.
     """
 
     records: Tuple[LogRecord, ...] = ()
     lost: Tuple[int, ...] = ()
     legible: Mapping[int, Sequence[Any]] = field(default_factory=dict)
-    damage: Tuple[Message, ...] = ()
-    behind: bool = False
+    agrees: bool = True
     has_log: bool = False
     own: Optional[Dict[str, Any]] = None
+    lines: Optional[Sequence[bytes]] = None
+    view: bytes = b""
+
+    @cached_property
+    def states(self) -> Mapping[str, State]:
+        """In what state each of the two files is."""
+        if not self.has_log:
+            return {}
+        return {
+            LOG_FILE: _state_of_log(self.records, self.lines),
+            survey_folder.SURVEY_FILE: _state_of_view(self.records, self.view),
+        }
+
+    @property
+    def damage(self) -> Tuple[Message, ...]:
+        """What is wrong in log.jsonl and survey.json."""
+        return tuple(
+            Message("{file} is damaged", file=name)
+            for name, state in self.states.items()
+            if state is State.DAMAGED
+        )
+
+    @property
+    def behind(self) -> bool:
+        """Whether one of them lacks the last record, as after a power cut while it was added."""
+        return State.BEHIND in self.states.values()
 
     @property
     def is_whole(self) -> bool:
@@ -160,23 +187,9 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
     # What is whole in survey.json was there when the last fact was acknowledged.
     view_is_whole = isinstance(shown, list) and not in_view.damaged
     lost = _lost(found, max(last, in_view.last, -1 if view_is_whole else in_log.last))
-    states = {
-        LOG_FILE: _state_of_log(found, lines),
-        survey_folder.SURVEY_FILE: _state_of_view(found, content),
-    }
-    return FoundLog(
-        tuple(found),
-        tuple(lost),
-        _legible(lost, (*in_log.damaged, *in_view.damaged)),
-        tuple(
-            Message("{file} is damaged", file=name)
-            for name, state in states.items()
-            if state is State.DAMAGED
-        ),
-        State.BEHIND in states.values(),
-        True,
-        own,
-    )
+    agrees = not in_log.damaged and not in_view.damaged and in_log.last == in_view.last
+    legible = _legible(lost, (*in_log.damaged, *in_view.damaged))
+    return FoundLog(tuple(found), tuple(lost), legible, agrees, True, own, lines, content)
 
 
 def _append(path: Path, line: bytes) -> None:

@@ -8,18 +8,18 @@ import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Dict, Iterator, List, Optional, Tuple, Union
+from typing import Dict, Iterator, List, Optional, Tuple
 
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, DataEnd, Metadata, Schema
+from mcap.records import Attachment, Channel, Chunk, DataEnd, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
 
 from gpr20_common.message import Message
-from gpr20_survey.recording.mcap_writer import MAGIC, METADATA
+from gpr20_survey.recording.mcap_writer import MAGIC
 from gpr20_survey.recording.recording import MAX_RECORD_BYTES, RecordedMessage
 from gpr20_survey.recording.stored_recording import damaged, mapped
 
@@ -144,50 +144,23 @@ def read_attachment(path: Path, name: str) -> Optional[bytes]:
     Raises:
         OSError: The file cannot be read.
     """
-    for record in _head(path):
-        if isinstance(record, Attachment) and record.name == name:
-            return bytes(record.data)
-    return None
-
-
-def read_metadata(path: Path) -> Optional[Dict[str, str]]:
-    """Return the metadata of the survey before the first chunk; they have no checksum.
-
-    Raises:
-        OSError: The file cannot be read.
-    """
-    for record in _head(path):
-        if isinstance(record, Metadata) and record.name == METADATA:
-            return dict(record.metadata)
-    return None
-
-
-def _head(path: Path) -> Iterator[Union[Attachment, Metadata]]:
-    """Yield attachments and metadata before the first chunk; damaged ones are left out."""
     content = mapped(path)
     place = len(MAGIC)
     with contextlib.suppress(*_TORN):
         while True:
             opcode, data, end = _record(content, place)
             if opcode not in HEAD:
-                return
-            record = _parsed(opcode, data)
-            # The library reads over the checksum of an attachment, but writes it.
-            if record is not None and _written(record) == content[place:end]:
-                yield record
+                return None
+            if opcode == Opcode.ATTACHMENT:
+                found = Attachment.read(_stream(data))
+                # The library reads over the checksum of an attachment, but writes it.
+                if found.name == name and _written(found) == content[place:end]:
+                    return bytes(found.data)
             place = end
-
-
-def _parsed(opcode: int, data: bytes) -> Union[Attachment, Metadata, None]:
-    with contextlib.suppress(*_TORN):
-        if opcode == Opcode.ATTACHMENT:
-            return Attachment.read(_stream(data))
-        if opcode == Opcode.METADATA:
-            return Metadata.read(_stream(data))
     return None
 
 
-def _written(record: Union[Attachment, Metadata]) -> bytes:
+def _written(record: Attachment) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
     return builder.end()
