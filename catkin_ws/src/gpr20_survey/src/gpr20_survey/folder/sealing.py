@@ -20,6 +20,7 @@ from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.manifest import MANIFEST_FILE, Manifest
+from gpr20_survey.folder.signature import SIGNATURE_FILE
 
 NO_SUMS: Mapping[str, FileSum] = MappingProxyType({})
 
@@ -121,8 +122,10 @@ def file_names(folder: Path) -> Iterator[str]:
     Raises:
         OSError: The folder cannot be read.
     """
+    # The manifest and its signature cannot be listed in the manifest itself.
+    others = (MANIFEST_FILE, SIGNATURE_FILE)
     for name in file_sums.regular_files(folder):
-        if name != MANIFEST_FILE and not durable_files.is_temporary(Path(name).name):
+        if name not in others and not durable_files.is_temporary(Path(name).name):
             yield name
 
 
