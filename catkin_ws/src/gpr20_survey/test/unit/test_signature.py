@@ -16,7 +16,7 @@ from trace_examples import SURVEY
 
 from gpr20_common.message import Severity
 from gpr20_survey import faults
-from gpr20_survey.errors import SigningError, StorageFailedError
+from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files, file_sums, ssh_keygen
 from gpr20_survey.folder import manifest, sealing
 from gpr20_survey.folder.signature import (
@@ -210,7 +210,7 @@ def lines(keys):
         (f"# a {key}", unknown, ""),
         (f"a {other}", unknown, ""),
         (f"a {key[:-8]}", unknown, ""),
-        (f"cert-authority {key}", unknown, ""),
+        (f"a cert-authority {key}", unknown, ""),
         ("", unknown, ""),
     ]
 
@@ -281,7 +281,7 @@ def test_a_survey_without_a_manifest_is_not_signed(tmp_path, keys, signers, name
     expected = Signature.UNSIGNED if name == SIGNATURE_FILE else Signature.WRONG
     assert found(folder, signers) is expected
     (folder / "manifest.json").unlink(missing_ok=True)
-    with pytest.raises(StorageFailedError):
+    with raises_fault(faults.NOT_CLOSED, error=SigningError):
         Signer(keys / "robot").sign(folder)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 from gpr20_analysis import faults
+from gpr20_analysis.commands import signing
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.commands.rows import print_rows
 from gpr20_analysis.errors import AnalysisError, not_there
@@ -51,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its right",
     )
     direction.add_argument("--no-heading", action="store_true", help="remove the heading")
+    signing.add_argument(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -61,11 +63,14 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     present = annotation_of(description)
     changes = _changes(chosen)
     wanted = replace(present, **changes)
+    status = DONE
     if changes:
         _refuse_open(chosen.survey, description)
+        signer = signing.chosen_signer(chosen)
         annotate_folder(chosen.survey, wanted)
+        status = signing.sign_again(chosen.survey, signer, catalogue)
     print_rows(_rows(wanted), catalogue)
-    return DONE
+    return status
 
 
 def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:

@@ -64,8 +64,7 @@ def ask(
         done = subprocess.run(
             [program, *map(str, arguments)],
             stdin=stdin,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             env=environment,
             # Without a terminal of its own it cannot ask there either.
             start_new_session=True,

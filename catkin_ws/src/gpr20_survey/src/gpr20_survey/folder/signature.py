@@ -99,13 +99,20 @@ class Signer:
             folder: The survey's folder. Its manifest must not change meanwhile.
 
         Raises:
-            SigningError: The key cannot be used, or ssh-keygen failed.
+            SigningError: The key cannot be used, ssh-keygen failed, or there is no manifest.
             StorageFailedError: The manifest cannot be read, or the disk refused the signature.
                 After any error the former signature is still there, which is then STALE.
         """
         path = folder / SIGNATURE_FILE
         with storing(Message("{path} could not be written", path=printable(path)), path):
-            with open(open_regular(folder / MANIFEST_FILE), "rb") as content:
+            try:
+                content = open(open_regular(folder / MANIFEST_FILE), "rb")  # noqa: SIM115
+            except FileNotFoundError as error:
+                raise SigningError(
+                    Message("the survey is not closed: it has no {file}", file=MANIFEST_FILE),
+                    fault=faults.NOT_CLOSED,
+                ) from error
+            with content:
                 signature = self._signature_of(content)
             durable_files.replace_file(path, signature)
 
