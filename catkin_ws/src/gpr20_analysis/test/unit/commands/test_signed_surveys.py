@@ -108,7 +108,7 @@ def test_a_change_with_the_key_is_signed_again(folder, keys, verify, capsys):
     assert "signed again" in capsys.readouterr().out
     assert verify(folder) == (0, "valid", "")
     (folder / "manifest.json").unlink()
-    assert verify(folder)[:2] == (2, "wrong")
+    assert verify(folder)[:2] == (2, "unsigned")
     assert main(["repair", str(folder), *key]) == 0
     assert verify(folder) == (0, "valid", "")
 

@@ -50,10 +50,11 @@ class Signature(enum.Enum):
     """What is known of a survey's signature."""
 
     UNSIGNED = "unsigned"
+    """There is no signature, or no manifest."""
     VALID = "valid"
     """The manifest is as a signer of the list signed it."""
     WRONG = "wrong"
-    """The manifest or the signature is damaged or missing."""
+    """The manifest or the signature is damaged."""
     UNKNOWN_KEY = "unknown key"
     """It is by a key that the list does not accept."""
     STALE = "stale"
@@ -174,10 +175,9 @@ def check_signature(folder: Path, signers: Path) -> SignatureCheck:
                 copy = Path(scratch) / SIGNATURE_FILE
                 copy.write_bytes(content)
                 return _check(stream, copy, signers)
-    except FileNotFoundError as error:
-        if not is_signed(folder):
-            return SignatureCheck(Signature.UNSIGNED)
-        return _wrong(Message("{file} is missing", file=MANIFEST_FILE, details=error))
+    except FileNotFoundError:
+        # Without a manifest the survey is open, or verification calls it damaged.
+        return SignatureCheck(Signature.UNSIGNED)
     except _SignatureDamagedError as error:
         return _wrong(error.message)
     except OSError as error:

@@ -38,9 +38,10 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_survey.errors import ProcessingError, printable
+from gpr20_survey.errors import ProcessingError, SigningError, printable
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
@@ -72,6 +73,9 @@ class ProcessingNode:
         self._limits = parameters.limits()
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
+        signer = parameters.signer()
+        if signer is not None:
+            _warn_of_key(signer)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
@@ -87,6 +91,7 @@ class ProcessingNode:
                 clock=Clock(),
                 revision=software_revision(__version__, Path(__file__).resolve().parent),
                 readers=parameters.readable_by,
+                signer=signer,
                 end_status=end_status,
             ),
             self._limits,
@@ -232,6 +237,14 @@ class ProcessingNode:
         # The data folder may not be there before the first survey.
         existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
         return free_bytes(existing) / BYTES_PER_MB
+
+
+def _warn_of_key(signer: Signer) -> None:
+    try:
+        signer.check()
+    except SigningError as error:
+        # A survey is worth more than its signature.
+        rospy.logwarn("surveys will not be signed: %s", error)
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:
