@@ -79,7 +79,9 @@ def _unsigned(_check: SignatureCheck) -> Message:
 
 
 def _wrong(check: SignatureCheck) -> Message:
-    return Message("WRONG SIGNATURE: {reason}", reason=check.reason or Message("it does not fit"))
+    return Message("WRONG SIGNATURE: {reason}", reason=check.reason).with_fault(
+        faults.WRONG_SIGNATURE
+    )
 
 
 def _unknown(check: SignatureCheck) -> Message:
@@ -104,7 +106,7 @@ def _stale(check: SignatureCheck) -> Message:
 _SENTENCES: Mapping[Signature, Callable[[SignatureCheck], Message]] = {
     Signature.VALID: _valid,
     Signature.UNSIGNED: _unsigned,
-    Signature.WRONG: lambda check: _wrong(check).with_fault(faults.WRONG_SIGNATURE),
+    Signature.WRONG: _wrong,
     Signature.UNKNOWN_KEY: _unknown,
     Signature.STALE: _stale,
 }
