@@ -26,6 +26,7 @@ from gpr20_survey.folder.signature import (
     SignatureCheck,
     Signer,
     check_signature,
+    key_warning,
     try_to_sign,
 )
 
@@ -346,9 +347,9 @@ def test_a_key_that_cannot_be_used_is_named_and_the_survey_stays_as_it_is(
         Signer(key).sign(folder)
     with raises_fault(faults.SIGNING_KEY, key, error=SigningError):
         Signer(key).check()
-    warning = try_to_sign(Signer(key), folder)
-    assert warning.cause.severity is Severity.WARNING and warning.cause.can_continue
-    assert warning.fault_code == faults.SIGNING_KEY.code and warning.remedy is not None
+    for warning in (try_to_sign(Signer(key), folder), key_warning(Signer(key))):
+        assert warning.cause.severity is Severity.WARNING and warning.cause.can_continue
+        assert warning.fault_code == faults.SIGNING_KEY.code and warning.remedy is not None
     assert (folder / SIGNATURE_FILE).read_bytes() == before
     assert found(folder, signers) is Signature.STALE
 
@@ -364,8 +365,10 @@ def test_a_key_may_be_a_link_to_a_disk_of_its_own(tmp_path, folder, keys, signer
 def test_a_robot_without_a_key_signs_nothing(folder, robot):
     (folder / SIGNATURE_FILE).unlink()
     assert try_to_sign(None, folder) is None
+    assert key_warning(None) is None
     assert not (folder / SIGNATURE_FILE).exists()
     assert try_to_sign(robot, folder) is None
+    assert key_warning(robot) is None
     assert (folder / SIGNATURE_FILE).is_file()
 
 

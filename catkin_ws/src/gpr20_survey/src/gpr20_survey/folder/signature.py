@@ -146,6 +146,18 @@ def try_to_sign(signer: Optional[Signer], folder: Path) -> Optional[Message]:
     return None
 
 
+def key_warning(signer: Optional[Signer]) -> Optional[Message]:
+    """Return a warning that surveys will not be signed, if the key of a robot cannot be used."""
+    if signer is None:
+        return None
+    try:
+        signer.check()
+    except SigningError as error:
+        # A survey is worth more than its signature.
+        return Message("surveys are not signed: {reason}", reason=error.message).as_warning()
+    return None
+
+
 def is_signed(folder: Path) -> bool:
     """Return whether a survey has a signature, whatever that is worth."""
     return os.path.lexists(str(folder / SIGNATURE_FILE))
@@ -242,7 +254,7 @@ def _no_signers(path: Path, reason: Message) -> SigningError:
     )
 
 
-class _SignatureDamagedError(ProcessingError, ValueError):
+class _SignatureDamagedError(SigningError, ValueError):
     fault = faults.NOT_SIGNED
 
 

@@ -38,10 +38,10 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_survey.errors import ProcessingError, SigningError, printable
+from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_survey.folder.signature import Signer
+from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
@@ -74,8 +74,7 @@ class ProcessingNode:
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
         signer = parameters.signer()
-        if signer is not None:
-            _warn_of_key(signer)
+        self._key_warning = key_warning(signer)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
@@ -229,6 +228,8 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
+        if self._key_warning is not None:
+            return WARN, self._key_warning, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values
@@ -237,14 +238,6 @@ class ProcessingNode:
         # The data folder may not be there before the first survey.
         existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
         return free_bytes(existing) / BYTES_PER_MB
-
-
-def _warn_of_key(signer: Signer) -> None:
-    try:
-        signer.check()
-    except SigningError as error:
-        # A survey is worth more than its signature.
-        rospy.logwarn("surveys will not be signed: %s", error)
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:
