@@ -125,7 +125,9 @@ SIGNING_KEY = Fault(
     replaces=True,
 )
 NO_SSH_KEYGEN = Fault(
-    "survey.no_ssh_keygen", Message("Install the package openssh-client."), Severity.WARNING
+    "survey.no_ssh_keygen",
+    Message("Install the package openssh-client, or do as the message says."),
+    Severity.WARNING,
 )
 SIGNERS_FILE = Fault(
     "survey.signers_file",

@@ -18,7 +18,7 @@ from gpr20_common.message import Severity
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files, file_sums, ssh_keygen
-from gpr20_survey.folder import manifest, sealing
+from gpr20_survey.folder import manifest, sealing, signature
 from gpr20_survey.folder.signature import (
     NAMESPACE,
     SIGNATURE_FILE,
@@ -218,10 +218,10 @@ def lines(keys):
 
 def test_the_signers_file_decides_whose_key_counts(tmp_path, folder, keys):
     path = tmp_path / "signers"
-    for text, signature, signer in lines(keys):
+    for text, expected, signer in lines(keys):
         path.write_text(f"{text}\n", encoding="latin-1")
         check = check_signature(folder, path)
-        assert check.signature is signature, text
+        assert check.signature is expected, text
         assert signer == check.signer, text
 
 
@@ -417,6 +417,24 @@ def test_without_a_working_ssh_keygen_nothing_is_signed_and_nothing_is_called_wr
         with raises_fault(expected, "ssh-keygen", error=SigningError):
             check_signature(folder, signers)
     assert found(folder, signers) is Signature.VALID
+
+
+def test_a_disk_that_cannot_be_read_is_not_called_a_wrong_signature(folder, signers, monkeypatch):
+    def fail(_path, follow_link=False):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(signature, "_check_signers", lambda _path: None)
+    monkeypatch.setattr(signature, "open_regular", fail)
+    with pytest.raises(OSError, match="Input/output"):
+        check_signature(folder, signers)
+
+
+def test_a_user_without_a_name_is_told_so(folder, robot, signers, monkeypatch):
+    monkeypatch.setattr(os, "getuid", lambda: 3_999_999)
+    with raises_fault(faults.NO_SSH_KEYGEN, 3_999_999, error=SigningError):
+        check_signature(folder, signers)
+    with raises_fault(faults.NO_SSH_KEYGEN, 3_999_999, error=SigningError):
+        robot.sign(folder)
 
 
 @each_case("change", [lambda path: path.unlink(), make_pipe, make_huge, make_folder_of])

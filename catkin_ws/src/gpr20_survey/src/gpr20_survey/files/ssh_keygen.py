@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
+import pwd
 import shutil
 import stat
 import subprocess
@@ -58,6 +59,7 @@ def ask(
             Message("the program {program} is not installed", program=PROGRAM),
             fault=faults.NO_SSH_KEYGEN,
         )
+    _check_user()
     environment = {name: one for name, one in os.environ.items() if name not in _ASKED}
     environment.update(LC_ALL="C", SSH_ASKPASS_REQUIRE="never")
     try:
@@ -93,6 +95,21 @@ def ask(
         )
     output = done.stdout.decode("utf-8", "backslashreplace")
     return Answer(done.returncode == 0, output, complaint)
+
+
+def _check_user() -> None:
+    # Without an entry ssh-keygen ends as if the answer were no.
+    try:
+        pwd.getpwuid(os.getuid())
+    except KeyError as error:
+        raise SigningError(
+            Message(
+                "{program} does not run for user {number}, who has no name on this computer",
+                program=PROGRAM,
+                number=os.getuid(),
+            ),
+            fault=faults.NO_SSH_KEYGEN,
+        ) from error
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ import enum
 import os
 import re
 import subprocess
-import tempfile
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey import faults
 from gpr20_survey.errors import (
+    IrregularFileError,
     ManifestDamagedError,
     ProcessingError,
     SigningError,
@@ -175,25 +175,23 @@ def check_signature(folder: Path, signers: Path) -> SignatureCheck:
 
     Raises:
         SigningError: The signers file cannot be read, or ssh-keygen cannot be run.
+        OSError: The disk cannot be read.
     """
     _check_signers(signers)
     try:
-        content = _read_signature(folder)
+        _check_form(folder / SIGNATURE_FILE)
         with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
             size = os.fstat(stream.fileno()).st_size
             if size > manifest.MAX_BYTES:
                 return _wrong(Message("{file} has {size} bytes", file=MANIFEST_FILE, size=size))
-            with tempfile.TemporaryDirectory(prefix="gpr20-") as scratch:
-                copy = Path(scratch) / SIGNATURE_FILE
-                copy.write_bytes(content)
-                return _check(stream, copy, signers)
+            return _check(stream, folder / SIGNATURE_FILE, signers)
     except FileNotFoundError:
         # Without a manifest the survey is open, or verification calls it damaged.
         return SignatureCheck(Signature.UNSIGNED)
     except _SignatureDamagedError as error:
         return _wrong(error.message)
-    except OSError as error:
-        file = printable(error.filename or folder)
+    except IrregularFileError as error:
+        file = printable(Path(error.filename).name)
         return _wrong(
             Message("{file} cannot be read: {reason}", file=file, reason=os_reason(error))
         )
@@ -258,13 +256,12 @@ class _SignatureDamagedError(SigningError, ValueError):
     fault = faults.NOT_SIGNED
 
 
-def _read_signature(folder: Path) -> bytes:
-    with open(open_regular(folder / SIGNATURE_FILE), "rb") as stream:
+def _check_form(signature: Path) -> None:
+    with open(open_regular(signature), "rb") as stream:
         content = stream.read(MAX_BYTES + 1)
     # Equal to the last byte: not even a space can change unseen.
     if len(content) > MAX_BYTES or _encode(_decode(content.decode("ascii", "replace"))) != content:
         raise _SignatureDamagedError(Message("{file} is damaged", file=SIGNATURE_FILE))
-    return content
 
 
 def _decode(text: str) -> bytes:
