@@ -52,6 +52,7 @@ ensure_file /etc/security/limits.d/gpr20.conf "$(template etc/limits.conf)"
 ensure_settings
 ensure_folder "$data" "$user"
 ensure_configuration
+[ "$one_machine" = no ] || ensure_key
 ensure_logs
 [ "$one_machine" = yes ] || ensure_clock robot
 ensure_firewall

@@ -33,6 +33,7 @@ ensure_user
 ensure_settings
 ensure_folder "$data" "$user"
 ensure_configuration
+ensure_key
 ensure_logs
 ensure_clock server
 ensure_firewall

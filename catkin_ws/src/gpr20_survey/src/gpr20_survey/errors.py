@@ -51,6 +51,12 @@ class StorageFailedError(ProcessingError, OSError):
     fault = faults.STORAGE_FAILED
 
 
+class SigningError(ProcessingError):
+    """A survey could not be signed, or its signature not be checked; it is stored all the same."""
+
+    fault = faults.NOT_SIGNED
+
+
 class _FileError(ProcessingError, OSError):
     fault = faults.NOT_A_FILE
 

@@ -106,6 +106,35 @@ LOCKED = Fault(
     Message("Another program writes this survey: end the survey there first."),
 )
 
+# The signature of a survey: without it a survey is whole, but nobody vouches for it.
+NOT_SIGNED = Fault(
+    "survey.not_signed",
+    Message(
+        "Keep the survey: it is stored. Ask the person who maintains the robot to look at the "
+        "signing key; the next change of the survey signs it again."
+    ),
+    Severity.WARNING,
+)
+SIGNING_KEY = Fault(
+    "survey.signing_key",
+    Message(
+        "Correct the file of the key as the message says, or move it away and make another key "
+        "with rosrun gpr20_launch robot_config key. Then annotate the survey, which signs it again."
+    ),
+    Severity.WARNING,
+    replaces=True,
+)
+NO_SSH_KEYGEN = Fault(
+    "survey.no_ssh_keygen",
+    Message("Install the package openssh-client, or do as the message says."),
+    Severity.WARNING,
+)
+SIGNERS_FILE = Fault(
+    "survey.signers_file",
+    Message("Check the path of the signers file: one line for each robot whose key you accept."),
+    replaces=True,
+)
+
 # The calibration of the VNA: its driver and the doctor report it.
 _CALIBRATE = Message("Calibrate the VNA with the cables of the antennas.")
 NOT_CALIBRATED = Fault("vna.not_calibrated", _CALIBRATE)

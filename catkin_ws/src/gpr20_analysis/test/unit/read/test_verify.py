@@ -54,7 +54,9 @@ def without_manifest_faults(found):
 def test_a_whole_survey_is_complete_and_intact(finished, capsys):
     assert main([str(finished)]) == 0
     printed = capsys.readouterr().out
-    assert printed == "complete and intact: all 18 planned traces are stored and readable\n"
+    assert printed == (
+        "note: not signed\ncomplete and intact: all 18 planned traces are stored and readable\n"
+    )
 
 
 def test_a_survey_that_was_stopped_is_intact_and_never_called_complete(stopped, capsys):
@@ -334,7 +336,7 @@ def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):
         timeout=60,
     )
     assert (answer.returncode, answer.stderr) == (0, "")
-    assert answer.stdout.startswith("complete and intact")
+    assert answer.stdout.startswith("note: not signed\ncomplete and intact")
 
 
 def test_the_script_answers_with_the_status_of_the_check(stopped):

@@ -1,4 +1,4 @@
-"""robot_config: create and check the files of a robot's configuration."""
+"""robot_config: create and check the files of a robot's configuration, and its signing key."""
 
 from __future__ import annotations
 
@@ -13,15 +13,18 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.os_reason import os_reason
 from gpr20_launch.high.check_launch import built_axes
 from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, read_configuration
+from gpr20_launch.mid.signing_key import ensure_key
 from gpr20_launch.mid.templates import templates
 
 
 def main() -> int:
     """Do what the command line asks; return the exit status."""
     parser = argparse.ArgumentParser(
-        prog="robot_config", description="Create or check the robot's configuration."
+        prog="robot_config",
+        description="Create or check the robot's configuration, or make the key that signs its "
+        "surveys.",
     )
-    parser.add_argument("action", choices=("create", "check"))
+    parser.add_argument("action", choices=("create", "check", "key"))
     # As in the launch files, an empty variable means the default.
     default = os.environ.get("GPR20_CONFIG") or DEFAULT_FOLDER
     parser.add_argument("folder", nargs="?", default=default, type=Path)
@@ -30,6 +33,8 @@ def main() -> int:
     try:
         if given.action == "create":
             _create(folder)
+        if given.action == "key":
+            _make_key(folder)
         read_configuration(folder, built_axes())
     except Gpr20Error as error:
         print(f"robot_config: {error}", file=sys.stderr)
@@ -52,3 +57,9 @@ def _create(folder: Path) -> None:
             print(f"{path} exists and stays as it is")
         else:
             print(f"{path} created")
+
+
+def _make_key(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for line in ensure_key(folder, read_configuration(folder, built_axes())):
+        print(line)

@@ -11,11 +11,12 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import IrregularFileError
 
 
-def open_regular(path: Path) -> int:
+def open_regular(path: Path, follow_link: bool = False) -> int:
     """Return a descriptor for reading a file; never wait for a pipe or a device.
 
     Args:
         path: The file.
+        follow_link: Whether the path may be a symbolic link.
 
     Raises:
         IrregularFileError: It is no regular file.
@@ -23,7 +24,7 @@ def open_regular(path: Path) -> int:
     """
     flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK
     try:
-        descriptor = os.open(str(path), flags | os.O_NOFOLLOW)
+        descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
     except OSError as error:
         if error.errno == errno.ELOOP:
             raise _link(path) from error

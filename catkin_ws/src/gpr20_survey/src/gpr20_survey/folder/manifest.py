@@ -18,7 +18,6 @@ from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import LogRecord
 
 MANIFEST_FILE = "manifest.json"
-SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
 FORMAT = "gpr20-manifest/3"
 WITHOUT_LOG_FORMAT = "gpr20-manifest/2"  # lists survey.json instead of the log
 FORMER_FORMAT = "gpr20-manifest/1"  # and has no checksum of its own

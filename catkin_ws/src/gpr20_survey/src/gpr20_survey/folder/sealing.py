@@ -14,12 +14,14 @@ from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.manifest import MANIFEST_FILE, LogHead, Manifest
+from gpr20_survey.folder.signature import SIGNATURE_FILE
 from gpr20_survey.folder.survey_log import SurveyLog
 
 CONTENT = "content_sha256"
 """Key of survey.json: what `content_sum` gives when the survey ends."""
 NO_SUMS: Mapping[str, FileSum] = MappingProxyType({})
-NOT_LISTED = (MANIFEST_FILE, manifest.SIGNATURE_FILE, *manifest.JUDGED_BY_LOG)
+# The manifest and its signature cannot be listed in the manifest itself.
+NOT_LISTED = (MANIFEST_FILE, SIGNATURE_FILE, *manifest.JUDGED_BY_LOG)
 
 
 def write_manifest(

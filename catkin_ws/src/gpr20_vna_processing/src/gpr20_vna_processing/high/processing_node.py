@@ -41,6 +41,7 @@ from gpr20_msgs.srv import (
 from gpr20_survey.errors import ProcessingError, printable
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
@@ -78,6 +79,8 @@ class ProcessingNode:
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
         self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        signer = parameters.signer()
+        self._key_warning = key_warning(signer)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
@@ -94,6 +97,7 @@ class ProcessingNode:
                 clock=Clock(),
                 revision=software_revision(__version__, Path(__file__).resolve().parent),
                 readers=parameters.readable_by,
+                signer=signer,
                 end_status=end_status,
             ),
             self._limits,
@@ -232,6 +236,8 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
+        if self._key_warning is not None:
+            return WARN, self._key_warning, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values

@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
+from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
@@ -35,6 +36,8 @@ class Storage:
     """Makes the last message of `control_status` in the recordings."""
     readers: Readers = Readers.GROUP
     """Who may read a new survey."""
+    signer: Optional[Signer] = None
+    """Signs a survey whenever its manifest was written; None: surveys are not signed."""
 
 
 @dataclass(frozen=True)
