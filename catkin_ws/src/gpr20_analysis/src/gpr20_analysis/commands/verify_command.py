@@ -13,7 +13,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 LISTED = 50
 """Number of faults that are printed without --all."""
@@ -43,7 +43,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         lines.append(Message("... and {count} more; --all prints all of them", count=others))
     lines += [Message("note: {sentence}", sentence=note) for note in found.notes]
     for line in [*lines, found.verdict, *first_steps(found.verdict)]:
-        print(printable(shown(line, catalogue)))
+        say(shown(line, catalogue))
     return found.status
 
 
