@@ -13,6 +13,7 @@ from gpr20_analysis.candidates.files import write_with_checksum
 from gpr20_analysis.candidates.marker_list import MarkerList
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.plan.markers import Marker
 
@@ -106,12 +107,12 @@ def _csv(found: MarkerList) -> str:
     lines = io.StringIO()
     for name, value in _list_record(found).items():
         text = value if isinstance(value, str) else json.dumps(value)
-        lines.write(f"# {name}: {' '.join(text.split())}\n")
+        lines.write(f"# {name}: {csv_cell(' '.join(text.split()))}\n")
     writer = csv.writer(lines)
     writer.writerow(COLUMNS)
     for one in found.markers:
         record = _record(one, found)
-        writer.writerow(["" if record[name] is None else record[name] for name in COLUMNS])
+        writer.writerow([csv_cell(record[name]) for name in COLUMNS])
     return lines.getvalue()
 
 

@@ -15,7 +15,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 from gpr20_survey.trace import utc_time
 
 
@@ -54,7 +54,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
 def _print(lines: List[Message], catalogue: Catalogue) -> None:
     for line in lines:
-        print(printable(shown(line, catalogue)))
+        say(shown(line, catalogue))
 
 
 COMMAND = Command(

@@ -10,7 +10,7 @@ from gpr20_analysis.commands.command import DONE, NOT_COMPLETE
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 from gpr20_survey.folder.signature import Signer, is_signed, try_to_sign
 
 
@@ -51,5 +51,5 @@ def sign_again(folder: Path, signer: Optional[Signer], catalogue: Catalogue) -> 
             "that its readers accept"
         )
     if said is not None:
-        print(printable(shown(said, catalogue)))
+        say(shown(said, catalogue))
     return status

@@ -14,7 +14,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 LISTED = 50
 """Number of faults that are printed without --all."""
@@ -58,7 +58,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if signed.check:
         lines += [signed.message, *first_steps(signed.message)]
     for line in lines:
-        print(printable(shown(line, catalogue)))
+        say(shown(line, catalogue))
     return status
 
 

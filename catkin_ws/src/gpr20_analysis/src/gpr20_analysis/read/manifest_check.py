@@ -104,7 +104,10 @@ def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:
     if unread and name.startswith(f"{survey_folder.DAMAGED_FOLDER}/"):
         return []  # never data, and it could not be read at the close
     try:
-        present = file_sums.sum_of_file(path)
+        own, new = sealed.files[name], sealed.replacing.get(name)
+        # A file of another length differs already, and may take long to read.
+        sizes = [one.size for one in (own, new) if one is not None]
+        present = file_sums.sum_of_sized_file(path, sizes)
     except OSError as error:
         return [Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))]
     if unread:

@@ -11,6 +11,7 @@ import rosgraph
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import say
 from gpr20_launch.high.check_launch import built_axes
 from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, read_configuration
 from gpr20_launch.mid.signing_key import ensure_key
@@ -37,12 +38,12 @@ def main() -> int:
             _make_key(folder)
         read_configuration(folder, built_axes())
     except Gpr20Error as error:
-        print(f"robot_config: {error}", file=sys.stderr)
+        say(f"robot_config: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"robot_config: {folder}: {os_reason(error)}", file=sys.stderr)
+        say(f"robot_config: {folder}: {os_reason(error)}", file=sys.stderr)
         return 1
-    print(f"{folder}: the configuration is correct")
+    say(f"{folder}: the configuration is correct")
     return 0
 
 
@@ -54,12 +55,12 @@ def _create(folder: Path) -> None:
             with path.open("x", encoding="utf-8") as file:
                 file.write(text)
         except FileExistsError:
-            print(f"{path} exists and stays as it is")
+            say(f"{path} exists and stays as it is")
         else:
-            print(f"{path} created")
+            say(f"{path} created")
 
 
 def _make_key(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for line in ensure_key(folder, read_configuration(folder, built_axes())):
-        print(line)
+        say(line)

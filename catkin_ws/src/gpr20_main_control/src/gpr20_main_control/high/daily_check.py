@@ -24,6 +24,7 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
+from gpr20_common.terminal_text import say
 from gpr20_doctor.high.graph import master_answers
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_main_control import faults
@@ -69,7 +70,7 @@ def main() -> int:
         return _check(given, catalogue, sys.stdin.readline)
     except KeyboardInterrupt:
         stopped = catalogue.tr("The check was stopped; nothing was stored.")
-        print(f"\n{stopped}", file=sys.stderr)
+        say("", stopped, file=sys.stderr)
         return STOPPED
     except (Gpr20Error, OSError, rospy.ROSException) as error:
         _print_failure(error, catalogue)
@@ -84,12 +85,12 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
     rospy.init_node(PROGRAM, anonymous=True, disable_signals=True, disable_rosout=True)
     robot, data = _robot(given)
     if robot.simulated:
-        print(catalogue.tr("SIMULATED robot: the check shows no real antennas."))
+        say(catalogue.tr("SIMULATED robot: the check shows no real antennas."))
 
     def instruct(part: Part, instruction: Message) -> None:
         number, total = list(Part).index(part) + 1, len(Part)
         go_on = catalogue.tr("Then press Enter.")
-        print(f"[{number}/{total}] {catalogue.text(instruction)} {go_on}", flush=True)
+        say(f"[{number}/{total}] {catalogue.text(instruction)} {go_on}", flush=True)
         if not answer():
             raise RequestRefusedError(
                 Message("nobody confirmed that the antennas are ready"), fault=faults.TEST_STOPPED
@@ -102,7 +103,7 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
     lines = [one.message for one in verdict.comparisons]
     if damaged:
         lines.append(Message("Lines of the history that cannot be read: {count}", count=damaged))
-    print(*(catalogue.text(one) for one in [*lines, verdict.message]), sep="\n", flush=True)
+    say(*(catalogue.text(one) for one in [*lines, verdict.message]), flush=True)
     return GOOD if verdict.good else DIFFERS
 
 
@@ -145,4 +146,4 @@ def _print_failure(error: BaseException, catalogue: Catalogue) -> None:
     lines: Sequence[str] = [catalogue.text(known)]
     if known.remedy is not None:
         lines = [*lines, f"-> {catalogue.text(known.remedy)}"]
-    print(*lines, sep="\n", file=sys.stderr, flush=True)
+    say(*lines, file=sys.stderr, flush=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Iterator, Optional
 
 from gpr20_survey.files import access
+from gpr20_survey.files.regular_file import open_regular
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
@@ -46,7 +47,7 @@ def write_new_file(path: Path, data: bytes) -> None:
         # Unlike rename(), link() never replaces a file.
         os.link(str(temporary), str(path))
     except FileExistsError:
-        if path.read_bytes() != data:
+        if not _holds(path, data):
             raise
         sync_path(path)
     finally:
@@ -106,6 +107,11 @@ def sync_path(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def _holds(path: Path, data: bytes) -> bool:
+    with open(open_regular(path), "rb") as stream:
+        return stream.read(len(data) + 1) == data
 
 
 def _write_temporary(path: Path, data: bytes) -> Path:

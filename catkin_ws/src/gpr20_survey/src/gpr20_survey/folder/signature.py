@@ -20,13 +20,13 @@ from typing import IO, List, Optional, Union
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import (
     IrregularFileError,
     ManifestDamagedError,
     ProcessingError,
     SigningError,
-    printable,
     storing,
 )
 from gpr20_survey.files import durable_files, ssh_keygen

@@ -25,6 +25,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import message_fields
+from gpr20_common.terminal_text import printable
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -38,7 +39,9 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_survey.errors import ProcessingError, printable
+from gpr20_survey.errors import (
+    ProcessingError,
+)
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.folder.signature import key_warning

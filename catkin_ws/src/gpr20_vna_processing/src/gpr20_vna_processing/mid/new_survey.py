@@ -7,7 +7,11 @@ from typing import Any, Dict
 
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
-from gpr20_survey.errors import SurveyRefusedError, printable, storing
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import (
+    SurveyRefusedError,
+    storing,
+)
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.access import Readers

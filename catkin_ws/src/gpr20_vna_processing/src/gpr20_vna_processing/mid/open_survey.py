@@ -19,9 +19,9 @@ from typing import (
 )
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import (
     SurveyRefusedError,
-    printable,
     storing,
 )
 from gpr20_survey.files import durable_files
