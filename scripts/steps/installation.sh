@@ -246,8 +246,7 @@ ensure_settings() {
     [ -z "$data" ] || values[GPR20_DATA]="$data"
     if [ ! -e "$file" ]; then
         data="${data:-$DEFAULT_HOME/surveys}"
-        text="$(template etc/environment)"
-        ensure_file "$SETTINGS" "${text//@DATA@/"$data"}"
+        ensure_file "$SETTINGS" "$(template etc/environment)"
         return
     fi
     text="$(cat "$file")"
@@ -271,10 +270,19 @@ change_settings() {
     [ "$own" = no ] || record file "$SETTINGS" "$(sum_of "$root$SETTINGS")"
 }
 
+# ensure_data: the folder of the surveys. One that was made before and is gone is on a disk that is
+# not mounted.
+ensure_data() {
+    if [ ! -d "$root$data" ] && grep -qsxF $'folder\t'"$data"$'\t' "$root$MANIFEST"; then
+        echo "left: the folder $data is gone; mount its disk"
+        return
+    fi
+    ensure_folder "$data" "$user"
+}
+
 ensure_configuration() {
     local folder
-    folder="$(sed -n 's/^GPR20_CONFIG=//p' "$root$SETTINGS" 2>/dev/null | tail -n 1 || true)"
-    folder="${folder:-/etc/gpr20/robot}"
+    folder="$(configuration_folder)"
     if [ -d "$root$folder" ]; then there "the robot's configuration $folder"; return; fi
     system_step "write the robot's configuration $folder" make_configuration "$folder"
 }

@@ -105,8 +105,8 @@ OTHER_DATA_FOLDER = Fault(
     "storage.other_data_folder",
     Message(
         "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
-        "used from now on, the person who maintains the robot runs: rosrun gpr20_launch "
-        "robot_config accept_data"
+        "used from now on, the person who maintains the robot accepts it as the user who runs the "
+        "robot: rosrun gpr20_launch robot_config accept_data"
     ),
 )
 NO_DATA_DISK = Fault(
