@@ -333,9 +333,9 @@ class StoreSurveyTest(unittest.TestCase):
         data = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, data)
         self.start_node("/robot4", data)
-        self.services["close_survey"] = self.service("/robot4/close_survey", CloseSurvey)
+        close = self.service("/robot4/close_survey", CloseSurvey)
         self.assertTrue(self.open().success)
-        self.assertTrue(self.close("stopped").success)
+        self.assertTrue(close(survey_id=self.survey_id, outcome="stopped").success)
         found = self.collect("/diagnostics", DiagnosticArray)
 
         def told(code: str) -> bool:

@@ -109,7 +109,7 @@ def _mount_of(folder: str, root: Path) -> _Mount:
 def _mounts(table: Path) -> Iterator[_Mount]:
     if not table.exists():
         return
-    for line in os.fsdecode(table.read_bytes()).splitlines():
+    for line in filter(None, os.fsdecode(table.read_bytes()).split("\n")):
         # "36 35 98:0 /root /point options optional... - kind source options"
         before, _, after = line.partition(" - ")
         kind, source, *_rest = after.split(" ")
