@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from gpr20_common.low.clock import Clock
 from gpr20_doctor.low import (
     chrony,
     config_files,
@@ -20,7 +21,6 @@ from gpr20_doctor.low import (
     pin_libraries,
     realtime_limits,
 )
-from gpr20_common.low.clock import Clock
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, PortFacts
