@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import fcntl
 import os
 import shutil
-import subprocess
 from dataclasses import replace
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.clock import Clock
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.faults import (
@@ -26,7 +23,7 @@ from gpr20_survey.faults import (
 )
 from gpr20_survey.files.data_marker import MARKER_FILE, FolderMemory, read_marker, write_marker
 from gpr20_survey.files.durable_files import keep_aside
-from gpr20_survey.files.file_system import ROOT, check_can_store, file_system_of
+from gpr20_survey.files.file_system import ROOT, file_system_of
 from gpr20_survey.files.json_lines import add_line
 from gpr20_survey.folder.data_folder import RETRY_S, DataFolder, DataFolderUse
 
@@ -185,9 +182,6 @@ def test_with_a_data_disk_nothing_is_stored_on_that_of_the_system_or_in_memory(t
     assert not use.path.exists()
 
 
-REAL_FLOCK = fcntl.flock
-
-
 @each_case(
     "module, name, number",
     [
@@ -275,90 +269,6 @@ def test_the_mount_table_and_udev_say_which_file_system_it_is(tmp_path):
     assert (found.kind, found.identity) == ("btrfs", "uuid:1234-ABCD")
     assert found.mount_point == str(data.parent.resolve())
     assert not found.read_only
-
-
-@contextlib.contextmanager
-def mounted(path, *arguments):
-    path.mkdir(exist_ok=True)
-    subprocess.run(["mount", *arguments, str(path)], check=True, timeout=20)
-    try:
-        yield
-    finally:
-        subprocess.run(["umount", "--lazy", str(path)], check=True, timeout=20)
-
-
-MEMORY_DISK = ("-t", "tmpfs", "-o", "size=4m", "tmpfs")
-
-
-@pytest.mark.needs("mounts")
-def test_a_disk_that_is_unmounted_is_not_replaced_by_the_folder_below_it(use, folder):
-    disk = use.path.parent
-    disk.mkdir()
-    with mounted(disk, *MEMORY_DISK):
-        folder.check()
-        assert folder.problem() is None
-    assert problem_code(folder) == OTHER_DATA_FOLDER.code
-    with raises_fault(OTHER_DATA_FOLDER, use.path):
-        folder.check()
-    assert content(disk) == []
-
-
-@pytest.mark.needs("mounts")
-def test_another_disk_in_its_place_is_refused(use, folder):
-    disk = use.path.parent
-    disk.mkdir()
-    with mounted(disk, *MEMORY_DISK):
-        folder.check()
-        with mounted(disk, *MEMORY_DISK):
-            assert problem_code(folder) == OTHER_DATA_FOLDER.code
-            with raises_fault(OTHER_DATA_FOLDER, use.path):
-                folder.check()
-            assert content(disk) == []
-        assert folder.problem() is None
-
-
-@pytest.mark.needs("mounts")
-def test_a_disk_that_becomes_read_only_is_refused_at_once(use, folder):
-    disk = use.path.parent
-    with mounted(disk, *MEMORY_DISK):
-        folder.check()
-        remount = ["mount", "-o", "remount,ro", str(disk)]
-        subprocess.run(remount, check=True, timeout=20)
-        assert problem_code(folder) == DISK_REFUSES.code
-        with raises_fault(DISK_REFUSES, use.path, error=StorageFailedError):
-            folder.check()
-    fresh = DataFolder(replace(use, path=disk / "fresh"), Clock())
-    with mounted(disk, *MEMORY_DISK, "-o", "ro"):
-        with raises_fault(DISK_REFUSES, error=StorageFailedError):
-            fresh.check()
-        assert content(disk) == []
-
-
-@pytest.mark.needs("mounts")
-def test_the_identity_of_an_ext4_outlives_a_remount_and_tells_it_from_its_copy(tmp_path, use):
-    image, disk = tmp_path / "image", use.path.parent
-    loop = ("-o", "loop", str(image))
-    with image.open("wb") as file:
-        file.truncate(8 << 20)
-    made = subprocess.run(["mkfs.ext4", "-q", str(image)], check=False, timeout=60)
-    if made.returncode:
-        pytest.skip("no mkfs.ext4 here")
-    disk.mkdir()
-    own = replace(use, own_disk=True)
-    with mounted(disk, *loop):
-        DataFolder(own, Clock()).check()
-        check_can_store(use.path)
-        identity = file_system_of(use.path).identity
-        copied = shutil.copytree(use.path, tmp_path / "copied")
-    with mounted(disk, *loop):
-        DataFolder(own, Clock()).check()
-        assert file_system_of(use.path).identity == identity != ""
-    with raises_fault(NO_DATA_DISK):
-        DataFolder(own, Clock()).check()
-    shutil.copytree(copied, use.path)
-    if file_system_of(use.path).identity:
-        with raises_fault(OTHER_DATA_FOLDER, "copy"):
-            DataFolder(use, Clock()).check()
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may do everything")
