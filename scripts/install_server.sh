@@ -31,7 +31,7 @@ ensure_software
 begin_records server
 ensure_user
 ensure_settings
-ensure_folder "$data" "$user"
+ensure_data
 ensure_configuration
 ensure_key
 ensure_logs

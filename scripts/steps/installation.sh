@@ -246,8 +246,7 @@ ensure_settings() {
     [ -z "$data" ] || values[GPR20_DATA]="$data"
     if [ ! -e "$file" ]; then
         data="${data:-$DEFAULT_HOME/surveys}"
-        text="$(template etc/environment)"
-        ensure_file "$SETTINGS" "${text//@DATA@/"$data"}"
+        ensure_file "$SETTINGS" "$(template etc/environment)"
         return
     fi
     text="$(cat "$file")"
@@ -275,6 +274,16 @@ configuration_folder() {
     local folder
     folder="$(sed -n 's/^GPR20_CONFIG=//p' "$root$SETTINGS" 2>/dev/null | tail -n 1 || true)"
     echo "${folder:-/etc/gpr20/robot}"
+}
+
+# ensure_data: the folder of the surveys. One that was made before and is gone is on a disk that is
+# not mounted.
+ensure_data() {
+    if [ ! -d "$root$data" ] && grep -qsxF $'folder\t'"$data"$'\t' "$root$MANIFEST"; then
+        echo "left: the folder $data is gone; mount its disk"
+        return
+    fi
+    ensure_folder "$data" "$user"
 }
 
 ensure_configuration() {

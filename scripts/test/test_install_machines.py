@@ -129,6 +129,21 @@ def test_other_addresses_are_set_in_the_settings_and_the_rest_of_them_stays(robo
     assert "left: /etc/gpr20/environment" in robot.uninstall()
 
 
+@pytest.mark.parametrize("configured", ["", "data: '/mnt/other'  # an SSD\n", "#data: /mnt/no\n"])
+def test_the_services_wait_for_the_disk_of_the_surveys(robot, configured):
+    robot.write("etc/gpr20/robot/storage.yaml", configured)
+    robot.install("--data", "/srv/surveys")
+    folder = "/mnt/other" if "other" in configured else "/srv/surveys"
+    assert robot.unit_values("gpr20-robot", "RequiresMountsFor") == [folder]
+
+
+def test_a_data_folder_that_is_gone_is_not_made_again(robot):
+    robot.install("--data", "/srv/disk/surveys")
+    (robot.folder / "srv/disk/surveys").rmdir()
+    assert "left: the folder /srv/disk/surveys is gone" in robot.install()
+    assert not (robot.folder / "srv/disk/surveys").exists()
+
+
 def test_the_chrony_of_ubuntu_reads_the_file_too(tmp_path):
     server = machine_tree.server(tmp_path)
     server.write("etc/os-release", UBUNTU)

@@ -13,6 +13,7 @@ from typing import Any, Mapping, Optional
 import numpy as np
 
 from gpr20_common.low.clock import Clock
+from gpr20_survey.files.durable_files import ensure_folders
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
@@ -136,6 +137,7 @@ def make_survey(
     processing = DataProcessing(
         Storage(
             data=data / "data",
+            check_data=lambda: ensure_folders(data / "data"),
             open_recordings=open_recordings,
             topics=SurveyTopics(TRACE_DEFINITION),
             free_bytes=lambda _: 10**12,

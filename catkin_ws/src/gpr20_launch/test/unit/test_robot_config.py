@@ -1,4 +1,4 @@
-"""The command robot_config: which folder it creates, and the key that it makes."""
+"""The command robot_config: the folder that it creates, its key, the data that it accepts."""
 
 import json
 import subprocess
@@ -9,9 +9,12 @@ import pytest
 from case_kit import each_case
 
 pytest.importorskip("rosgraph")
+from gpr20_common.low.clock import Clock
 from gpr20_launch.high.robot_config import main
 from gpr20_launch.mid.robot_files import read_configuration
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import signature
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 
 AXES = Path(__file__).resolve().parents[2] / "config" / "axes.yaml"
 
@@ -115,3 +118,20 @@ def test_a_key_that_cannot_be_used_is_an_error(tmp_path, robot_config):
     assert "chmod 600" in printed
     subprocess.run(["chmod", "600", str(tmp_path / "signing_key")], check=True)
     assert robot_config("key")[0] == 0
+
+
+def test_another_data_folder_is_used_after_somebody_has_accepted_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
+    monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
+    (tmp_path / "storage.yaml").write_text(f"data: {tmp_path}/data")
+    folder = DataFolder(DataFolderUse(tmp_path / "data", tmp_path / "state"), Clock())
+    folder.check()
+    former = folder.identify().identity
+    (tmp_path / "data").rename(tmp_path / "moved")
+    with pytest.raises(SurveyRefusedError):
+        folder.check()
+    monkeypatch.setattr(sys, "argv", ["robot_config", "accept_data"])
+    assert main() == 0
+    folder.check()
+    identity = folder.identify().identity
+    assert identity != former and identity in capsys.readouterr().out

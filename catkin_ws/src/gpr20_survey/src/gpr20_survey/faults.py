@@ -101,6 +101,25 @@ FOLDER_MOVED = Fault(
     "storage.folder_moved",
     Message("Put the survey's folder back to its place and name, then resume the survey."),
 )
+OTHER_DATA_FOLDER = Fault(
+    "storage.other_data_folder",
+    Message(
+        "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
+        "used from now on, the person who maintains the robot accepts it as the user who runs the "
+        "robot: rosrun gpr20_launch robot_config accept_data"
+    ),
+)
+NO_DATA_DISK = Fault(
+    "storage.no_data_disk",
+    Message(
+        "Plug in and mount the disk of the surveys, then try again. A robot without one has no "
+        "data_disk in storage.yaml."
+    ),
+)
+FILE_SYSTEM_UNSUITABLE = Fault(
+    "storage.file_system_unsuitable",
+    Message("Use another disk for the surveys, or format it with ext4, which deletes all on it."),
+)
 LOCKED = Fault(
     "survey.locked",
     Message("Another program writes this survey: end the survey there first."),

@@ -23,11 +23,7 @@ from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json
 
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
-from gpr20_survey.errors import (
-    StorageFailedError,
-    SurveyRefusedError,
-    TraceRefusedError,
-)
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import survey_metadata
 from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits

@@ -21,7 +21,7 @@ from gpr20_common.low.catalogue_file import (
     read_catalogue,
 )
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_common.terminal_text import say
@@ -38,6 +38,7 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.plan.robot_description import ANALYZER, STORAGE
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.daily_check import Part
@@ -117,7 +118,8 @@ def _robot(given: argparse.Namespace) -> Any:
     name = str(json.loads(configuration.site_json).get("robot", ""))
     stored = nodes[STORAGE].configuration.get("data", "") if STORAGE in nodes else ""
     data = data_folder(given.data, os.environ) if given.data else history_folder(stored, os.environ)
-    return CheckedRobot(name, configuration.simulated, address), data
+    use = DataFolderUse(data, state_folder(os.environ))
+    return CheckedRobot(name, configuration.simulated, address), use
 
 
 def _refuse_beside_survey() -> None:

@@ -86,6 +86,22 @@ def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
 
 
 def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
+    """Make a folder if it is missing; return when it is durable.
+
+    The folder above it is not made: where a disk is missing, nothing begins in its place.
+
+    Args:
+        path: The folder.
+        mode: Its mode, if it is made; None: that of the folder above it.
+
+    Raises:
+        OSError: The disk refused, or the folder above it is missing.
+    """
+    if not path.is_dir():
+        make_new_folder(path, mode)
+
+
+def ensure_folders(path: Path, mode: Optional[int] = None) -> None:
     """Make a folder and those above it where they are missing; return when all are durable.
 
     Args:
@@ -96,7 +112,7 @@ def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
         OSError: The disk refused.
     """
     if not path.is_dir():
-        ensure_folder(path.parent, mode)
+        ensure_folders(path.parent, mode)
         make_new_folder(path, mode)
 
 

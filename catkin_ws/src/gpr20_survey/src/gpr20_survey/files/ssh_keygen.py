@@ -17,9 +17,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import (
-    SigningError,
-)
+from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 

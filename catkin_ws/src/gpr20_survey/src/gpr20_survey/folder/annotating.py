@@ -8,11 +8,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import (
-    ManifestDamagedError,
-    SurveyRefusedError,
-    storing,
-)
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
 from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord

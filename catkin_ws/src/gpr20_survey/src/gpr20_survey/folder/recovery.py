@@ -10,10 +10,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import (
-    ManifestDamagedError,
-    SurveyRefusedError,
-)
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.description_copies import sealed_description

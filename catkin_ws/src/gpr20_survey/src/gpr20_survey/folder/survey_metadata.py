@@ -13,9 +13,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import (
-    SurveyRefusedError,
-)
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.plan.annotation import ANNOTATION, annotation_of
 from gpr20_survey.plan.markers import MARKERS

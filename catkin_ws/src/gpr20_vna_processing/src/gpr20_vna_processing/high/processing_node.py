@@ -39,11 +39,11 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_survey.errors import (
-    ProcessingError,
-)
+from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.files.file_system import existing_folder
+from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
@@ -78,6 +78,7 @@ class ProcessingNode:
     def __init__(self, parameters: ProcessingParameters, sensors: Sensors) -> None:
         """Connect everything; nothing is recorded before `open_survey`."""
         self._data = parameters.data_folder()
+        self._folder = DataFolder(parameters.data_folder_use(), Clock())
         self._limits = parameters.limits()
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
@@ -87,6 +88,7 @@ class ProcessingNode:
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
+                check_data=self._folder.check,
                 open_recordings=open_recordings,
                 topics=SurveyTopics(
                     Trace._full_text,
@@ -210,6 +212,10 @@ class ProcessingNode:
 
     def _health(self) -> Health:
         state = self._processing.state()
+        problem = self._folder.problem()
+        if problem is not None and not state.failing:
+            # Without a size: it would be that of another disk.
+            return ERROR, problem, {"open survey": state.survey_id, "folder": state.folder}
         try:
             free_mb = self._free_mb()
         except OSError as error:
@@ -247,8 +253,7 @@ class ProcessingNode:
 
     def _free_mb(self) -> float:
         # The data folder may not be there before the first survey.
-        existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
-        return free_bytes(existing) / BYTES_PER_MB
+        return free_bytes(existing_folder(self._data)) / BYTES_PER_MB
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:

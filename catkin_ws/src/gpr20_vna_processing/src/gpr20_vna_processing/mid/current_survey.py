@@ -8,11 +8,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import (
-    StorageFailedError,
-    SurveyRefusedError,
-    storing,
-)
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact, add_to_survey, annotate

@@ -10,10 +10,11 @@ from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
-from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
+from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
@@ -67,6 +68,8 @@ class ProcessingParameters:
 
     Attributes:
         data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
+        data_disk: Whether that folder is on a disk of its own. With true nothing is stored on the
+            disk of the system, such as while the other one is not mounted.
         disk_reserve_mb: A survey starts only if this much stays free on the disk [MB].
         store_queue: Traces that may wait for the disk.
         message_queue: Messages of other topics that may wait.
@@ -82,6 +85,7 @@ class ProcessingParameters:
     """
 
     data: str = ""
+    data_disk: bool = False
     disk_reserve_mb: float = 500.0
     store_queue: int = 4
     message_queue: int = 5000
@@ -132,6 +136,15 @@ class ProcessingParameters:
     def signer(self) -> Optional[Signer]:
         """Return what signs the surveys; None if nothing does."""
         return Signer(Path(self.signing_key)) if self.signing_key else None
+
+    def data_folder_use(self) -> DataFolderUse:
+        """Return how the folder of the surveys is used."""
+        return DataFolderUse(
+            self.data_folder(),
+            state_folder(os.environ),
+            self.data_disk,
+            self.readable_by.folder_mode,
+        )
 
     def limits(self) -> Limits:
         """Return the bounds of the storage."""

@@ -24,6 +24,8 @@ class Storage:
     """What the storage uses; passed in so that tests can replace each part."""
 
     data: Path
+    check_data: Callable[[], None]
+    """Refuses a data folder that is not the one that was used before; makes it at first."""
     open_recordings: Callable[[Path, Dict[str, Any]], Sequence[Recording]]
     """Begins the recordings of a new survey in its folder, by its description."""
     topics: SurveyTopics

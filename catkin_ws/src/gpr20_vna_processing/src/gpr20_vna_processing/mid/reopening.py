@@ -16,11 +16,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import (
-    ManifestDamagedError,
-    SurveyRefusedError,
-    storing,
-)
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import (
