@@ -7,12 +7,11 @@ messages are read.
 from __future__ import annotations
 
 import contextlib
-import itertools
 import os
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Dict, Iterator, List, Optional, Union
+from typing import Any, BinaryIO, Dict, Iterator, List, Optional
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
@@ -27,7 +26,6 @@ from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.read.unindexed_bag import complete_messages, has_whole_index
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import is_metadata_topic
@@ -38,7 +36,8 @@ BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 INDEX_POSITION = b"index_pos="
 RECORD_HEAD_BYTES = 9  # opcode and length
 CUT_OFF = Message(
-    "the recording has no complete index, because it was cut off; all complete messages were read"
+    "the recording was cut off, so it has no complete index; all complete messages before that "
+    "place were read"
 )
 
 
@@ -63,9 +62,9 @@ def open_recording(path: Path) -> OpenRecording:
         OSError: It cannot be read.
     """
     if not is_finished(path):
-        described = (one for one in _readable_messages(path) if is_metadata_topic(one.topic))
+        described = (one for one in _complete_messages(path) if is_metadata_topic(one.topic))
         metadata = next((_text(one.data) for one in described), None)
-        traces = (one for one in _readable_messages(path) if _is_trace_type(one.datatype))
+        traces = (one for one in _complete_messages(path) if _is_trace_type(one.datatype))
         return OpenRecording(traces, 0, metadata, [CUT_OFF])
     with _failing_as_unreadable(path):
         return _open_bag(path) if is_bag(path) else _open_mcap(path)
@@ -82,7 +81,9 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
         UnreadableFileError: It is damaged, or cannot be read to its end.
     """
     if not finished:
-        return (one for one in _whole_messages(path) if one.datatype == trace_message.DATATYPE)
+        return (
+            one for one in _complete_messages(path) if one.datatype == trace_message.DATATYPE
+        )
     return _bag_traces(path) if is_bag(path) else _mcap_traces(path, None)
 
 
@@ -237,30 +238,19 @@ def _trace_channels(summary: Summary) -> Dict[int, Channel]:
     }
 
 
+def _complete_messages(path: Path) -> Iterator[RecordedMessage]:
+    """Yield every message that is there in full in a recording that has no index yet."""
+    if is_bag(path):
+        return complete_messages(path)
+    return _whole_messages(path)
+
+
 def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield every complete message of a recording that has no index yet."""
-    stored: Union[StoredBag, StoredMcap]
-    stored = StoredBag(path) if is_bag(path) else StoredMcap(path)
+    """Yield every message of the whole chunks of an MCAP file that has no index yet."""
+    stored = StoredMcap(path)
     yield from stored.messages()
     if stored.faults:
         raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
-
-
-def _readable_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield the messages of whole chunks, then those in full of a chunk that was cut off.
-
-    Bags that another recorder wrote have chunks of another form, which are read too.
-    """
-    count = 0
-    try:
-        for message in _whole_messages(path):
-            count += 1
-            yield message
-    except UnreadableFileError:
-        if count or not is_bag(path):
-            raise
-    if is_bag(path):
-        yield from itertools.islice(complete_messages(path), count, None)
 
 
 @contextlib.contextmanager
