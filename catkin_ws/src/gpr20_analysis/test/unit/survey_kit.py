@@ -8,12 +8,17 @@ import struct
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Mapping, Optional
+from typing import Any, Dict, Mapping, Optional
 
 import numpy as np
 
 from gpr20_common.low.clock import Clock
+from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
+from gpr20_survey.plan.markers import Marker, new_marker, removed_marker
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recording import RecordedMessage
@@ -26,6 +31,7 @@ from gpr20_survey.recording.survey_topics import (
 )
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_json import CHECKSUM
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
 
@@ -162,3 +168,36 @@ def make_survey(
         processing.close_survey(SURVEY, outcome)
     processing.shut_down()
     return folder
+
+
+def add_marker(folder: Path, marker: Marker, now: str) -> None:
+    """Add a marker to a survey that nobody writes."""
+
+    def change(description: Dict[str, Any]) -> Optional[Fact]:
+        values = new_marker(description, marker, now)
+        return None if values is None else Fact(Kind.MARKER, values)
+
+    add_to_survey(folder, change, now)
+
+
+def remove_marker(folder: Path, marker: Marker, author: str, now: str) -> None:
+    """Remove a marker of a survey that nobody writes."""
+
+    def change(description: Dict[str, Any]) -> Optional[Fact]:
+        values = removed_marker(description, marker.marker_id, author, now)
+        return None if values is None else Fact(Kind.MARKER_REMOVED, values)
+
+    add_to_survey(folder, change, now)
+
+
+def describe_again(folder: Path, **changes: Any) -> None:
+    """Let a survey's log say something else, as if it had been written so from the start."""
+    description = {**read_description(folder), **changes}
+    plan = LogRecord.after(None, Kind.PLAN, description, description["started"])
+    SurveyLog(folder, [plan], whole=False).write()
+
+
+def write_trace_file(path: Path, values: Mapping[str, Any]) -> None:
+    """Write a trace's file as a version without checksums wrote it."""
+    without: Dict[str, Any] = {key: one for key, one in values.items() if key != CHECKSUM}
+    path.write_text(json.dumps(without) + "\n")

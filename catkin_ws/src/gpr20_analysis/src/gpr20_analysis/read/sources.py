@@ -18,6 +18,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.recovery import recover, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
@@ -175,7 +176,10 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
         try:
             recovered = recover(folder)
             description = recovered.description
-            notes = [unconfirmed_message(one) for one in (recovered.all_unconfirmed,) if one]
+            unconfirmed = recovered.all_unconfirmed
+            if unconfirmed:
+                description = {**description, UNCONFIRMED: unconfirmed}
+                notes.append(unconfirmed_message(unconfirmed))
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
     if not files and described.exists():

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, describe_again, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -98,8 +98,7 @@ def test_nothing_is_sealed_that_disagrees(copy, capsys, name, keep):
 def test_a_survey_that_is_not_closed_is_refused(tmp_path, refusals, outcome):
     folder = make_survey(tmp_path, 4, None)
     if outcome is not None:
-        path = folder / "survey.json"
-        path.write_text(json.dumps({**json.loads(path.read_text()), "resumed": ["now"]}))
+        describe_again(folder, resumed=["now"])
     assert main(["repair", str(folder)]) == 3
     assert refusals[-1:] == [faults.NOT_CLOSED.code]
 
