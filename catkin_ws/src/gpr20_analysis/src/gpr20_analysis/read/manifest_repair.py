@@ -17,7 +17,12 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
-from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
+from gpr20_survey.folder.recovery import (
+    RecoveredSurvey,
+    open_log,
+    recover_with_recording,
+    repairs_of,
+)
 
 SHOWN = 5
 """Number of differences that are named."""
@@ -70,7 +75,7 @@ def repair_manifest(
     check_survey_folder(folder)
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
-        recovered = recover(folder)
+        recovered = recover_with_recording(folder)
         survey_folder.check_survey_id(recovered.survey_id)
         return _repair(folder, recovered, revision, now, progress)
 

@@ -81,9 +81,7 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
         UnreadableFileError: It is damaged, or cannot be read to its end.
     """
     if not finished:
-        return (
-            one for one in _complete_messages(path) if one.datatype == trace_message.DATATYPE
-        )
+        return (one for one in _complete_messages(path) if one.datatype == trace_message.DATATYPE)
     return _bag_traces(path) if is_bag(path) else _mcap_traces(path, None)
 
 

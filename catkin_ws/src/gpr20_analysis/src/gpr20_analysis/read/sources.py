@@ -19,7 +19,7 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_content import UNCONFIRMED
-from gpr20_survey.folder.recovery import recover, unconfirmed_message
+from gpr20_survey.folder.recovery import recover_with_recording, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -174,7 +174,7 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     description, damage, notes = None, [], []
     if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
-            recovered = recover(folder)
+            recovered = recover_with_recording(folder)
             description = recovered.description
             unconfirmed = recovered.all_unconfirmed
             if unconfirmed:

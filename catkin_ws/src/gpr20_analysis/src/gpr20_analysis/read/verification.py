@@ -21,7 +21,11 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import RecoveredSurvey, recover, unconfirmed_message
+from gpr20_survey.folder.recovery import (
+    RecoveredSurvey,
+    recover_with_recording,
+    unconfirmed_message,
+)
 from gpr20_survey.plan.zero_history import unproven_zeros
 
 FILES = (
@@ -81,7 +85,7 @@ def verify_survey(
     writer = None if repairing else writer_of(folder)
     try:
         survey_folder.check_no_links(folder)
-        recovered = recover(folder)
+        recovered = recover_with_recording(folder)
         survey_folder.check_survey_id(recovered.survey_id)
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])

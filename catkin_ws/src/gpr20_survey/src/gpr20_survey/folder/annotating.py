@@ -12,7 +12,7 @@ from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import is_vouched, open_log, recover
+from gpr20_survey.folder.recovery import is_vouched, open_log, recover_with_recording
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
@@ -61,7 +61,7 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
     failure = Message("{path} could not be written", path=printable(folder))
     with storing(failure, folder), locked(folder, SHORT_WAIT_S):
         sealed = _seal_of(folder)
-        recovered = recover(folder)
+        recovered = recover_with_recording(folder)
         if sealed is not None and recovered.found.has_log:
             _check_covered(folder, sealed, recovered.found.records)
         elif sealed is not None and not is_vouched(folder):

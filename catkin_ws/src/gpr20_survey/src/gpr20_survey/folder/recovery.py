@@ -24,6 +24,8 @@ from gpr20_survey.folder.survey_log import (
 )
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.survey_topics import recorded_log
 
 NO_COPY = "no copy of survey.json confirms it"
 WRONG_FORM = "it is not as the storage writes it"
@@ -96,6 +98,24 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"] if found.lost else {}
     return RecoveredSurvey(description, found, unconfirmed)
+
+
+def recover_with_recording(folder: Path) -> RecoveredSurvey:
+    """Return what `recover` does, with the records of the log in the MCAP if others are lost.
+
+    Raises:
+        SurveyRefusedError: Nothing in the folder describes the survey.
+        OSError: The MCAP cannot be read.
+    """
+    try:
+        recovered = recover(folder)
+        found = recovered.found
+        if not found.lost and (found.has_log or found.own is not None):
+            return recovered
+    except SurveyRefusedError:
+        pass  # what the MCAP holds decides
+    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
+    return recover(folder, filter(None, map(recorded_log, messages)))
 
 
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 from pathlib import Path
+
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import open_regular
 

@@ -17,7 +17,6 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import (
     ManifestDamagedError,
-    SurveyRefusedError,
     printable,
     storing,
 )
@@ -36,16 +35,15 @@ from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
     open_log,
-    recover,
+    recover_with_recording,
     repairs_of,
     start_of,
 )
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import Recording
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
@@ -71,26 +69,6 @@ class RepairedSurvey:
     """What was repaired."""
     types: Dict[str, Any]
     """The checksums of the message types that the recordings hold of each topic."""
-
-
-def recover_with_recording(folder: Path) -> RecoveredSurvey:
-    """Return what a folder says of its survey, with the records of the log in its MCAP if needed.
-
-    Raises:
-        SurveyRefusedError: Nothing in it describes the survey.
-        OSError: The MCAP cannot be read.
-    """
-    try:
-        recovered = recover(folder)
-        if recovered.found.has_log and not recovered.found.lost:
-            return recovered
-        if recovered.found.own is not None and not recovered.found.has_log:
-            return recovered
-    except SurveyRefusedError:
-        pass  # what the MCAP holds decides
-    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    records = [record for record in map(recorded_log, messages) if record is not None]
-    return recover(folder, records)
 
 
 class Reopening:
