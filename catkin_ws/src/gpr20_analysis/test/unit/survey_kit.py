@@ -8,7 +8,7 @@ import struct
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Callable, Dict, Mapping, Optional
 
 import numpy as np
 
@@ -128,6 +128,7 @@ def make_survey(
     misplaced: Mapping[int, Mapping[str, Any]] = MappingProxyType({}),
     recorded: bool = False,
     more: Mapping[str, Any] = MappingProxyType({}),
+    at_end: Callable[[DataProcessing], Any] = lambda _: None,
 ) -> Path:
     """Store a survey and return its folder.
 
@@ -138,6 +139,7 @@ def make_survey(
         misplaced: What some traces have other than planned.
         recorded: Whether the recordings hold messages of another topic too.
         more: More entries of survey.json.
+        at_end: Called when the traces are stored, while the survey is open.
     """
     processing = DataProcessing(
         Storage(
@@ -162,6 +164,7 @@ def make_survey(
         if recorded:
             processing.record(_text_message(f"measuring trace {index}", index))
         processing.store(planned_trace(index, **misplaced.get(index, {})))
+    at_end(processing)
     if outcome is None:
         folder = Path(shutil.copytree(str(folder), str(data / folder.name)))
     elif outcome != INTERRUPTED:  # as the shut down below does

@@ -63,16 +63,14 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     description = read_description(chosen.survey)
     changes = _changes(chosen)
     if changes:
-        _refuse_open(chosen.survey, description)
+
+        def change(present: Dict[str, Any]) -> Fact:
+            _refuse_open(chosen.survey, present)
+            # What another program annotated meanwhile stays.
+            return Fact(Kind.ANNOTATION, replace(annotation_of(present), **changes).values())
+
         now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
-        # What another program annotated meanwhile stays.
-        description = add_to_survey(
-            chosen.survey,
-            lambda present: Fact(
-                Kind.ANNOTATION, replace(annotation_of(present), **changes).values()
-            ),
-            now,
-        )
+        description = add_to_survey(chosen.survey, change, now)
     print_rows(_rows(annotation_of(description)), catalogue)
     return DONE
 

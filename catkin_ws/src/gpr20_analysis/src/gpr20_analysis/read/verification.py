@@ -19,7 +19,13 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder import (
+    manifest,
+    sealing,
+    survey_folder,
+    survey_metadata,
+    trace_files,
+)
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
@@ -147,8 +153,9 @@ class _Verifier:
         return self._folder / survey_folder.TRACES_FOLDER
 
     def _check_manifest(self) -> None:
-        records = self._recovered.found.records
-        found = manifest_check.check_manifest(self._folder, self._survey_id, records)
+        found = manifest_check.check_manifest(
+            self._folder, self._survey_id, self._recovered.found
+        )
         self._found.sealed = found.seal is Seal.VALID
         self._found.faults += found.differences
         if found.damage is not None:
@@ -171,6 +178,7 @@ class _Verifier:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
         elif found.manifest is not None:
             self._note_manifest(found.manifest)
+            self._check_content(found.manifest)
         self._note_damaged()
         self._note_name()
 
@@ -199,6 +207,17 @@ class _Verifier:
                     reason=str(one.get("reason")),
                 )
             )
+
+    def _check_content(self, sealed: Manifest) -> None:
+        is_named = sealing.DATA in self._recovered.all_unconfirmed
+        if self._found.sealed and not is_named:
+            if sealing.has_other_data(self._description, sealed.files):
+                self._found.fault(
+                    Message(
+                        "traces or recordings were replaced, and the manifest was written again: "
+                        "the log of the survey names other ones"
+                    )
+                )
 
     def _note_damaged(self) -> None:
         if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
