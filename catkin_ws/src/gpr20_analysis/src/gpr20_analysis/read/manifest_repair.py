@@ -96,8 +96,9 @@ def _repair(
     whole_log = open_log(folder, recovered, now)
     if is_valid:
         assert found.manifest is not None
-        sealing.seal_log(folder, found.manifest, whole_log)
+        sealing.write_sealed(folder, found.manifest, whole_log)
         return RepairResult(Repair.WRITTEN, notes=notes)
+    whole_log.write()
     reason = Message("it was missing") if found.damage is None else found.damage
     rewritten = ({"time": now, "reason": reason.sentence()},)
     proven = sealing.write_manifest(

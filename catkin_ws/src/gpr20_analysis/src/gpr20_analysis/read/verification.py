@@ -112,6 +112,7 @@ class _Verifier:
             has_log=recovered.found.has_log,
         )
         self._zeros: List[Zeros] = []
+        self._is_adding = False  # the manifest names an entry that is being added to the log
 
     def run(self, with_log: bool) -> Verification:
         if self._use_manifest and not self._found.writer:
@@ -166,6 +167,7 @@ class _Verifier:
         elif found.seal is Seal.MISSING:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
         elif found.manifest is not None:
+            self._is_adding = found.manifest.log is None or found.manifest.next_log is not None
             self._note_manifest(found.manifest)
         self._note_damaged()
         self._note_name()
@@ -271,16 +273,22 @@ class _Verifier:
                 for number in log.lost
             ]
             if log.behind:
-                self._found.note(
-                    Message(
-                        "log.jsonl or survey.json lacks the last entry of the log, as after a "
-                        "power cut; the other has it"
-                    )
-                )
+                self._note_behind()
         named = self._recovered.all_unconfirmed
         self._found.unconfirmed = tuple(named)
         if named:
             self._found.note(unconfirmed_message(named))
+
+    def _note_behind(self) -> None:
+        behind = Message(
+            "log.jsonl or survey.json lacks the last entry of the log, as after a power cut; the "
+            "other has it"
+        )
+        # Of a closed survey only while an entry is being added, which its manifest names before.
+        if self._found.sealed and not self._is_adding:
+            self._found.fault(behind)
+        else:
+            self._found.note(behind)
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description

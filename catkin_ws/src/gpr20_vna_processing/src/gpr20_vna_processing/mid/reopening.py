@@ -38,6 +38,7 @@ from gpr20_survey.folder.recovery import (
     open_log,
     recover,
     repairs_of,
+    sealed_end,
     start_of,
 )
 from gpr20_survey.folder.survey_log import SurveyLog
@@ -80,17 +81,18 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
         SurveyRefusedError: Nothing in it describes the survey.
         OSError: The MCAP cannot be read.
     """
+    last = sealed_end(folder)
     try:
-        recovered = recover(folder)
-        if recovered.found.has_log and not recovered.found.lost:
-            return recovered
-        if recovered.found.own is not None and not recovered.found.has_log:
+        recovered = recover(folder, last=last)
+        found = recovered.found
+        is_former = found.own is not None and not found.has_log
+        if is_former or (found.has_log and not found.damage and not found.lost):
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
     messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
     records = [record for record in map(recorded_log, messages) if record is not None]
-    return recover(folder, records)
+    return recover(folder, records, last)
 
 
 class Reopening:
