@@ -105,13 +105,14 @@ def _repair(
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
     if is_valid:
         assert found.manifest is not None
-        sealing.seal_log(folder, found.manifest, open_log(folder, recovered, now))
+        sealing.write_sealed(folder, found.manifest, open_log(folder, recovered, now))
         return RepairResult(Repair.WRITTEN, notes=notes)
     sums = sealing.data_sums(folder)
     is_other = sealing.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
     whole_log = open_log(folder, recovered, now)
+    whole_log.write()
     reason = Message("it was missing") if found.damage is None else found.damage
     rewritten = ({"time": now, "reason": reason.sentence()},)
     sealing.write_manifest(folder, whole_log, revision, str(ended), sums, rewritten)

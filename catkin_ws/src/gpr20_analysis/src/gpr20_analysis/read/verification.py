@@ -122,6 +122,7 @@ class _Verifier:
             has_log=recovered.found.has_log,
         )
         self._zeros: List[Zeros] = []
+        self._is_adding = False  # the manifest names an entry that is being added to the log
 
     def run(self, with_log: bool) -> Verification:
         if self._use_manifest and not self._found.writer:
@@ -153,9 +154,7 @@ class _Verifier:
         return self._folder / survey_folder.TRACES_FOLDER
 
     def _check_manifest(self) -> None:
-        found = manifest_check.check_manifest(
-            self._folder, self._survey_id, self._recovered.found
-        )
+        found = manifest_check.check_manifest(self._folder, self._survey_id, self._recovered.found)
         self._found.sealed = found.seal is Seal.VALID
         self._found.faults += found.differences
         if found.damage is not None:
@@ -177,6 +176,7 @@ class _Verifier:
         elif found.seal is Seal.MISSING:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
         elif found.manifest is not None:
+            self._is_adding = found.manifest.log is None or found.manifest.next_log is not None
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
         self._note_damaged()
@@ -210,14 +210,14 @@ class _Verifier:
 
     def _check_content(self, sealed: Manifest) -> None:
         is_named = sealing.DATA in self._recovered.all_unconfirmed
-        if self._found.sealed and not is_named:
-            if sealing.has_other_data(self._description, sealed.files):
-                self._found.fault(
-                    Message(
-                        "traces or recordings were replaced, and the manifest was written again: "
-                        "the log of the survey names other ones"
-                    )
+        is_other = sealing.has_other_data(self._description, sealed.files)
+        if self._found.sealed and is_other and not is_named:
+            self._found.fault(
+                Message(
+                    "traces or recordings were replaced, and the manifest was written again: the "
+                    "log of the survey names other ones"
                 )
+            )
 
     def _note_damaged(self) -> None:
         if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
@@ -294,16 +294,22 @@ class _Verifier:
                 for number in log.lost
             ]
             if log.behind:
-                self._found.note(
-                    Message(
-                        "log.jsonl or survey.json lacks the last entry of the log, as after a "
-                        "power cut; the other has it"
-                    )
-                )
+                self._note_behind()
         named = self._recovered.all_unconfirmed
         self._found.unconfirmed = tuple(named)
         if named:
             self._found.note(unconfirmed_message(named))
+
+    def _note_behind(self) -> None:
+        behind = Message(
+            "log.jsonl or survey.json lacks the last entry of the log, as after a power cut; the "
+            "other has it"
+        )
+        # Of a closed survey only while an entry is being added, which its manifest names before.
+        if self._found.sealed and not self._is_adding:
+            self._found.fault(behind)
+        else:
+            self._found.note(behind)
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description

@@ -62,18 +62,20 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
     with storing(failure, folder), locked(folder, SHORT_WAIT_S):
         sealed = _seal_of(folder)
         recovered = recover_with_recording(folder)
-        if sealed is not None and recovered.found.has_log:
+        if recovered.found.lost:
+            raise _damaged(folder, recovered.found.damage)
+        if sealed is not None and sealed.log is not None:
             _check_covered(folder, sealed, recovered.found.records)
         elif sealed is not None and not is_vouched(folder):
             raise _damaged(folder, ())
-        if recovered.found.lost:
-            raise _damaged(folder, recovered.found.damage)
         fact = change(recovered.description)
         if fact is None and recovered.found.is_whole:
             return recovered.description
         log = open_log(folder, recovered, now)
-        if sealed is not None:
-            sealed = sealing.seal_log(folder, sealed, log)
+        if sealed is not None and not log.is_whole:
+            sealed = sealing.write_sealed(folder, sealed, log)
+        elif fact is None:
+            log.write()
         if fact is not None:
             record = log.next(fact.kind, fact.values, now)
             if sealed is None:

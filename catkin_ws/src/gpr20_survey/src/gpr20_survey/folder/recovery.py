@@ -71,19 +71,22 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey:
+def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:
         folder: The survey's folder.
         recorded: Records of its log that were found in a recording.
+        last: Number of a record that its log is known to have had.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
     recorded = list(recorded)
     try:
-        found = read_log(folder, recorded)
+        found = read_log(folder, recorded, last)
+        if found.damage or found.lost:
+            found = read_log(folder, recorded, max(last, sealed_end(folder)))
     except SurveyRefusedError as error:
         sealed = _sealed_for(folder)
         if sealed is None:
@@ -96,26 +99,30 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey
         found = _with_plan(folder, found, recorded)
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
-    unconfirmed = lost_entries(found)["entries"] if found.lost else {}
+    unconfirmed = lost_entries(found)["entries"]
+    if found.has_open_end:
+        unconfirmed.update(_later_lost(found.records[-1].number))
     return RecoveredSurvey(description, found, unconfirmed)
 
 
 def recover_with_recording(folder: Path) -> RecoveredSurvey:
-    """Return what `recover` does, with the records of the log in the MCAP if others are lost.
+    """Return what `recover` does, with the records of the log in the MCAP if others are damaged.
 
     Raises:
         SurveyRefusedError: Nothing in the folder describes the survey.
         OSError: The MCAP cannot be read.
     """
+    last = sealed_end(folder)
     try:
-        recovered = recover(folder)
+        recovered = recover(folder, last=last)
         found = recovered.found
-        if not found.lost and (found.has_log or found.own is not None):
+        is_former = found.own is not None and not found.has_log
+        if is_former or (found.has_log and not found.damage and not found.lost):
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
     messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    return recover(folder, filter(None, map(recorded_log, messages)))
+    return recover(folder, filter(None, map(recorded_log, messages)), last)
 
 
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
@@ -128,7 +135,7 @@ def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
 
 
 def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
-    """Make the log of a survey whole, and return it; the folder must be locked.
+    """Return the log of a survey, whose folder must be locked; write it unless it is whole.
 
     A file that was damaged is kept in `damaged/`. The log of a survey of an earlier version begins
     with its survey.json. What nothing vouches for is named in the log, for ever.
@@ -142,7 +149,7 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
         OSError: The disk refused; the call may be repeated.
     """
     found = recovered.found
-    log = SurveyLog(folder, found.records, found.is_whole)
+    log = SurveyLog(folder, found.records, found.is_whole, found.lost)
     if found.damage or found.own is None:
         for name in (survey_folder.LOG_FILE, survey_folder.SURVEY_FILE):
             _keep_damaged(folder, name)
@@ -152,14 +159,21 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
             for key, value in recovered.description.items()
             if key not in recovered.left_out
         }
-        log.add(log.next(Kind.PLAN, kept, now))
-    elif not found.is_whole:
-        log.write()
+        log.take(log.next(Kind.PLAN, kept, now))
     if recovered.unconfirmed:
-        lost = lost_entries(found)
-        values = {"entries": recovered.unconfirmed, "lost": lost["lost"]}
-        log.add(log.next(Kind.UNCONFIRMED, values, now))
+        # With the same write: after it nothing else shows that something is missing.
+        values = {"entries": recovered.unconfirmed, "lost": list(found.lost)}
+        log.take(log.next(Kind.UNCONFIRMED, values, now))
     return log
+
+
+def sealed_end(folder: Path) -> int:
+    """Return the number of the last record of the log that a manifest names; -1 if none does."""
+    try:
+        sealed = manifest.read_manifest(folder)
+    except (OSError, ManifestDamagedError):
+        return -1
+    return -1 if sealed.log is None else sealed.log.number
 
 
 def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
@@ -234,7 +248,7 @@ def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord]) -> Foun
         plan = LogRecord.after(None, Kind.PLAN, sealed, str(sealed.get("started")))
         after = next((one for one in found.records if one.number == 1), None)
         if after is None or after.previous == plan.sha256:
-            return read_log(folder, [*recorded, plan])
+            return read_log(folder, [*recorded, plan], max(found.lost, default=-1))
     raise SurveyRefusedError(
         Message(
             "the first entry of the log in {folder}, which describes the survey, is damaged in "
@@ -268,9 +282,9 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
     return [name for name in names if name not in left_out]
 
 
-def _later_lost() -> Dict[str, Any]:
-    reason = {"reason": "survey.json and log.jsonl cannot be read"}
-    return {"everything after the start": reason}
+def _later_lost(last: int = 0) -> Dict[str, Any]:
+    reason = {"reason": "survey.json and the end of log.jsonl cannot be read"}
+    return {f"everything after record {last}": reason}
 
 
 def _keep_damaged(folder: Path, name: str) -> None:

@@ -80,15 +80,22 @@ def mark_reopened(folder: Path, sealed: Manifest, now: str) -> None:
     durable_files.replace_file(folder / MANIFEST_FILE, marked.encode())
 
 
-def seal_log(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
+def seal_log(folder: Path, sealed: Manifest, log: SurveyLog, is_adding: bool = False) -> Manifest:
     """Let the manifest of a closed survey name the present log; return it when it is durable.
 
     Damaged forms of the log that were put aside are listed too. The manifest of an earlier
     version, which lists survey.json, becomes one of this version.
 
+    Args:
+        folder: The survey's folder.
+        sealed: Its manifest.
+        log: Its log.
+        is_adding: Whether survey.json may lack the last record until the manifest is written again.
+
     Raises:
         OSError: The disk refused.
     """
+    head = LogHead.of(log.last)
     files = {name: one for name, one in sealed.files.items() if name not in manifest.JUDGED_BY_LOG}
     aside = f"{survey_folder.DAMAGED_FOLDER}/"
     for name in file_names(folder):
@@ -97,14 +104,42 @@ def seal_log(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
     present = replace(
         sealed,
         files=files,
-        log=LogHead.of(log.last),
-        next_log=None,
+        log=head,
+        next_log=head if is_adding else None,
         unconfirmed=_names(log.description),
         replacing={},
         covers_itself=True,
     )
     durable_files.replace_file(folder / MANIFEST_FILE, present.encode())
     return present
+
+
+def name_log(folder: Path, sealed: Manifest, log: SurveyLog) -> None:
+    """Let the manifest name a log of which survey.json may lack the last record; see `seal_log`."""
+    seal_log(folder, sealed, log, is_adding=True)
+
+
+def write_sealed(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
+    """Write both files of the log of a closed survey again, and return its new manifest.
+
+    After a power cut at any moment the manifest vouches for the log as it is then.
+
+    Args:
+        folder: The survey's folder.
+        sealed: Its manifest.
+        log: Its log; it may have more records than the manifest names.
+
+    Raises:
+        OSError: The disk refused; the call may be repeated.
+    """
+    if sealed.log is None:
+        # It lists survey.json, which must not change before it names the log.
+        log.write(lambda: name_log(folder, sealed, log))
+    else:
+        both = replace(sealed, next_log=LogHead.of(log.last))
+        durable_files.replace_file(folder / MANIFEST_FILE, both.encode())
+        log.write()
+    return seal_log(folder, sealed, log)
 
 
 def add_sealed(folder: Path, sealed: Manifest, log: SurveyLog, record: LogRecord) -> None:

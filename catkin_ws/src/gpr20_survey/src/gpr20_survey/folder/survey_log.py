@@ -9,6 +9,7 @@ from __future__ import annotations
 import enum
 import itertools
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
@@ -41,6 +42,9 @@ class State(enum.Enum):
 
 
 MAX_LOG_BYTES = 1 << 30
+# How a record begins and ends in log.jsonl.
+_BEGIN = re.compile(rb'\{"number":\d+,"time":"')
+_END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
 Records = Mapping[int, LogRecord]
 
 
@@ -52,19 +56,23 @@ class FoundLog:
         records: Those that are right, in their order.
         lost: Numbers of records that no form holds and that no record names as lost.
         legible: What can be read of the lost ones, by number; nothing vouches for it.
+        contradicting: Records with a right checksum that are not of the log of the others.
         damage: What is wrong in log.jsonl and survey.json.
         behind: Whether one of them lacks the last record, as after a power cut while it was added.
         has_log: Whether there is a log; a survey of an earlier version has survey.json alone.
         own: The content of survey.json without its records; None if it cannot be read.
+        has_open_end: Whether nothing shows that the last of `records` is the last of the log.
     """
 
     records: Tuple[LogRecord, ...] = ()
     lost: Tuple[int, ...] = ()
     legible: Mapping[int, Sequence[Any]] = field(default_factory=dict)
+    contradicting: Tuple[LogRecord, ...] = ()
     damage: Tuple[Message, ...] = ()
     behind: bool = False
     has_log: bool = False
     own: Optional[Dict[str, Any]] = None
+    has_open_end: bool = False
 
     @property
     def is_whole(self) -> bool:
@@ -75,7 +83,9 @@ class FoundLog:
 class SurveyLog:
     """Adds records to the log of a survey whose folder is locked."""
 
-    def __init__(self, folder: Path, records: Sequence[LogRecord], whole: bool) -> None:
+    def __init__(
+        self, folder: Path, records: Sequence[LogRecord], whole: bool, lost: Sequence[int] = ()
+    ) -> None:
         """Take the records that are right.
 
         Args:
@@ -83,11 +93,13 @@ class SurveyLog:
             records: The records so far.
             whole: Whether log.jsonl holds exactly these; otherwise the next record that is added
                 writes it again.
+            lost: Numbers of records that were lost; no other record gets them.
         """
         self._path = folder / LOG_FILE
         self._view = folder / survey_folder.SURVEY_FILE
         self._records = list(records)
         self._whole = whole
+        self._lost = max(lost, default=-1)
 
     @property
     def description(self) -> Dict[str, Any]:
@@ -106,7 +118,8 @@ class SurveyLog:
 
     def next(self, kind: Kind, values: Dict[str, Any], time: str) -> LogRecord:
         """Return the record that `add` would add."""
-        return LogRecord.after(self._records[-1] if self._records else None, kind, values, time)
+        last = self._records[-1] if self._records else None
+        return LogRecord.after(last, kind, values, time, self._lost)
 
     def add(self, record: LogRecord) -> LogRecord:
         """Add a record of `next`; return when it is durable in both files.
@@ -125,23 +138,38 @@ class SurveyLog:
         self._records, self._whole = records, True
         return record
 
-    def write(self) -> None:
+    @property
+    def is_whole(self) -> bool:
+        """Whether both files hold exactly the records."""
+        return self._whole
+
+    def take(self, record: LogRecord) -> None:
+        """Add a record of `next` that `write`, which must follow, makes durable."""
+        self._records.append(record)
+        self._whole = False
+
+    def write(self, on_log: Callable[[], None] = lambda: None) -> None:
         """Write both files again.
+
+        Args:
+            on_log: Called when log.jsonl is durable, before survey.json is written.
 
         Raises:
             OSError: The disk refused.
         """
         durable_files.replace_file(self._path, b"".join(one.line() for one in self._records))
+        on_log()
         durable_files.replace_file(self._view, view_of(self._records))
         self._whole = True
 
 
-def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
+def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> FoundLog:
     """Return the log of a survey from log.jsonl and survey.json.
 
     Args:
         folder: The survey's folder.
         recorded: Records that were found elsewhere, as in a recording.
+        last: Number of a record that the log is known to have had.
 
     Raises:
         SurveyRefusedError: Neither file can be read, or survey.json is of another format.
@@ -151,12 +179,14 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
     shown = own.pop(LOG, None) if own is not None else None
     in_log, damaged_lines = _records_of(lines or [], record_of_line, json_of_line)
     in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
-    found = _merge([in_log, in_view, {one.number: one for one in recorded}])
+    forms = [in_log, in_view, {one.number: one for one in recorded}]
+    found = _merge(forms)
     if not found and own is not None and shown is None:
         return FoundLog(own=own)
     if not found and failure is not None:
         raise failure
-    lost = _lost(found)
+    behind = (_lines_behind(lines or [], in_log), _entries_behind(shown, in_view))
+    lost = _lost(found, max(last, *behind))
     states = {
         LOG_FILE: _state_of_log(found, lines),
         survey_folder.SURVEY_FILE: _state_of_view(found, content),
@@ -165,6 +195,7 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
         tuple(found),
         tuple(lost),
         _legible(lost, (*damaged_lines, *damaged_entries)),
+        _contradicting(found, forms),
         tuple(
             Message("{file} is damaged", file=name)
             for name, state in states.items()
@@ -173,6 +204,7 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = ()) -> FoundLog:
         State.BEHIND in states.values(),
         True,
         own,
+        own is None and last < 0 and (not lines or lines[-1] != b""),
     )
 
 
@@ -248,7 +280,8 @@ def _merge(forms: Sequence[Records]) -> List[LogRecord]:
             for one in candidates
             if one.values is not None or (number, one.sha256) in successors
         ]
-        confirmed.sort(key=lambda one: one.values is None)
+        # Where forms contradict each other, the one that goes on is right.
+        confirmed.sort(key=lambda one: ((number, one.sha256) not in successors, one.values is None))
         fitting = [one for one in confirmed if _follows(found, one)]
         if fitting:
             found.append(fitting[0])
@@ -263,7 +296,42 @@ def _follows(found: Sequence[LogRecord], record: LogRecord) -> bool:
     return last is None or last.number < record.number - 1 or last.sha256 == record.previous
 
 
-def _lost(found: Sequence[LogRecord]) -> List[int]:
+def _lines_behind(lines: Sequence[bytes], records: Records) -> int:
+    """Return the number of the last record of log.jsonl, although it is damaged.
+
+    Of the end of a line that was torn nothing was acknowledged.
+    """
+    damaged: List[bytes] = []
+    for line in filter(None, lines[:-1]):
+        damaged = [] if record_of_line(line) is not None else [*damaged, line]
+    # A changed byte may have made two lines of one, or one of two.
+    begun, ended = (len(one.findall(b"\n".join(damaged))) for one in (_BEGIN, _END))
+    return max(records, default=-1) + max(begun, ended, min(1, len(damaged)))
+
+
+def _entries_behind(shown: Any, records: Records) -> int:
+    """Return the number of the last record in survey.json, although it is damaged."""
+    entries = shown if isinstance(shown, list) else []
+    damaged = list(itertools.takewhile(lambda one: record_of(one) is None, reversed(entries)))
+    return max(records, default=-1) + len(damaged)
+
+
+def _contradicting(found: Sequence[LogRecord], forms: Sequence[Records]) -> Tuple[LogRecord, ...]:
+    used = {(one.number, one.sha256) for one in found}
+    end = found[-1].number if found else -1
+    return tuple(
+        record
+        for form in forms
+        for number, record in sorted(form.items())
+        # The last one may be an addition that failed, and was repeated with other values.
+        if (number, record.sha256) not in used
+        and (number < end or number < max(form))
+        # Nothing vouches for one without values.
+        and record.values is not None
+    )
+
+
+def _lost(found: Sequence[LogRecord], end: int) -> List[int]:
     present = {one.number for one in found}
     named = {
         number
@@ -271,7 +339,7 @@ def _lost(found: Sequence[LogRecord]) -> List[int]:
         if one.kind == Kind.UNCONFIRMED.value and one.values is not None
         for number in one.values.get("lost", [])
     }
-    last = found[-1].number if found else -1
+    last = max(end, found[-1].number if found else -1)
     return [number for number in range(last + 1) if number not in present | named]
 
 
@@ -298,17 +366,19 @@ def lost_entries(found: FoundLog) -> Dict[str, Any]:
 
     Whatever can be read of it stands beside it, and is not used.
     """
-    names = {number: f"record {number}" for number in found.lost}
-    return {
-        "lost": list(found.lost),
-        "entries": {
-            name: {
-                "reason": "its checksum is wrong in every form, or it is missing",
-                "found": [json_text(one) for one in found.legible.get(number, ())],
-            }
-            for number, name in names.items()
-        },
+    entries = {
+        f"record {number}": {
+            "reason": "its checksum is wrong in every form, or it is missing",
+            "found": [json_text(one) for one in found.legible.get(number, ())],
+        }
+        for number in found.lost
     }
+    for one in found.contradicting:
+        entries[f"record {one.number}, {one.sha256[:8]}"] = {
+            "reason": "it is not of the log of the other records",
+            "found": [json_text(one.as_json())],
+        }
+    return {"lost": list(found.lost), "entries": entries}
 
 
 def json_text(value: Any) -> str:
