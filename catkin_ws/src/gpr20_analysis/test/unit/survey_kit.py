@@ -15,7 +15,7 @@ import numpy as np
 from gpr20_common.low.clock import Clock
 from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.markers import Marker, new_marker, removed_marker
@@ -195,9 +195,12 @@ def remove_marker(folder: Path, marker: Marker, author: str, now: str) -> None:
 
 def describe_again(folder: Path, **changes: Any) -> None:
     """Let a survey's log say something else, as if it had been written so from the start."""
-    description = {**read_description(folder), **changes}
-    plan = LogRecord.after(None, Kind.PLAN, description, description["started"])
-    SurveyLog(folder, [plan], whole=False).write()
+    found = recover(folder)
+    description = {**found.description, **changes}
+    records = [LogRecord.after(None, Kind.PLAN, description, description["started"])]
+    for one in found.found.records[1:]:  # the manifest may name the number of the last one
+        records.append(LogRecord.after(records[-1], Kind.AUDIT, {}, one.time))
+    SurveyLog(folder, records, whole=False).write()
 
 
 def write_trace_file(path: Path, values: Mapping[str, Any]) -> None:
