@@ -66,17 +66,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     changes = _changes(chosen)
     status = DONE
     if changes:
-        _refuse_open(chosen.survey, description)
+
+        def change(present: Dict[str, Any]) -> Fact:
+            _refuse_open(chosen.survey, present)
+            # What another program annotated meanwhile stays.
+            return Fact(Kind.ANNOTATION, replace(annotation_of(present), **changes).values())
+
         signer = signing.chosen_signer(chosen)
         now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
-        # What another program annotated meanwhile stays.
-        description = add_to_survey(
-            chosen.survey,
-            lambda present: Fact(
-                Kind.ANNOTATION, replace(annotation_of(present), **changes).values()
-            ),
-            now,
-        )
+        description = add_to_survey(chosen.survey, change, now)
         status = signing.sign_again(chosen.survey, signer, catalogue)
     print_rows(_rows(annotation_of(description)), catalogue)
     return status

@@ -6,11 +6,10 @@ messages are read.
 
 from __future__ import annotations
 
-import itertools
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Dict, Iterator, List, Optional, Union
+from typing import Any, BinaryIO, Dict, Iterator, List, Optional
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
@@ -31,7 +30,6 @@ from gpr20_analysis.read.recording_files import (
 from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import is_metadata_topic
@@ -39,7 +37,8 @@ from gpr20_survey.trace import trace_message, utc_time
 
 RECORD_HEAD_BYTES = 9  # opcode and length
 CUT_OFF = Message(
-    "the recording has no complete index, because it was cut off; all complete messages were read"
+    "the recording was cut off, so it has no complete index; all complete messages before that "
+    "place were read"
 )
 
 
@@ -64,9 +63,9 @@ def open_recording(path: Path) -> OpenRecording:
         OSError: It cannot be read.
     """
     if not is_finished(path, follow_link=True):
-        described = (one for one in _readable_messages(path) if is_metadata_topic(one.topic))
+        described = (one for one in _linked_messages(path) if is_metadata_topic(one.topic))
         metadata = next((_text(one.data) for one in described), None)
-        traces = (one for one in _readable_messages(path) if _is_trace_type(one.datatype))
+        traces = (one for one in _linked_messages(path) if _is_trace_type(one.datatype))
         return OpenRecording(traces, 0, metadata, [CUT_OFF])
     with failing_as_unreadable(path):
         return _open_bag(path) if is_bag(path) else _open_mcap(path)
@@ -83,7 +82,7 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
         UnreadableFileError: It is damaged, or cannot be read to its end.
     """
     if not finished:
-        messages = _whole_messages(path, path)
+        messages = _complete_messages(path, path)
         return (one for one in messages if one.datatype == trace_message.DATATYPE)
     return _bag_traces(path, False) if is_bag(path) else _mcap_traces(path, None, False)
 
@@ -209,37 +208,32 @@ def _trace_channels(summary: Summary) -> Dict[int, Channel]:
     }
 
 
-def _whole_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
-    """Yield every complete message of a recording that has no index yet.
+def _linked_messages(path: Path) -> Iterator[RecordedMessage]:
+    """Yield what `_complete_messages` does of a recording that may be a symbolic link."""
+    return _complete_messages(path, path.resolve())
+
+
+def _complete_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
+    """Yield every message that is there in full in a recording that has no index yet.
 
     Args:
         path: Its name.
         place: Where it is: the same, or what the name links to.
     """
-    stored: Union[StoredBag, StoredMcap]
-    stored = StoredBag(place) if is_bag(path) else StoredMcap(place)
+    if not is_bag(path):
+        yield from _whole_messages(path, place)
+        return
+    with opened(place, follow_link=False) as stream:
+        yield from complete_messages(stream)
+
+
+def _whole_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
+    """Yield every message of the whole chunks of an MCAP file that has no index yet."""
+    stored = StoredMcap(place)
     with failing_as_unreadable(path):
         yield from stored.messages()
     if stored.faults:
         raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
-
-
-def _readable_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield the messages of whole chunks, then those in full of a chunk that was cut off.
-
-    Bags that another recorder wrote have chunks of another form, which are read too.
-    """
-    count = 0
-    try:
-        for message in _whole_messages(path, path.resolve()):
-            count += 1
-            yield message
-    except UnreadableFileError:
-        if count or not is_bag(path):
-            raise
-    if is_bag(path):
-        with opened(path, follow_link=True) as stream:
-            yield from itertools.islice(complete_messages(stream), count, None)
 
 
 def _is_trace(connection: Any) -> bool:

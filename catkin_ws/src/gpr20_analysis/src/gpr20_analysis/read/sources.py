@@ -20,7 +20,8 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.recovery import recover, unconfirmed_message
+from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.folder.recovery import recover_with_recording, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -177,9 +178,12 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     description, damage, notes = None, [], []
     if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
-            recovered = recover(folder)
+            recovered = recover_with_recording(folder)
             description = recovered.description
-            notes = [unconfirmed_message(one) for one in (recovered.all_unconfirmed,) if one]
+            unconfirmed = recovered.all_unconfirmed
+            if unconfirmed:
+                description = {**description, UNCONFIRMED: unconfirmed}
+                notes.append(unconfirmed_message(unconfirmed))
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
     if not files and described.exists():

@@ -15,7 +15,6 @@ import lz4.frame
 
 from gpr20_survey.recording import bag_format
 from gpr20_survey.recording.bag_format import BagFormatError, Connection, Record
-from gpr20_survey.recording.bag_reader import message_of
 from gpr20_survey.recording.recording import MAX_RECORD_BYTES, RecordedMessage
 
 Content = Union[bytes, mmap.mmap]
@@ -98,7 +97,7 @@ def _messages(
                 found = bag_format.read_connection(one)
                 connections[found.number] = found
             elif kind == bag_format.MESSAGE:
-                yield message_of(one, connections)
+                yield bag_format.message_of(one, connections)
             elif kind == bag_format.CHUNK:
                 yield from _messages(_chunk(one), 0, connections)
         except BagFormatError:

@@ -13,7 +13,7 @@ from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
 from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import is_vouched, open_log, recover
+from gpr20_survey.folder.recovery import is_vouched, open_log, recover_with_recording
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
@@ -70,21 +70,23 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
     failure = Message("{path} could not be written", path=printable(folder))
     with storing(failure, folder), locked(folder, SHORT_WAIT_S):
         sealed = _seal_of(folder)
-        recovered = recover(folder)
-        if sealed is not None and recovered.found.has_log:
+        recovered = recover_with_recording(folder)
+        if recovered.found.lost:
+            raise _damaged(folder, recovered.found.damage)
+        if sealed is not None and sealed.log is not None:
             _check_covered(folder, sealed, recovered.found.records)
         elif sealed is not None and not is_vouched(folder):
             raise _damaged(folder, ())
-        if recovered.found.lost:
-            raise _damaged(folder, recovered.found.damage)
         fact = change(recovered.description)
         if fact is not None and fact.is_in(recovered.found.records):
             fact = None
         if fact is None and recovered.found.is_whole:
             return recovered.description
         log = open_log(folder, recovered, now)
-        if sealed is not None:
-            sealed = sealing.seal_log(folder, sealed, log)
+        if sealed is not None and not log.is_whole:
+            sealed = sealing.write_sealed(folder, sealed, log)
+        elif fact is None:
+            log.write()
         if fact is not None:
             record = log.next(fact.kind, fact.values, now)
             if sealed is None:

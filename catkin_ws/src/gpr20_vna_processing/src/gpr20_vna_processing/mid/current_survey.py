@@ -13,6 +13,7 @@ from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact, add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import recover_with_recording
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
@@ -32,7 +33,7 @@ from gpr20_vna_processing.mid.processing_records import (
     Storage,
 )
 from gpr20_vna_processing.mid.publication import Publication
-from gpr20_vna_processing.mid.reopening import Reopening, recover_with_recording
+from gpr20_vna_processing.mid.reopening import Reopening
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
 

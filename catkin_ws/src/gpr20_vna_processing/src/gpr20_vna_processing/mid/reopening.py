@@ -16,7 +16,10 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
+from gpr20_survey.errors import (
+    ManifestDamagedError,
+    storing,
+)
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import (
@@ -32,16 +35,15 @@ from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
     open_log,
-    recover,
+    recover_with_recording,
     repairs_of,
     start_of,
 )
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import Recording
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
@@ -69,28 +71,6 @@ class RepairedSurvey:
     """The checksums of the message types that the recordings hold of each topic."""
 
 
-def recover_with_recording(folder: Path, sealed: Optional[Manifest] = None) -> RecoveredSurvey:
-    """Return what a folder says of its survey, with the records of the log in its MCAP if needed.
-
-    Args:
-        folder: The survey's folder.
-        sealed: Its manifest, if there is a whole one.
-
-    Raises:
-        SurveyRefusedError: Nothing in it describes the survey.
-        OSError: The MCAP cannot be read.
-    """
-    try:
-        recovered = recover(folder, sealed=sealed)
-        if recovered.found.own is not None and not recovered.found.lost:
-            return recovered
-    except SurveyRefusedError:
-        pass  # what the MCAP holds decides
-    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    records = [record for record in map(recorded_log, messages) if record is not None]
-    return recover(folder, records, sealed)
-
-
 class Reopening:
     """Repairs the files of one survey."""
 
@@ -113,14 +93,13 @@ class Reopening:
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
-            survey_id = recover_with_recording(folder).survey_id
-            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
-            # Again, because the manifest knows how long the log was.
-            self._recovered = recover_with_recording(folder, self._sealed)
+            self._recovered = recover_with_recording(folder)
             description = self._recovered.description
             self._repairs = repairs_of(self._recovered)
             self._start = self._start_copy()
             survey_metadata.started_us(self._start)
+            survey_id = self._recovered.survey_id
+            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
             misfits = _misfits(description)
             mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, misfits)
             self._stored = StoredTraces(folder, mcap, survey_id, self._sealed, misfits)

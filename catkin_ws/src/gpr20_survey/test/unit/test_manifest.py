@@ -1,0 +1,117 @@
+"""The manifest covers itself to the last bit, and manifests of earlier versions are read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import random
+from dataclasses import replace
+
+import pytest
+from case_kit import each_case
+from log_examples import NOW, add_marker, make_survey, recovered
+
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest, survey_metadata
+from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_survey.folder.log_content import description_of
+
+EARLIER = ("gpr20-manifest/1", "gpr20-manifest/2")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    make_survey(tmp_path / "survey")
+    return tmp_path / "survey"
+
+
+def with_own_sum(values):
+    own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
+    return survey_metadata.encode({**values, "sha256": own_sum})
+
+
+def is_sealed(folder):
+    sealed = manifest.read_manifest(folder)
+    return sealed.covers(recovered(folder).found.records) and all(
+        sealed.matches(name, file_sums.sum_of_file(folder / name)) for name in sealed.files
+    )
+
+
+def test_the_log_is_named_by_its_last_record_and_its_files_are_not_listed(folder):
+    sealed = manifest.read_manifest(folder)
+    last = recovered(folder).found.records[-1]
+    assert (sealed.log, sealed.next_log) == ((last.number, last.sha256), None)
+    assert set(sealed.files) == {"traces/one.json"}
+
+
+def test_a_manifest_is_read_as_it_was_written(folder):
+    sealed = replace(
+        manifest.read_manifest(folder),
+        next_log=manifest.LogHead(4, "a" * 64),
+        unconfirmed=("record 3", "markers/1"),
+        reopened=NOW,
+        rewritten=({"time": NOW, "reason": "it was missing"},),
+    )
+    assert manifest.decode(sealed.encode()) == sealed
+
+
+def test_every_bit_of_a_manifest_is_covered(folder):
+    whole = (folder / "manifest.json").read_bytes()
+    assert manifest.decode(whole).covers_itself
+    chance = random.Random(7)
+    for place in range(len(whole)):
+        changed = bytearray(whole)
+        changed[place] ^= 1 << chance.randrange(8)
+        with pytest.raises(manifest.ManifestDamagedError):
+            manifest.decode(bytes(changed))
+    for end in range(0, len(whole), 7):
+        with pytest.raises(manifest.ManifestDamagedError):
+            manifest.decode(whole[:end])
+
+
+@each_case("key", ["rewritten", "files", "survey_id", "log", "next_log", "unconfirmed"])
+@each_case("value", [1, [1], "x", {"number": -1, "sha256": "a"}, {"number": 1, "sha256": 1}])
+def test_a_manifest_with_entries_of_another_type_is_damaged(folder, key, value):
+    values = json.loads((folder / "manifest.json").read_text())
+    if type(value) is type(values[key]) and key not in ("log", "next_log", "rewritten"):
+        value = 2.5
+    del values["sha256"]
+    with pytest.raises(manifest.ManifestDamagedError):
+        manifest.decode(with_own_sum({**values, key: value}))
+
+
+def make_former(folder, form):
+    """Turn a survey into one of an earlier version: no log, and a manifest that lists survey.json.
+
+    Returns the content of its survey.json.
+    """
+    described = description_of(recovered(folder).found.records)
+    (folder / "log.jsonl").unlink()
+    (folder / "survey.json").write_bytes(survey_metadata.encode(described))
+    sealed = manifest.read_manifest(folder)
+    sums = {**sealed.files, "survey.json": file_sums.sum_of_file(folder / "survey.json")}
+    values = {
+        "format": form,
+        "survey_id": sealed.survey_id,
+        "software_revision": sealed.software_revision,
+        "written": sealed.written,
+        "files": {name: one._asdict() for name, one in sums.items()},
+    }
+    if form == EARLIER[0]:
+        content = survey_metadata.encode(values)
+    else:
+        content = with_own_sum({**values, "reopened": None, "rewritten": [], "replacing": {}})
+    (folder / "manifest.json").write_bytes(content)
+    return described
+
+
+@pytest.mark.parametrize("form", EARLIER)
+def test_a_manifest_of_an_earlier_version_is_read_and_replaced_by_the_next_addition(folder, form):
+    described = make_former(folder, form)
+    sealed = manifest.read_manifest(folder)
+    assert sealed.log is None and sealed.covers_itself is (form != EARLIER[0])
+    assert sealed.matches("survey.json", file_sums.sum_of_file(folder / "survey.json"))
+    add_to_survey(folder, add_marker(7), NOW)
+    assert is_sealed(folder) and manifest.read_manifest(folder).covers_itself
+    assert recovered(folder).found.records[0].values == described
+    assert recovered(folder).all_unconfirmed == {}
