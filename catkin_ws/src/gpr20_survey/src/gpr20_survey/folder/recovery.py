@@ -26,6 +26,8 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
 
 NO_COPY = "no copy of survey.json confirms it"
+PLAN = "plan"
+LATER = "everything that was not recorded"
 WRONG_FORM = "it is not as the storage writes it"
 MAX_RESUMPTIONS = 100_000
 # How survey.json begins.
@@ -86,7 +88,8 @@ def recover(
     try:
         found = read_log(folder, recorded, last)
         if found.damage or found.lost:
-            found = read_log(folder, recorded, max(last, sealed_end(folder)))
+            last = max(last, sealed_end(folder))
+            found = read_log(folder, recorded, last)
     except SurveyRefusedError as error:
         sealed = _sealed_for(folder)
         if sealed is None:
@@ -100,6 +103,8 @@ def recover(
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"]
+    if found.only_recorded and last < 0:
+        unconfirmed = {**unconfirmed, **_later_lost()}
     return RecoveredSurvey(description, found, unconfirmed)
 
 
@@ -202,7 +207,7 @@ def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
     later = {name: {"reason": NO_COPY} for name in _later_entries(own, left_out)}
     sealed = _sealed_for(folder)
     if sealed is None:
-        unconfirmed = {"plan": {"reason": NO_COPY}, **later, **unconfirmed}
+        unconfirmed = {PLAN: {"reason": NO_COPY}, **later, **unconfirmed}
         return RecoveredSurvey(own, found, unconfirmed, left_out)
     best = survey_metadata.with_start_of(own, sealed)
     return RecoveredSurvey(best, found, {**later, **unconfirmed}, left_out)
@@ -262,7 +267,7 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
 
 def _later_lost() -> Dict[str, Any]:
     reason = {"reason": "survey.json and log.jsonl cannot be read"}
-    return {"everything after the start": reason}
+    return {LATER: reason}
 
 
 def _keep_damaged(folder: Path, name: str) -> None:
