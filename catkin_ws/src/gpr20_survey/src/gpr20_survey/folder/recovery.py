@@ -32,6 +32,7 @@ from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import recorded_log
 
 NO_COPY = "no copy of survey.json confirms it"
+PLAN = "plan"
 WRONG_FORM = "it is not as the storage writes it"
 MAX_RESUMPTIONS = 100_000
 # How survey.json begins.
@@ -90,7 +91,8 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
     try:
         found = read_log(folder, recorded, last)
         if not found.agrees or found.lost:
-            found = read_log(folder, recorded, max(last, sealed_end(folder)))
+            last = max(last, sealed_end(folder))
+            found = read_log(folder, recorded, last)
     except SurveyRefusedError as error:
         sealed = _sealed_for(folder)
         if sealed is None:
@@ -228,7 +230,7 @@ def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
     later = {name: {"reason": NO_COPY} for name in _later_entries(own, left_out)}
     sealed = _sealed_for(folder)
     if sealed is None:
-        unconfirmed = {"plan": {"reason": NO_COPY}, **later, **unconfirmed}
+        unconfirmed = {PLAN: {"reason": NO_COPY}, **later, **unconfirmed}
         return RecoveredSurvey(own, found, unconfirmed, left_out)
     best = survey_metadata.with_start_of(own, sealed)
     return RecoveredSurvey(best, found, {**later, **unconfirmed}, left_out)

@@ -42,7 +42,10 @@ class State(enum.Enum):
     DAMAGED = "damaged"
 
 
-MAX_LOG_BYTES = 1 << 30
+MAX_LOG_BYTES = 64 << 20
+# For the records without which a survey cannot be opened and closed.
+RESERVED_BYTES = 1 << 20
+NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
 # How a record begins and ends in log.jsonl.
 _BEGIN = re.compile(rb'\{"number":\d+,"time":"')
 _END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
@@ -152,18 +155,31 @@ class SurveyLog:
         """Add a record of `next`; return when it is durable in both files.
 
         Raises:
+            SurveyRefusedError: The log would become too large.
             OSError: The disk refused; the log has its former records, and the call may be
                 repeated.
         """
         records = [*self._records, record]
+        view = view_of(records)
+        self._check_room(record, view)
         was_whole, self._whole = self._whole, False
         if was_whole:
             _append(self._path, record.line())
         else:
             durable_files.replace_file(self._path, b"".join(one.line() for one in records))
-        durable_files.replace_file(self._view, view_of(records))
+        durable_files.replace_file(self._view, view)
         self._records, self._whole = records, True
         return record
+
+    def _check_room(self, record: LogRecord, view: bytes) -> None:
+        if record.kind in NEEDED:
+            return
+        size = self._path.stat().st_size if self._whole else 0
+        for path, bytes_, most in (
+            (self._path, size + len(record.line()), MAX_LOG_BYTES),
+            (self._view, len(view), survey_metadata.MAX_FILE_BYTES),
+        ):
+            survey_metadata.check_size(bytes_, path.name, most - RESERVED_BYTES)
 
     @property
     def is_whole(self) -> bool:
@@ -223,10 +239,15 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
         agrees=not damaged and in_log.keys() == in_view.keys(),
         has_log=True,
         own=own,
-        has_open_end=own is None and last < 0 and (not lines or lines[-1] != b""),
+        has_open_end=last < 0 and _has_open_end(own, lines, not in_log and not in_view),
         lines=lines,
         view=content,
     )
+
+
+def _has_open_end(own: Any, lines: Optional[Sequence[bytes]], only_recorded: bool) -> bool:
+    torn = not lines or lines[-1] != b""
+    return only_recorded or (own is None and torn)
 
 
 def _append(path: Path, line: bytes) -> None:
@@ -243,10 +264,11 @@ def _read_lines(path: Path) -> Optional[List[bytes]]:
     """Return the lines of log.jsonl; None if it cannot be read."""
     try:
         with open(open_regular(path), "rb") as stream:
-            content = stream.read(MAX_LOG_BYTES + 1)
-    except OSError:
+            # Before it is read, so that a huge file takes no memory.
+            survey_metadata.check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_LOG_BYTES)
+            return stream.read().split(b"\n")
+    except (OSError, SurveyRefusedError):
         return None
-    return content.split(b"\n") if len(content) <= MAX_LOG_BYTES else None
 
 
 def _read_view(
