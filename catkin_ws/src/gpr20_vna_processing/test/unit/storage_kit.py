@@ -12,6 +12,7 @@ from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
 from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.folder.signature import Signer
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
@@ -111,6 +112,7 @@ class Kit:
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
         readers: Readers = Readers.GROUP,
+        signer: Optional[Signer] = None,
         check_data: Optional[Callable[[], None]] = None,
     ) -> None:
         self.stored: List[Trace] = []
@@ -128,6 +130,7 @@ class Kit:
                 clock=Clock(),
                 revision="1.2.3",
                 readers=readers,
+                signer=signer,
                 end_status=end_status,
             ),
             limits,

@@ -14,6 +14,7 @@ from gpr20_survey.folder import manifest, sealing, survey_folder
 from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import is_vouched, open_log, recover_with_recording
+from gpr20_survey.folder.signature import Signer, try_to_sign
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
@@ -50,7 +51,13 @@ def annotate(annotation: Annotation) -> Change:
     return change
 
 
-def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
+def add_to_survey(
+    folder: Path,
+    change: Change,
+    now: str,
+    signer: Optional[Signer] = None,
+    on_unsigned: Callable[[Message], None] = lambda _warning: None,
+) -> Dict[str, Any]:
     """Add a fact to a survey that nobody writes; return survey.json's content when it is durable.
 
     A form of the log that is damaged is written again from the other one. A survey of an earlier
@@ -60,6 +67,8 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
         folder: The survey's folder.
         change: What is added.
         now: The present moment, as ISO 8601 text.
+        signer: Signs the survey again, if its manifest was as this key had signed it.
+        on_unsigned: Called with a warning if that failed.
 
     Raises:
         SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
@@ -82,6 +91,7 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
             fact = None
         if fact is None and recovered.found.is_whole:
             return recovered.description
+        was_signed = signer is not None and signer.has_signed(folder)
         log = open_log(folder, recovered, now)
         if sealed is not None and not log.is_whole:
             sealed = sealing.write_sealed(folder, sealed, log)
@@ -93,6 +103,9 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
                 log.add(record)
             else:
                 sealing.add_sealed(folder, sealed, log, record)
+        warning = try_to_sign(signer, folder) if was_signed else None
+    if warning is not None:
+        on_unsigned(warning)
     return log.description
 
 

@@ -117,6 +117,21 @@ class Signer:
                 signature = self._signature_of(content)
             durable_files.replace_file(path, signature)
 
+    def has_signed(self, folder: Path) -> bool:
+        """Return whether the manifest of a survey is as this key signed it.
+
+        What somebody else has changed must not be signed with the next change.
+        """
+        try:
+            own = ssh_keygen.public_key(self._key).fingerprint
+            _check_form(folder / SIGNATURE_FILE)
+            with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
+                return _fingerprint(stream, folder / SIGNATURE_FILE) == own
+        except OSError:
+            return False  # one of the files is missing, or cannot be read
+        except SigningError:
+            return False  # the key cannot be used, which `sign` says, or the signature is damaged
+
     def _signature_of(self, content: Union[int, IO[bytes]]) -> bytes:
         ssh_keygen.check_key(self._key)
         signed = ssh_keygen.ask(("-Y", "sign", "-f", self._key, "-n", NAMESPACE), content)
@@ -197,10 +212,16 @@ def check_signature(folder: Path, signers: Path) -> SignatureCheck:
         )
 
 
-def _check(content: IO[bytes], signature: Path, signers: Path) -> SignatureCheck:
+def _fingerprint(content: IO[bytes], signature: Path) -> str:
+    """Return the fingerprint of the key that signed these bytes; empty: nobody did."""
     fits = ssh_keygen.ask(("-Y", "check-novalidate", "-n", NAMESPACE, "-s", signature), content)
-    fingerprint = "".join(_FINGERPRINT.findall(fits.output)[:1])
-    if not fits.yes:
+    return "".join(_FINGERPRINT.findall(fits.output)[:1]) if fits.yes else ""
+
+
+def _check(content: IO[bytes], signature: Path, signers: Path) -> SignatureCheck:
+    fingerprint = _fingerprint(content, signature)
+    fits = bool(fingerprint)
+    if not fits:
         content.seek(0)
         try:
             manifest.decode(content.read())
@@ -211,7 +232,7 @@ def _check(content: IO[bytes], signature: Path, signers: Path) -> SignatureCheck
     principals = _principals(signature, signers)
     if not principals:
         return SignatureCheck(Signature.UNKNOWN_KEY, fingerprint=fingerprint)
-    if not fits.yes:
+    if not fits:
         return SignatureCheck(Signature.STALE, principals[0])
     for principal in principals:
         content.seek(0)

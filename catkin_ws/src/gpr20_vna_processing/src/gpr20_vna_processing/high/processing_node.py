@@ -197,6 +197,9 @@ class ProcessingNode:
             survey=closed.survey_id,
             stored=closed.stored_traces,
         )
+        unsigned = self._processing.state().unsigned
+        if unsigned is not None:
+            message = in_a_row([message, unsigned])
         return CloseSurveyResponse(
             success=True,
             **message_fields(message),
@@ -245,8 +248,9 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
-        if self._key_warning is not None:
-            return WARN, self._key_warning, values
+        unsigned = state.unsigned or self._key_warning
+        if unsigned is not None:
+            return WARN, unsigned, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values

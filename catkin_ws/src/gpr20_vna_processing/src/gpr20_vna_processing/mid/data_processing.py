@@ -304,6 +304,7 @@ class DataProcessing:
             last_error=last_error,
             failing=failing,
             queues=self._thread.state(),
+            unsigned=self._survey.unsigned,
         )
 
     def _do(self, work: Callable[[], Any], timeout_s: Optional[float] = None) -> Any:

@@ -96,3 +96,5 @@ class ProcessingState:
     failing: bool
     """Whether the disk refused what was written last."""
     queues: QueueState
+    unsigned: Optional[Message] = None
+    """Why the survey that was changed last is not signed, although there is a key."""

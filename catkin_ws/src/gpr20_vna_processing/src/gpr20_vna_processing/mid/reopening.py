@@ -40,6 +40,7 @@ from gpr20_survey.folder.recovery import (
     repairs_of,
     start_of,
 )
+from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer, is_signed, try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.plan_fit import PlanFit
@@ -75,12 +76,13 @@ class RepairedSurvey:
 class Reopening:
     """Repairs the files of one survey."""
 
-    def __init__(self, folder: Path, topics: SurveyTopics) -> None:
+    def __init__(self, folder: Path, topics: SurveyTopics, signer: Optional[Signer] = None) -> None:
         """Read every file of the survey; nothing is changed.
 
         Args:
             folder: The survey's folder.
             topics: Makes messages of traces.
+            signer: Signed the survey, if its surveys are signed.
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
@@ -91,6 +93,8 @@ class Reopening:
         self._traces = folder / survey_folder.TRACES_FOLDER
         self._damaged = folder / survey_folder.DAMAGED_FOLDER
         self._topics = topics
+        self._signer = signer
+        self._was_signed = signer is not None and signer.has_signed(folder)
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
@@ -123,7 +127,7 @@ class Reopening:
             now = utc_time.iso_text(now_us)
             self._mark_manifest(now)
             self._remove_torn()
-            log = open_log(self._folder, self._with_unproven_traces(), now)
+            log = open_log(self._folder, self._with_unproven(), now)
             log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
             durable_files.ensure_folder(self._traces)
             self._repair_traces()
@@ -133,6 +137,7 @@ class Reopening:
             ).write()
             try:
                 # Last: until now it vouches for files that were not changed yet.
+                durable_files.remove_file(self._folder / SIGNATURE_FILE)
                 durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
             except OSError:
                 for recording in recordings:
@@ -154,17 +159,23 @@ class Reopening:
         copy = sealed_description(self._folder)
         return start if copy is None or differences(copy, start) else copy
 
-    def _with_unproven_traces(self) -> RecoveredSurvey:
-        """Name the traces of an earlier version that only a file without a checksum holds.
+    def _with_unproven(self) -> RecoveredSurvey:
+        """Name what the recordings, the manifest and its signature will vouch for from now on.
 
-        From now on the recordings will vouch for them.
+        These are the traces of an earlier version that only a file without a checksum holds, and
+        all of a survey that was changed since this robot signed it.
         """
         entries = {
             manifest.trace_name(name): {"reason": "only a file without a checksum holds it"}
             for name in self._stored.unproven
         }
+        if self._signer is not None and not self._was_signed and self._has_other_signature():
+            entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
         unconfirmed = {**self._recovered.unconfirmed, **entries}
         return replace(self._recovered, unconfirmed=unconfirmed)
+
+    def _has_other_signature(self) -> bool:
+        return is_signed(self._folder) and (self._folder / manifest.MANIFEST_FILE).exists()
 
     def _refuse(self, description: Dict[str, Any]) -> None:
         """Refuse a survey that cannot or need not continue.
@@ -192,6 +203,9 @@ class Reopening:
         elif self._sealed is not None and self._sealed.reopened is None:
             self._repairs += self._stored.changes()
             sealing.mark_reopened(self._folder, self._sealed, now)
+            if self._was_signed:
+                # Without a signature nothing is lost: the manifest is removed at the end.
+                try_to_sign(self._signer, self._folder)
 
     def _remove_torn(self) -> None:
         folders = [one for one in (self._folder, self._traces) if one.is_dir()]
