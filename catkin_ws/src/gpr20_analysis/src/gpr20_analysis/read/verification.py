@@ -54,7 +54,7 @@ def check_survey_folder(folder: Path) -> None:
     Raises:
         AnalysisError: It does not.
     """
-    if not any((folder / name).exists() for name in FILES):
+    if not any(manifest_check.exists(folder, name) for name in FILES):
         raise AnalysisError(
             Message(
                 "{folder} is not the folder of a survey: it contains none of {names}",
