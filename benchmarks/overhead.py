@@ -4,7 +4,7 @@
 
 Launches the simulated robot 2,000 times as fast as the real one, with sweeps of 501 points that
 take no time and moves of ten steps (0.1 mm), and runs one survey of it through the terminal client:
-every trace is stored durably in all three forms, and all topics are recorded. Printed are the time
+every trace is stored durably (JSON and MCAP), and all topics are recorded. Printed are the time
 from the start of one sweep to the start of the next, and its stages.
 
 On the way from one sweep to the next: `sweep`, from the trigger to its end; `get_data`, from there

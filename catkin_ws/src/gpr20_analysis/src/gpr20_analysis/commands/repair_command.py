@@ -1,4 +1,4 @@
-"""gpr20 repair: write a lost or damaged manifest again."""
+"""gpr20 repair: write a lost or damaged manifest, log.jsonl or survey.json again."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    """Repair the manifest, print what was done and return the exit status."""
+    """Repair the log and the manifest, print what was done and return the exit status."""
     folder = chosen.folder.expanduser()
     signer = signing.chosen_signer(chosen)
     now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
@@ -37,8 +37,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if result.repair is Repair.IMPOSSIBLE:
         lines.append(
             Message(
-                "nothing was changed: more than the manifest is damaged; resume the survey, which "
-                "repairs its files"
+                "nothing was changed: more than the log and the manifest is damaged; resume the "
+                "survey, which repairs its files"
             )
         )
         _print(lines, catalogue)
@@ -58,9 +58,9 @@ def _print(lines: List[Message], catalogue: Catalogue) -> None:
 
 
 COMMAND = Command(
-    "Write the manifest of a closed survey again if it is missing or damaged and all three forms "
-    "of every trace agree. No other file is changed; what the manifest no longer vouches for is "
-    "said.",
+    "Write manifest.json, log.jsonl or survey.json of a closed survey again if it is missing or "
+    "damaged and all else agrees. Traces and recordings are not changed; what nothing vouches for "
+    "is named, for ever.",
     add_arguments,
     run,
 )

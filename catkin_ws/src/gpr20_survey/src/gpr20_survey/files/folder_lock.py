@@ -16,11 +16,13 @@ from gpr20_survey.errors import SurveyRefusedError
 
 # How long somebody who adds one fact waits for another who does the same.
 SHORT_WAIT_S = 5.0
+# `writer_of` holds the lock for a moment.
+_LOOK_S = 0.2
 _POLL_S = 0.01
 
 
 @contextlib.contextmanager
-def locked(folder: Path, wait_s: float = 0.0) -> Iterator[None]:
+def locked(folder: Path, wait_s: float = _LOOK_S) -> Iterator[None]:
     """Hold the lock of a survey's folder; it ends with the process at the latest.
 
     Every writer of the folder holds it. It writes nothing, and does not prevent anybody from

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -196,7 +196,7 @@ def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
     return repairs
 
 
-def unconfirmed_message(entries: Dict[str, Any]) -> Message:
+def unconfirmed_message(entries: Mapping[str, Any]) -> Message:
     """Return the remark on entries that nothing vouches for."""
     return Message(
         "nothing vouches for {count} entries of survey.json: {names}; compare them with what you "

@@ -303,7 +303,7 @@ def _legible(lost: Sequence[int], damaged: Iterable[Any]) -> Dict[int, List[Any]
     found: Dict[int, List[Any]] = {}
     for one in damaged:
         number = one.get("number") if isinstance(one, dict) else None
-        if number in lost:
+        if isinstance(number, int) and number in lost:
             found.setdefault(number, []).append(one)
     return found
 

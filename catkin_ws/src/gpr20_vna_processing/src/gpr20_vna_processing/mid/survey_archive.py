@@ -14,8 +14,9 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.manifest import MANIFEST_FILE
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import read_description, unconfirmed_message
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import ANNOTATION
@@ -178,6 +179,10 @@ class SurveyArchive:
         # The report of a survey that was cut off may be older than its last traces.
         cut_off = outcome in ("", INTERRUPTED)
         verdict = None if cut_off else reported_verdict(values.get("report"))
+        sentence = None if verdict is None else verdict.message
+        unconfirmed = values.get(UNCONFIRMED)
+        if unconfirmed:
+            sentence = unconfirmed_message(unconfirmed)
         return SurveySummary(
             folder=folder.name,
             survey_id=values["survey_id"],
@@ -185,8 +190,11 @@ class SurveyArchive:
             outcome=outcome,
             stored_traces=len(stored),
             planned_traces=planned,
-            verdict=None if verdict is None else verdict.message,
-            complete=sealed and outcome == "finished" and 0 < planned == len(stored),
+            verdict=sentence,
+            complete=sealed
+            and not unconfirmed
+            and outcome == "finished"
+            and 0 < planned == len(stored),
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
             refines=refines_of(values),
