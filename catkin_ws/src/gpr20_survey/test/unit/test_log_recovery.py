@@ -29,7 +29,7 @@ from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.log_content import view_of
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import open_log, recover
-from gpr20_survey.folder.survey_log import SurveyLog, read_log
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.markers import markers_of
 
 DAMAGES = int(os.environ.get("GPR20_DAMAGES", "120"))
@@ -305,8 +305,10 @@ def test_a_crash_while_the_log_is_repaired_forgets_nothing_that_is_lost(folder, 
             finally:
                 os._exit(0)
         os.waitpid(child, 0)
-        ended = names_of_lost(recovered(copy)) == expected and recovered(copy).found.is_whole and (
-            len(recovered(copy).description.get("resumed", [])) == 1
+        ended = (
+            names_of_lost(recovered(copy)) == expected
+            and recovered(copy).found.is_whole
+            and (len(recovered(copy).description.get("resumed", [])) == 1)
         )
         assert names_of_lost(recovered(copy)) == expected, number
         assert names_of_lost(reopened(copy)) == expected, number
@@ -361,7 +363,9 @@ def test_a_crash_at_any_call_of_the_disk_adds_a_fact_whole_or_not_at_all(sealed,
 
 
 def test_a_number_that_is_far_too_large_does_not_fill_the_memory(folder):
-    line = b'{"number":999999999999,"time":"","kind":"marker","values":{},"previous":"","sha256":""}\n'
+    line = (
+        b'{"number":999999999999,"time":"","kind":"marker","values":{},"previous":"","sha256":""}\n'
+    )
     with (folder / "log.jsonl").open("ab") as stream:
         stream.write(line)
     assert len(recovered(folder).found.lost) <= 1

@@ -144,4 +144,3 @@ def test_a_file_is_never_overwritten(folder):
     with pytest.raises(FileExistsError):
         BagFile(folder / "survey.bag")
     assert (folder / "survey.bag").read_bytes() == before
-

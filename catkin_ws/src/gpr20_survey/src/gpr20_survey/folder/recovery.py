@@ -71,9 +71,7 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(
-    folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1
-) -> RecoveredSurvey:
+def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:

@@ -83,9 +83,7 @@ def mark_reopened(folder: Path, sealed: Manifest, now: str) -> None:
     durable_files.replace_file(folder / MANIFEST_FILE, marked.encode())
 
 
-def seal_log(
-    folder: Path, sealed: Manifest, log: SurveyLog, is_adding: bool = False
-) -> Manifest:
+def seal_log(folder: Path, sealed: Manifest, log: SurveyLog, is_adding: bool = False) -> Manifest:
     """Let the manifest of a closed survey name the present log; return it when it is durable.
 
     Damaged forms of the log that were put aside are listed too. The manifest of an earlier

@@ -341,7 +341,8 @@ def _contradicting(found: Sequence[LogRecord], forms: Sequence[Records]) -> Tupl
         for form in forms
         for number, record in sorted(form.items())
         # The last one may be an addition that failed, and was repeated with other values.
-        if (number, record.sha256) not in used and (number < end or number < max(form))
+        if (number, record.sha256) not in used
+        and (number < end or number < max(form))
         # Nothing vouches for one without values.
         and record.values is not None
     )

@@ -26,8 +26,8 @@ from trace_examples import STARTED_US, SURVEY, read_json
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import ProcessingError, StorageFailedError
-from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE, SURVEY_FILE, survey_folder
 from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE, SURVEY_FILE, survey_folder
 from gpr20_survey.plan.markers import Marker, markers_of
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings

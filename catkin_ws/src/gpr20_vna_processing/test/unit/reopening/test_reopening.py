@@ -15,7 +15,6 @@ from reopening_kit import (
     FIRST,
     METADATA,
     TRACES,
-    assert_whole,
     data,
     fill,
     finish,
@@ -63,9 +62,7 @@ def test_a_bag_is_not_believed_but_written_again_from_the_mcap(kit, folder, cont
     assert reopened.stored_indices == (0, 1, 2, 3)
     assert reopened.repairs == ()
     finish(kit, folder, reopened)
-    messages = [
-        (channel.topic, message.data) for channel, message in raw_messages(folder)
-    ]
+    messages = [(channel.topic, message.data) for channel, message in raw_messages(folder)]
     with Reader(str(folder / "survey.bag")) as reader:
         found = [(connection.topic, data) for connection, _, data in reader.messages()]
     assert sorted(found) == sorted(messages)

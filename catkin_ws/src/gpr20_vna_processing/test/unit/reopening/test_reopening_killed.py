@@ -137,4 +137,3 @@ def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_p
         assert verify_survey(folder).faults == []
         shutil.rmtree(str(data))
     assert number > 20
-
