@@ -17,6 +17,7 @@ from log_examples import NOW, PLAN, entries, facts, make_survey, write_log
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_log, survey_metadata
 from gpr20_survey.folder.log_content import description_of, view_of
+from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import (
     KEYS,
     MAX_NUMBER,
@@ -25,7 +26,7 @@ from gpr20_survey.folder.log_record import (
     record_of,
     record_of_line,
 )
-from gpr20_survey.folder.survey_log import SurveyLog, read_log
+from gpr20_survey.folder.survey_log import SurveyLog
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)

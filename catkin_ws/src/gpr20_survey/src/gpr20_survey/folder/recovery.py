@@ -18,14 +18,9 @@ from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
+from gpr20_survey.folder.log_reading import FoundLog, json_text, lost_entries, read_log
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.survey_log import (
-    FoundLog,
-    SurveyLog,
-    json_text,
-    lost_entries,
-    read_log,
-)
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
 from gpr20_survey.recording.mcap_reader import StoredMcap

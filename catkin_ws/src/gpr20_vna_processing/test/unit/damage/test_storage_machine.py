@@ -54,8 +54,6 @@ class Known:
 
     is_open: bool = False
     """Whether its opening was acknowledged, ever."""
-    may_be_open: bool = False
-    """Whether its opening was tried."""
     stored: Dict[int, object] = field(default_factory=dict)
     uncertain: Set[int] = field(default_factory=set)
     """Traces that were sent and not acknowledged."""
@@ -66,6 +64,12 @@ class Known:
     """Whether a close was begun that was not acknowledged."""
     spoiled: bool = False
     """Whether somebody removed a recording, and it was not reopened since."""
+
+    @property
+    def has_content(self) -> bool:
+        """Whether anything was stored or noted since it was opened."""
+        added = self.stored or self.uncertain or self.reports or self.markers
+        return bool(added or self.outcome or self.may_have_ended)
 
 
 class StorageMachine(RuleBasedStateMachine):
@@ -163,12 +167,11 @@ class StorageMachine(RuleBasedStateMachine):
         if self.current:
             again = self.current == survey and self.opened_new
             allowed = [""] if again else ["survey.other_open"]
-        elif known.is_open:
+        elif known.is_open and known.has_content:
             allowed = ["survey.folder_exists"]
         else:
-            # A failed opening can be repeated; it may have succeeded unanswered.
-            allowed = ["", "survey.folder_exists"] if known.may_be_open else [""]
-        known.may_be_open = True
+            # A failed opening can be repeated.
+            allowed = ["", "survey.folder_exists"] if known.is_open else [""]
         folder = self.request(
             lambda: self.kit.open(survey, metadata_json=METADATA), allowed, failure
         )
