@@ -19,6 +19,7 @@ from gpr20_survey import faults
 from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files, file_sums, ssh_keygen
 from gpr20_survey.folder import manifest, sealing, signature
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.signature import (
     NAMESPACE,
     SIGNATURE_FILE,
@@ -29,13 +30,15 @@ from gpr20_survey.folder.signature import (
     key_warning,
     try_to_sign,
 )
+from gpr20_survey.folder.survey_log import SurveyLog
 
 ROBOT = "GPR-20 norte"
 WRITTEN = "2026-09-21T15:00:00.000000+00:00"
 
 
 def seal(folder, revision="1.2.3"):
-    sealing.write_manifest(folder, SURVEY, revision, WRITTEN)
+    plan = LogRecord.after(None, Kind.PLAN, {"survey_id": SURVEY}, WRITTEN)
+    sealing.write_manifest(folder, SurveyLog(folder, [plan], False), revision, WRITTEN)
 
 
 def make_folder(folder):

@@ -9,6 +9,7 @@ from typing import Any, Callable, Container, Dict, Iterable, List, Optional
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
 
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import ensure_folders
@@ -42,6 +43,12 @@ def text_message(topic: str, text: str, time_ns: int = NOW_NS, latching: bool = 
     """Return a std_msgs/String for recording."""
     message = TYPES.types["std_msgs/msg/String"](data=text)
     return recorded(topic, "std_msgs/String", message, time_ns, latching)
+
+
+def bag_messages(path: Path) -> List[RecordedMessage]:
+    """Return every message that is there in full in a bag, be it finished or not."""
+    with path.open("rb") as stream:
+        return list(complete_messages(stream))
 
 
 def end_status(end: SurveyEnd) -> RecordedMessage:

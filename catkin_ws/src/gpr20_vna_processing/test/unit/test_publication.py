@@ -8,10 +8,9 @@ import pytest
 from annotation_examples import EXAMPLE
 from log_examples import marker
 from planned_survey import METADATA
-from storage_kit import OTHER_SURVEY, Kit
+from storage_kit import OTHER_SURVEY, Kit, bag_messages
 from trace_examples import STARTED_US, SURVEY, make_trace
 
-from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.recording.mcap_reader import StoredMcap
@@ -91,7 +90,7 @@ def test_every_record_of_the_log_is_recorded_and_published_when_it_is_durable(ki
     assert [one.kind for one in added] == ["plan", *kinds, "end", "resume", "end"]
     expected = [one for one in added if one.kind != "end"]  # written when nothing records any more
     mcap = [recorded_log(one) for one in StoredMcap(folder / "survey.mcap").messages()]
-    bag = [recorded_log(one) for one in complete_messages(folder / "survey.bag")]
+    bag = [recorded_log(one) for one in bag_messages(folder / "survey.bag")]
     assert [one for one in mcap if one] == [one for one in bag if one] == expected
 
 

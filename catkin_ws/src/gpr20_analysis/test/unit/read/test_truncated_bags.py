@@ -31,7 +31,8 @@ def content(folder):
 
 @pytest.fixture(scope="module")
 def messages(folder):
-    return list(complete_messages(folder / "survey.bag"))
+    with (folder / "survey.bag").open("rb") as stream:
+        return list(complete_messages(stream))
 
 
 def indices(path):

@@ -299,7 +299,7 @@ def lost_entries(found: FoundLog) -> Dict[str, Any]:
     Whatever can be read of it stands beside it, and is not used.
     """
     entries = {
-        _name(number, found.legible.get(number, ())): {
+        f"record {number}": {
             "reason": "its checksum is wrong in every copy, or it is missing",
             "found": [json_text(one) for one in found.legible.get(number, ())],
         }
@@ -311,12 +311,6 @@ def lost_entries(found: FoundLog) -> Dict[str, Any]:
             "found": [json_text(one.as_json())],
         }
     return {"lost": list(found.lost), "entries": entries}
-
-
-def _name(number: int, legible: Sequence[Any]) -> str:
-    known = {one.value for one in Kind}
-    kinds = [one.get("kind") for one in legible if one.get("kind") in known]
-    return f"record {number} ({kinds[0]})" if kinds else f"record {number}"
 
 
 def json_text(value: Any) -> str:

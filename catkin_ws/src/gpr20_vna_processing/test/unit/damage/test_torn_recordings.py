@@ -5,10 +5,9 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from storage_kit import Kit, text_message
+from storage_kit import Kit, bag_messages, text_message
 from trace_examples import STARTED_US, SURVEY, make_trace
 
-from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.recording.mcap_reader import StoredMcap
@@ -43,7 +42,7 @@ def read(kind, path):
     """
     mcap = StoredMcap(path)
     prints, wrong = {}, 0
-    for message in complete_messages(path) if kind == "bag" else mcap.messages():
+    for message in bag_messages(path) if kind == "bag" else mcap.messages():
         try:
             trace = recorded_trace(message)
         except TraceRefusedError:

@@ -10,10 +10,9 @@ from annotation_examples import EXAMPLE
 from fault_kit import raises_fault
 from planned_survey import POINTS, planned_trace
 from reopening_kit import assert_whole
-from storage_kit import OTHER_SURVEY, Kit
+from storage_kit import OTHER_SURVEY, Kit, bag_messages
 from trace_examples import SURVEY, read_json
 
-from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
@@ -127,7 +126,7 @@ def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data, traces,
         "/trace": {VERSIONS[version][0]},
         f"/trace_{trace_message.MD5SUM[:8]}": {trace_message.MD5SUM},
     }
-    for messages in (complete_messages(folder / "survey.bag"), mcap_messages(folder)):
+    for messages in (bag_messages(folder / "survey.bag"), mcap_messages(folder)):
         types = {}
         for message in messages:
             if message.datatype == trace_message.DATATYPE:
