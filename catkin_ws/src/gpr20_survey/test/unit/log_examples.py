@@ -153,8 +153,8 @@ def make_former(
     It has no log, its traces have no checksums, and its manifest, if any, lists survey.json.
     """
     described = description_of(recovered(folder).found.records)
-    for key in without:
-        described.pop(key)
+    for key in ("content_sha256", *without):
+        described.pop(key, None)
     (folder / "log.jsonl").unlink()
     (folder / "survey.json").write_bytes(survey_metadata.encode(described))
     for path in (folder / "traces").iterdir():

@@ -16,7 +16,7 @@ from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.manifest_repair import Repair, repair_manifest
+from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
@@ -122,24 +122,21 @@ def test_a_file_that_one_bit_broke_loses_nothing_that_was_noted(copies, ending, 
     assert verify_survey(folder).status == COMPLETE
 
 
-@pytest.mark.parametrize("ending", STORED)
+@pytest.mark.parametrize("ending", [one for one in STORED if one != "finished"])
 def test_a_marker_damaged_in_both_files_is_named_for_ever(copies, ending):
     folder = copies(ending)
     number = next(one["number"] for one in entries(folder) if one["kind"] == "marker")
     if ending == "cut off":
         (folder / "survey.mcap").unlink()  # which holds it too
-    elif ending != "finished":
+    else:
         shutil.copy(str(folder / "survey.bag"), str(folder / "survey.mcap"))
     for name in FORMS:
         change_digit(folder, name, 1)
     assert verify_survey(folder).status == DAMAGED
     with raises_fault("survey.description_damaged", error=SurveyRefusedError):
         add_to_survey(folder, annotate(EXAMPLE), NOW)
-    if ending == "finished":
-        assert repair_manifest(folder, "1.2.3", NOW).repair is Repair.WRITTEN
-    else:
-        resume(folder, "stopped")
-        resume(folder)
+    resume(folder, "stopped")
+    resume(folder)
     assert noted(folder) == [marker(2).text]
     found = verify_survey(folder)
     assert (found.status, found.faults) == (INCOMPLETE, [])
@@ -296,7 +293,8 @@ def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path, 
     calls, failed, opened = 0, 0, False
     while not opened:
         data = tmp_path / str(calls)
-        kit = Kit(data, open_recordings)
+        data.mkdir()
+        kit = Kit(data, open_recordings, check_data=lambda: None)
         left = [calls]
 
         def failing(real, left=left):
@@ -319,7 +317,7 @@ def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path, 
                 failed += 1
         if calls % 2 and not opened:  # the process ends
             kit.processing.shut_down()
-            kit = Kit(data, open_recordings)
+        kit = Kit(data, open_recordings, check_data=lambda: None)
         folder = kit.open(metadata_json=METADATA)
         assert not any(map(durable_files.is_temporary, os.listdir(folder)))
         kit.finish(TRACES, ())

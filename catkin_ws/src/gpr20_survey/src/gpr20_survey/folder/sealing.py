@@ -159,7 +159,8 @@ def add_sealed(folder: Path, sealed: Manifest, log: SurveyLog, record: LogRecord
     Raises:
         OSError: The disk refused; the call may be repeated.
     """
-    both = replace(sealed, next_log=LogHead.of(record))
+    # Its last seal may have failed, so that it names this log as the next one.
+    both = replace(sealed, log=LogHead.of(log.last), next_log=LogHead.of(record))
     durable_files.replace_file(folder / MANIFEST_FILE, both.encode())
     log.add(record)
     seal_log(folder, both, log)

@@ -8,7 +8,7 @@ from typing import Callable, Tuple
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 
@@ -26,6 +26,7 @@ def find_survey(
     Raises:
         SurveyRefusedError: There is none, nothing in its folder describes it, or part of it is a
             symbolic link.
+        StorageFailedError: A file cannot be read.
     """
     reason = Message(
         "there is no survey {survey} in {folder}",
@@ -34,7 +35,9 @@ def find_survey(
     )
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
-        found = recover_survey(folder)
+        failure = Message("the survey in {folder} could not be read", folder=printable(folder))
+        with storing(failure, folder):
+            found = recover_survey(folder)
         survey_id = survey_folder.check_survey_id(found.survey_id)
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, found

@@ -72,7 +72,7 @@ def put_pipe(path):
 
 
 def checked(folder):
-    return check_manifest(folder, SURVEY, recover(folder).found.records)
+    return check_manifest(folder, SURVEY, recover(folder).found)
 
 
 def differences(folder):
