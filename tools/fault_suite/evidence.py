@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any, Dict, List, Optional
@@ -36,6 +37,36 @@ def everything_of(folder: Path) -> Found:
         description.get("annotation"),
         description.get("report"),
     )
+
+
+def log_of(folder: Path) -> Optional[Found]:
+    """Return what the log of a survey says by itself; None: a survey of an earlier version.
+
+    Raises:
+        ValueError: A line is not as it was written, or not behind the one before it.
+    """
+    path = folder / "log.jsonl"
+    if not path.exists():
+        return None
+    found, last = Found(), (-1, "")
+    markers: Dict[str, Dict[str, Any]] = {}
+    for line in path.read_text("ascii").splitlines():
+        record = json.loads(line)
+        number, kind, values = record["number"], record["kind"], record["values"]
+        hashed = [number, record["time"], kind, values, record["previous"]]
+        text = json.dumps(hashed, separators=(",", ":"))
+        # A record that is missing is a fact that is missed; one behind it stands for itself.
+        follows = number > last[0] + 1 or (number - 1, record["previous"]) == last
+        own_sum = hashlib.sha256(text.encode("ascii")).hexdigest()
+        if record["sha256"] != own_sum or not follows:
+            raise ValueError(f"log.jsonl: not as it was written: {line}")
+        last = number, own_sum
+        if kind in ("marker", "marker_removed"):
+            markers.setdefault(values["marker_id"], {}).update(values)
+        elif kind in ("annotation", "report"):
+            setattr(found, kind, values)
+    found.markers = list(markers.values())
+    return found
 
 
 def _json_traces(folder: Path) -> List[Any]:

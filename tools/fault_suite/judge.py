@@ -14,14 +14,16 @@ from typing import Counter, Iterable, List, Optional, Set
 from storage_kit import Kit
 
 from fault_suite.child import COMPLETE
-from fault_suite.evidence import everything_of, survey_in, traces_of_torn
-from fault_suite.facts import Difference, Facts, Kind
+from fault_suite.evidence import everything_of, log_of, survey_in, traces_of_torn
+from fault_suite.facts import Difference, Facts, Fault, Kind
 from fault_suite.script import TRACES
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE as INTACT
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
@@ -128,7 +130,7 @@ class Judge:
 
     def _check_intact(self, folder: Path, facts: Facts) -> None:
         """Look for facts in a survey that is called complete and intact before any repair."""
-        differences = facts.differences(everything_of(folder), every_trace=True)
+        differences = _differences(folder, facts)
         if differences:
             self.note(LAUNDERED, f"called complete and intact: {_shown(differences)}")
 
@@ -154,16 +156,11 @@ class Judge:
 
     def _check_finished(self, folder: Path, facts: Facts) -> None:
         verified = verify_survey(folder)
-        found = everything_of(folder)
-        differences = facts.differences(found, every_trace=True)
+        differences = _differences(folder, facts)
         if verified.status == INTACT:
             self._note_all(differences)
             if differences:
                 self.note(LAUNDERED, f"complete and intact after a repair: {_shown(differences)}")
-            elif SurveyArchive(folder.parent).survey(folder.name).description.get(
-                "markers", []
-            ) != (found.markers):
-                self.note(STUCK, "the list of surveys shows other markers")
         elif self._may_name:
             texts = _shown(differences) or ", ".join(map(str, verified.faults or verified.notes))
             self.note(NAMED, texts)
@@ -180,6 +177,19 @@ def _verified(folder: Path) -> Optional[Verification]:
     with contextlib.suppress(AnalysisError):
         return verify_survey(folder)
     return None
+
+
+def _differences(folder: Path, facts: Facts) -> List[Difference]:
+    """Return the differences of a survey that has ended, as others read it and as it is listed."""
+    found, log = everything_of(folder), log_of(folder)
+    differences = facts.differences(found, every_trace=True)
+    if log is not None:
+        differences += facts.differences(log, every_trace=True)
+    listed = SurveyArchive(folder.parent).survey(folder.name).description
+    for key, value in ((MARKERS, found.markers), (ANNOTATION, found.annotation)):
+        if (listed.get(key) or None) != (value or None):
+            differences.append(Difference(Fault.WRONG, f"{key} in the list of surveys"))
+    return differences
 
 
 def _shown(differences: Iterable[Difference]) -> str:
