@@ -49,6 +49,7 @@ class Event(enum.Enum):
     ASKED = "asked"
     DONE = "done"
     REFUSED = "refused"
+    COMPLETE = "complete"
     FAILED = "failed"
     ENDED = "ended"
 
@@ -131,6 +132,8 @@ class Child:
                 facts.ask(self.steps[number])
             elif event is Event.DONE and cut_s and begun_s < cut_s[1] and ended_s > cut_s[0]:
                 at_the_cut += 1
+            elif event is Event.COMPLETE:
+                facts.finished = True
             elif event is Event.DONE:
                 facts.acknowledge(self.steps[number])
         return at_the_cut
@@ -232,6 +235,7 @@ class _Worker:
                 if not self._is_complete or step.call is not Call.REOPEN:
                     self._send(Event.REFUSED, number, begun_s, f"{step.phase}: {error}")
                     return self._conduct.continues
+                self._send(Event.COMPLETE, number, begun_s)
                 return True
             else:
                 self._send(Event.DONE, number, begun_s)

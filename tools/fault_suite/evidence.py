@@ -55,15 +55,16 @@ def log_of(folder: Path) -> Optional[Found]:
         number, kind, values = record["number"], record["kind"], record["values"]
         hashed = [number, record["time"], kind, values, record["previous"]]
         text = json.dumps(hashed, separators=(",", ":"))
-        # A record that is missing is a fact that is missed; one behind it stands for itself.
-        follows = number > last[0] + 1 or (number - 1, record["previous"]) == last
         own_sum = hashlib.sha256(text.encode("ascii")).hexdigest()
-        if record["sha256"] != own_sum or not follows:
+        # A record that is missing is a fact that is missed; one behind it stands for itself. The
+        # values of a report that was replaced may have been left out.
+        follows = number > last[0] + 1 or (number - 1, record["previous"]) == last
+        if not follows or (values is not None and record["sha256"] != own_sum):
             raise ValueError(f"log.jsonl: not as it was written: {line}")
-        last = number, own_sum
+        last = number, record["sha256"]
         if kind in ("marker", "marker_removed"):
             markers.setdefault(values["marker_id"], {}).update(values)
-        elif kind in ("annotation", "report"):
+        elif kind in ("annotation", "report") and values is not None:
             setattr(found, kind, values)
     found.markers = list(markers.values())
     return found

@@ -84,7 +84,7 @@ class Facts:
     """What was asked and acknowledged, compared with what is found."""
 
     def __init__(self) -> None:
-        self.opened = self.finished = self.finish_asked = False
+        self.opened = self.finished = False
         self.counts: Counter[Kind] = collections.Counter()
         self._asked: Set[int] = set()
         self._stored: Set[int] = set()
@@ -99,8 +99,8 @@ class Facts:
             self._markers.setdefault(step.value["marker_id"], _MarkerFact(step.value))
         elif step.call is Call.UNMARK:
             self._markers[step.value].removal_asked = True
-        elif step.call is Call.FINISH:
-            self.finish_asked = True
+        elif step.call is Call.REOPEN:
+            self.finished = False
         elif step.call in KINDS:
             self._latest[KINDS[step.call]].asked.append(step.value)
 

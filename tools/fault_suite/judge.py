@@ -15,7 +15,7 @@ from storage_kit import Kit
 
 from fault_suite.child import COMPLETE
 from fault_suite.evidence import everything_of, log_of, survey_in, traces_of_torn
-from fault_suite.facts import Difference, Facts, Fault, Kind
+from fault_suite.facts import Difference, Facts, Found, Kind
 from fault_suite.script import TRACES
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.verification import verify_survey
@@ -186,9 +186,8 @@ def _differences(folder: Path, facts: Facts) -> List[Difference]:
     if log is not None:
         differences += facts.differences(log, every_trace=True)
     listed = SurveyArchive(folder.parent).survey(folder.name).description
-    for key, value in ((MARKERS, found.markers), (ANNOTATION, found.annotation)):
-        if (listed.get(key) or None) != (value or None):
-            differences.append(Difference(Fault.WRONG, f"{key} in the list of surveys"))
+    shown = Found({}, listed.get(MARKERS, []), listed.get(ANNOTATION), found.report)
+    differences += facts.differences(shown, every_trace=True)
     return differences
 
 
