@@ -32,12 +32,12 @@ import time
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence
 
-from fault_suite.child import Broken
 from fault_suite.disk_calls import DiskCalls
 from fault_suite.flips import Flips
 from fault_suite.interruptions import Interruptions
 from fault_suite.judge import Result, as_json
 from fault_suite.table import print_table
+from fault_suite.worker import Broken
 from fault_suite.writers import Writers
 
 NOTHING_LOST, LOST, NOT_POSSIBLE = 0, 1, 77

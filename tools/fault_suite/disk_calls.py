@@ -12,11 +12,12 @@ from typing import Dict, List, Sequence
 
 from failing_disk import FOR_EVER, Failure
 
-from fault_suite.child import Broken, Child, Conduct, Event
+from fault_suite.child import Child
 from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import STUCK, Judge, Result
 from fault_suite.script import Call, Step, end_of_script, some_step, whole_script
+from fault_suite.worker import Broken, Conduct, Event
 
 CALLS, TORN = "n-th call", "torn sectors"
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EROFS, errno.EDQUOT)

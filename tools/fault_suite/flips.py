@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Counter, Dict, List, Sequence
 
-from fault_suite.child import Broken, Child, Conduct, Event
+from fault_suite.child import Child
 from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import UNSEEN, Judge, Result
 from fault_suite.script import Call, Step, whole_script
+from fault_suite.worker import Broken, Conduct, Event
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey

@@ -9,15 +9,16 @@ import statistics
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from power_cut_disk import PowerCutDisk, PowerCutError, check, hide_mounts
 
-from fault_suite.child import Broken, Child, Conduct, Event, durations_s
+from fault_suite.child import Child, durations_s
 from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import STUCK, Judge, Result
 from fault_suite.script import Step, end_of_script, some_step, whole_script
+from fault_suite.worker import Broken, Conduct, Event
 
 KILLS, POWER_CUTS = "kills", "power cuts"
 MOST_TURNS = 3
@@ -26,6 +27,9 @@ DRY_RUNS = 3
 ALIVE_AFTER_CUT_S = 0.02
 # How often the kernel writes everything back some time before a power cut.
 WRITTEN_BACK = 0.5
+
+Span = Tuple[float, float]
+"""When something began and ended [s]."""
 
 
 class Place:
@@ -37,7 +41,7 @@ class Place:
         self.data = folder / "data"
         self.data.mkdir()
 
-    def end(self, child: Child, chance: random.Random, after_s: float) -> Optional[Tuple]:
+    def end(self, child: Child, chance: random.Random, after_s: float) -> Optional[Span]:
         """End a child some time after now."""
         time.sleep(after_s)
         child.kill()
@@ -60,7 +64,7 @@ class PoweredPlace(Place):
         # That the data folder exists is not part of what is tried.
         self._disk.write_back()
 
-    def end(self, child: Child, chance: random.Random, after_s: float) -> Optional[Tuple]:
+    def end(self, child: Child, chance: random.Random, after_s: float) -> Optional[Span]:
         """Cut the power some time after now; return when that began and ended [s]."""
         if chance.random() < WRITTEN_BACK:
             # What is lost is then the rest of a call, but not its begin.
@@ -113,7 +117,7 @@ class Interruptions:
             return result
         return self._run(result, count, PoweredPlace)
 
-    def _run(self, result: Result, count: int, kind: type) -> Result:
+    def _run(self, result: Result, count: int, kind: Callable[[Path], Place]) -> Result:
         usual_s = self._usual_s(result.name, kind)
         phases: List[str] = []
         number = 0
@@ -126,7 +130,7 @@ class Interruptions:
         result.remark = ", ".join(f"{times} while {phase}" for phase, times in counted)
         return result
 
-    def _usual_s(self, name: str, kind: type) -> Dict[str, float]:
+    def _usual_s(self, name: str, kind: Callable[[Path], Place]) -> Dict[str, float]:
         places: List[Place] = []
 
         def make() -> Tuple[Path, Sequence[Step]]:
@@ -144,7 +148,7 @@ class Interruptions:
     def _one_survey(
         self,
         result: Result,
-        kind: type,
+        kind: Callable[[Path], Place],
         chance: random.Random,
         what: str,
         usual_s: Dict[str, float],

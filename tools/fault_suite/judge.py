@@ -13,10 +13,10 @@ from typing import Counter, Iterable, List, Optional, Set
 
 from storage_kit import Kit
 
-from fault_suite.child import COMPLETE
 from fault_suite.evidence import everything_of, log_of, survey_in, traces_of_torn
 from fault_suite.facts import Difference, Facts, Found, Kind
 from fault_suite.script import TRACES
+from fault_suite.worker import COMPLETE
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE as INTACT

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from fault_suite.child import Broken, Child, Conduct, Event, fork
+from fault_suite.child import Child, fork
 from fault_suite.facts import Facts
 from fault_suite.judge import STUCK, Judge, Result
 from fault_suite.script import Call, Step, new_annotation, new_marker, whole_script
+from fault_suite.worker import Broken, Conduct, Event
 
 WRITERS = "two writers"
 MOST_CALLS = 25
