@@ -32,6 +32,7 @@ import time
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence
 
+from fault_suite.child import refusal_of
 from fault_suite.disk_calls import DiskCalls
 from fault_suite.flips import Flips
 from fault_suite.interruptions import Interruptions
@@ -56,7 +57,16 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     if chosen.data is not None:
         chosen.data.mkdir(parents=True, exist_ok=True)
     place = Path(tempfile.mkdtemp(prefix="gpr20_fault_suite_", dir=chosen.data)).resolve()
-    results = _run(counts, place, seed, Broken(chosen.broken))
+    try:
+        refusal = refusal_of(place / "without a fault")
+        if refusal:
+            print(f"no survey can be stored here: {refusal}")
+            shutil.rmtree(str(place))
+            return NOT_POSSIBLE
+        results = _run(counts, place, seed, Broken(chosen.broken))
+    except BaseException:
+        print(f"ended early; remove {place}", file=sys.stderr)
+        raise
     print_table(results)
     return _end(results, place, chosen.json)
 

@@ -16,7 +16,7 @@ from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import UNSEEN, Judge, Result
 from fault_suite.script import Call, Step, whole_script
-from fault_suite.worker import Broken, Conduct, Event
+from fault_suite.worker import Broken, Conduct
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey
@@ -84,8 +84,6 @@ class Flips:
         data.mkdir(parents=True)
         child = Child(data, steps, Conduct(broken=self.broken))
         child.end()
-        if child.texts(Event.FAILED) or child.texts(Event.REFUSED):
-            raise RuntimeError(f"without any fault: {child.messages[-2:]}")
         facts = Facts()
         child.tell(facts)
         return State(data, facts)

@@ -64,8 +64,8 @@ class Conduct:
         broken: What its storage does wrong.
         may_give_up: Whether it ends when the disk does not recover; else it repeats for ever.
         start: It begins together with the others that wait there.
-        by_library: Whether it changes a survey that has ended by the functions that the commands
-            of `gpr20` call, not through a storage.
+        by_library: Whether it changes a survey that has ended by the functions that the command
+            `gpr20 annotate` calls, not through a storage.
         continues: Whether it goes on with the next step when one is refused.
     """
 

@@ -50,8 +50,8 @@ class Writers:
         first.end()
         first.tell(facts)
         before = facts.counts.copy()
-        # One through the storage, as the robot; the other as a second robot, or as the commands
-        # gpr20 markers and gpr20 annotate.
+        # One through the storage, as the robot; the other as a second robot, or as the command
+        # gpr20 annotate.
         start, by_library = fork.Barrier(2), chance.random() < 0.5
         conducts = [
             Conduct(broken=self.broken, start=start, continues=True, by_library=one)

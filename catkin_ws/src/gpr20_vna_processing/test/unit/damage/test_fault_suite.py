@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import resource
 import subprocess
 import sys
 
@@ -24,20 +25,27 @@ NOTHING_LOST, LOST, NOT_POSSIBLE = 0, 1, 77
 WRONG = ("lost", "doubled", "wrong", "laundered", "unseen", "stuck")
 
 
-def suite(tmp_path, *options):
-    """Run the suite; return its exit status and its results."""
+def run(tmp_path, *options, before=None):
+    """Run the suite with a new seed; `before` is called in its process."""
     seed = str(random.SystemRandom().randrange(10**9))
-    output = tmp_path / "results"
     command = [sys.executable, "-m", "fault_suite", "--data", str(tmp_path), "--seed", seed]
     ended = subprocess.run(
-        [*command, "--json", str(output), *options],
+        [*command, *options],
         capture_output=True,
         text=True,
         timeout=LIMIT_S,
         check=False,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        preexec_fn=before,
     )
     print(ended.stdout, ended.stderr)
+    return ended
+
+
+def suite(tmp_path, *options):
+    """Return the exit status of the suite and its results."""
+    output = tmp_path / "results"
+    ended = run(tmp_path, "--json", str(output), *options)
     if ended.returncode == NOT_POSSIBLE:
         pytest.skip(json.loads(output.read_text())["remark"])
     return ended.returncode, [json.loads(line) for line in output.read_text().splitlines()]
@@ -71,6 +79,16 @@ def test_the_suite_finds_what_a_broken_storage_loses(broken, option, count, tmp_
     status, (result,) = suite(tmp_path, option, str(count), "--broken", broken)
     assert status == LOST
     assert result["found"]["lost"] > 0
+
+
+def test_a_disk_that_takes_no_survey_is_named_at_once(tmp_path):
+    ended = run(
+        tmp_path, "--kills", "1",
+        before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)),
+    )  # fmt: skip
+    assert ended.returncode == NOT_POSSIBLE
+    assert "no survey can be stored here" in ended.stdout
+    assert list(tmp_path.iterdir()) == []
 
 
 def acknowledged(*steps):
