@@ -65,19 +65,19 @@ class Flips:
         for number in range(count):
             chance = random.Random(f"{self.seed} flip {number}")
             if number % (FLIPS_PER_SURVEY * len(STATES)) == 0:
-                states = self._new_states(number, chance, result)
+                states = self._new_states(number, chance)
             name = STATES[number % len(STATES)]
             counted[self._flip(result, chance, number, name, states[name])] += 1
+            result.acknowledged += states[name].facts.counts
             result.times += 1
         result.remark = ", ".join(f"{times} {name}" for name, times in counted.most_common())
         return result
 
-    def _new_states(self, number: int, chance: random.Random, result: Result) -> Dict[str, State]:
+    def _new_states(self, number: int, chance: random.Random) -> Dict[str, State]:
         made = {}
         for name in STATES:
             steps = _steps_to(name, whole_script(chance))
             made[name] = self._make(self.place / f"{name} {number}", steps)
-            result.acknowledged += made[name].facts.counts
         return made
 
     def _make(self, data: Path, steps: Sequence[Step]) -> State:
