@@ -54,7 +54,7 @@ CHOSEN = {
         *("test_stop_signals", "test_survey_arguments", "test_trace_events", "test_translations"),
     ],
     "gpr20_vna_processing": [
-        *("test_bag_file", "test_data_processing", "test_kill", "test_mcap_file"),
+        *("test_bag_file", "test_data_processing", "test_fault_suite", "test_mcap_file"),
         *("test_old_surveys", "test_reopening", "test_survey_archive"),
     ],
     "gpr20": [],

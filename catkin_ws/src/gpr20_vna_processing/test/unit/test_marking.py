@@ -6,13 +6,9 @@ import contextlib
 import json
 import os
 import random
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 from fault_kit import raises_fault
-from marking_child import marker
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
@@ -31,7 +27,11 @@ from gpr20_survey.plan.markers import (
 )
 from gpr20_survey.recording.recordings import open_recordings
 
-HERE = Path(__file__).resolve().parent
+
+def marker(number: int) -> Marker:
+    return Marker(f"00000000-0000-4000-8000-{number:012x}", 10.0 + number % 7, 20.0, text="ñ")
+
+
 ONE = Marker(marker(1).marker_id, 12.5, 20.0, 80.0, "metal, junto a la raíz", "Ana")
 OTHER = Marker(marker(2).marker_id, 15.0, 10.0)
 SEEDS = int(os.environ.get("GPR20_MARKER_DRAWS", "15"))
@@ -211,46 +211,6 @@ def test_a_cut_at_any_step_leaves_the_former_markers_or_the_new_ones(closed, mon
     assert len(stored(closed)) in (1, 2)
     found = verify_survey(closed)
     assert found.status == 0, (calls, found.faults)
-
-
-@pytest.mark.real_time
-@pytest.mark.parametrize(("state", "after"), [("open", 9), ("closed", 4)])
-def test_a_killed_storage_loses_no_acknowledged_marker(tmp_path, state, after):
-    kit = Kit(tmp_path, open_recordings)
-    folder = kit.open(metadata_json=METADATA)
-    for index in range(1 if state == "open" else len(POINTS)):
-        kit.processing.store(planned_trace(index))
-    kit.processing.close_survey(SURVEY, "stopped" if state == "open" else "finished")
-    kit.processing.shut_down()
-    child = subprocess.Popen(
-        [sys.executable, str(HERE / "marking_child.py"), str(tmp_path), state],
-        stdout=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])},
-    )
-    assert child.stdout.readline() == "ready\n"
-    answers = []
-    for line in child.stdout:
-        answers.append(line.strip())
-        if len(answers) > after:
-            break
-    child.kill()
-    answers += child.communicate()[0].split()
-    if state == "open":
-        # A survey that was cut off is resumed; nothing of it may be lost.
-        again = Kit(tmp_path, open_recordings)
-        again.processing.reopen_survey(SURVEY)
-        again.processing.close_survey(SURVEY, "stopped")
-        again.processing.shut_down()
-    assert verify_survey(folder).status in ((0, 1) if state == "open" else (0,))
-    found = {one.marker_id: one for one in stored(folder)}
-    added = [int(one) for one in answers if not one.startswith("-")]
-    assert added, "the test kills it in the middle"
-    for number in added:
-        assert found[marker(number).marker_id].same_request(marker(number)), number
-    for text in answers:
-        if text.startswith("-"):
-            assert not found[marker(int(text[1:])).marker_id].is_present, text
 
 
 def test_a_flipped_bit_is_never_covered_by_a_new_checksum(closed):
