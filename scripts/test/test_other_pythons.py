@@ -21,6 +21,7 @@ EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/u
 # As few as the examples of hypothesis: what is random is drawn under Debian's Python.
 FEW_DRAWS = {
     "GPR20_DAMAGES": "10",
+    "GPR20_FAULT_SUITE": "0.3",
     "GPR20_MARKER_DRAWS": "4",
     "GPR20_NOISE_SURVEYS": "4",
     "GPR20_REPLAY_SEQUENCES": "30",

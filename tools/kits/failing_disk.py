@@ -122,7 +122,7 @@ class FailingDisk:
     def _passing_on(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **options: Any) -> Any:
             failure = self._failure
-            if failure is not None and self._is_here(arguments) and _writes(name, arguments):
+            if failure is not None and self._meets(failure, name, arguments):
                 self.count += 1
                 if self._left > 0:
                     self._left -= 1
@@ -134,6 +134,11 @@ class FailingDisk:
             return result
 
         return call
+
+    def _meets(self, failure: Failure, name: str, arguments: Sequence[Any]) -> bool:
+        # A disk that is full or read-only can be read.
+        reads = name == "open" and not arguments[1] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
+        return self._is_here(arguments) and not (reads and failure.error != errno.EIO)
 
     def _is_here(self, arguments: Sequence[Any]) -> bool:
         place = arguments[0]
@@ -226,11 +231,6 @@ def names_in(folder: Any) -> Dict[str, int]:
     """Return the names in a folder (path or descriptor), with the numbers of the files."""
     with os.scandir(folder) as entries:
         return {one.name: one.inode() for one in entries}
-
-
-def _writes(name: str, arguments: Sequence[Any]) -> bool:
-    """Return whether a call changes the disk; reading a full or read-only one is no problem."""
-    return name != "open" or bool(arguments[1] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
 
 
 def _write_half(name: str, real: Callable[..., Any], arguments: Sequence[Any]) -> None:
