@@ -14,6 +14,9 @@ from typing import Any, Dict
 import numpy as np
 
 from gpr20_survey.folder import sealing, survey_folder, survey_metadata
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import start_of
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recordings import open_recordings
@@ -47,7 +50,6 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     traces = folder / survey_folder.TRACES_FOLDER
     traces.mkdir(parents=True)
     description = _description(parameters, len(points))
-    (folder / survey_folder.SURVEY_FILE).write_bytes(survey_metadata.encode(description))
     text = json.dumps(description)
     recordings = open_recordings(folder, description)
     topics = SurveyTopics(_trace_definition())
@@ -72,7 +74,11 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     for recording in recordings:
         recording.commit()
         recording.finish()
-    sealing.write_manifest(folder, SURVEY_ID, "benchmark", str(description["ended"]))
+    log = SurveyLog(folder, [], whole=False)
+    log.add(log.next(Kind.PLAN, start_of(description), description["started"]))
+    end = {key: description[key] for key in survey_metadata.LATER_KEYS if key in description}
+    log.add(log.next(Kind.END, end, description["ended"]))
+    sealing.write_manifest(folder, log, "benchmark", str(description["ended"]))
     return len(points)
 
 

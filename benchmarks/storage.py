@@ -151,7 +151,8 @@ def sizes(folder: Path) -> str:
 
 
 def start_node(data: Path) -> Any:
-    return running(sys.executable, str(NODE), env={**os.environ, "GPR20_DATA": str(data)})
+    own = {"GPR20_DATA": str(data), "GPR20_STATE": f"{data}.state"}
+    return running(sys.executable, str(NODE), env={**os.environ, **own})
 
 
 def service(name: str, kind: Any) -> Any:

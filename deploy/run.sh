@@ -6,6 +6,7 @@
 #   deploy/run.sh screen    in an X session: what is missing, then the window
 #   deploy/run.sh window    the window, on the screen of DISPLAY
 #   deploy/run.sh doctor    what is wrong with the robot and this machine; it ends by itself
+#   deploy/run.sh accept_data   use another data folder in the place of the former one
 # The environment is that of /etc/gpr20/environment:
 #   GPR20_ROBOT, GPR20_SERVER   addresses of the two machines; both empty: one machine
 #   GPR20_DATA, GPR20_CONFIG    folders of the surveys and of the configuration
@@ -20,9 +21,10 @@ case "$part" in
     server) address="${GPR20_SERVER-}" ;;
     robot) address="${GPR20_ROBOT-}" ;;
     # They say on the screen that the link is missing.
-    survey | screen | window | doctor) ;;
+    survey | screen | window | doctor | accept_data) ;;
     *)
-        echo "run.sh: '$part' is not one of server, robot, survey, screen, window, doctor" >&2
+        echo "run.sh: '$part' is not one of server, robot, survey, screen, window, doctor," \
+            "accept_data" >&2
         exit 2
         ;;
 esac
@@ -62,5 +64,12 @@ case "$part" in
             case "$argument" in ns:=*) export ROS_NAMESPACE="${argument#ns:=}" ;; esac
         done
         exec rosrun gpr20_doctor doctor --wait "${2-30}"
+        ;;
+    accept_data)
+        data=''
+        for argument in "${launch_arguments[@]}"; do
+            case "$argument" in data:=*) data="${argument#data:=}" ;; esac
+        done
+        exec rosrun gpr20_launch robot_config accept_data --data "$data"
         ;;
 esac

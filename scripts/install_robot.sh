@@ -50,8 +50,9 @@ ensure_file /etc/udev/rules.d/60-gpr20.rules "$(template etc/udev.rules)"
 ensure_spi
 ensure_file /etc/security/limits.d/gpr20.conf "$(template etc/limits.conf)"
 ensure_settings
-ensure_folder "$data" "$user"
+ensure_data
 ensure_configuration
+[ "$one_machine" = no ] || ensure_key
 ensure_logs
 [ "$one_machine" = yes ] || ensure_clock robot
 ensure_firewall

@@ -31,8 +31,9 @@ ensure_software
 begin_records server
 ensure_user
 ensure_settings
-ensure_folder "$data" "$user"
+ensure_data
 ensure_configuration
+ensure_key
 ensure_logs
 ensure_clock server
 ensure_firewall

@@ -26,7 +26,8 @@ PACKAGES_MB=1600
 PYTHON_MB=1000
 
 DEBIAN_PACKAGES=(
-    cmake g++ make python3-dev python3-venv python3-numpy python3-pyqt5 x11-xserver-utils
+    cmake g++ make openssh-client python3-dev python3-venv python3-numpy python3-pyqt5
+    x11-xserver-utils
 )
 # Packages of ROS: the name in Debian and, behind the colon, in ROS.
 ROS_PACKAGES=(

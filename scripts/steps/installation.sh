@@ -246,8 +246,7 @@ ensure_settings() {
     [ -z "$data" ] || values[GPR20_DATA]="$data"
     if [ ! -e "$file" ]; then
         data="${data:-$DEFAULT_HOME/surveys}"
-        text="$(template etc/environment)"
-        ensure_file "$SETTINGS" "${text//@DATA@/"$data"}"
+        ensure_file "$SETTINGS" "$(template etc/environment)"
         return
     fi
     text="$(cat "$file")"
@@ -271,24 +270,61 @@ change_settings() {
     [ "$own" = no ] || record file "$SETTINGS" "$(sum_of "$root$SETTINGS")"
 }
 
-ensure_configuration() {
+configuration_folder() {
     local folder
     folder="$(sed -n 's/^GPR20_CONFIG=//p' "$root$SETTINGS" 2>/dev/null | tail -n 1 || true)"
-    folder="${folder:-/etc/gpr20/robot}"
+    echo "${folder:-/etc/gpr20/robot}"
+}
+
+# ensure_data: the folder of the surveys. One that was made before and is gone is on a disk that is
+# not mounted.
+ensure_data() {
+    if [ ! -d "$root$data" ] && grep -qsxF $'folder\t'"$data"$'\t' "$root$MANIFEST"; then
+        echo "left: the folder $data is gone; mount its disk"
+        return
+    fi
+    ensure_folder "$data" "$user"
+}
+
+ensure_configuration() {
+    local folder
+    folder="$(configuration_folder)"
     if [ -d "$root$folder" ]; then there "the robot's configuration $folder"; return; fi
     system_step "write the robot's configuration $folder" make_configuration "$folder"
 }
 
 make_configuration() {
+    robot_config create "$1" >/dev/null ||
+        fail "the robot's configuration $1 was not written; the lines above say why"
+}
+
+robot_config() {
     local scratch status=0
     # ROS would leave a cache in the home of root.
     scratch="$(mktemp -d)"
     (
         export ROS_HOME="$scratch"
         gpr20_use_workspace
-        rosrun gpr20_launch robot_config create "$1" >/dev/null
+        rosrun gpr20_launch robot_config "$@"
     ) || status=$?
     rm -r "$scratch"
-    [ "$status" -eq 0 ] ||
-        fail "the robot's configuration $1 was not written; the lines above say why"
+    return "$status"
+}
+
+# ensure_key: the key that signs surveys, where they are stored. One that the configuration names,
+# or an empty name there, which means that surveys are not signed, stays.
+ensure_key() {
+    local folder
+    folder="$(configuration_folder)"
+    if grep -qs '^signing_key:' "$root$folder/storage.yaml"; then
+        there "the key that signs surveys, or that there is none"
+        return
+    fi
+    system_step "make the key that signs surveys, $folder/signing_key" make_key "$folder"
+}
+
+make_key() {
+    robot_config key "$1" || fail "the key $1/signing_key was not made; the lines above say why"
+    # Only the storage reads it.
+    chown "$user:" "$1/signing_key" "$1/signing_key.pub"
 }

@@ -128,6 +128,21 @@ put_block() {
         write_file "$root$1" "$(stat -c %a "$root$1")"
 }
 
+configuration_folder() {
+    local folder
+    folder="$(sed -n 's/^GPR20_CONFIG=//p' "$root$SETTINGS" 2>/dev/null | tail -n 1 || true)"
+    echo "${folder:-/etc/gpr20/robot}"
+}
+
+# used_data: the folder of the surveys; that of storage.yaml counts before GPR20_DATA.
+used_data() {
+    local file configured
+    file="$root$(configuration_folder)/storage.yaml"
+    configured="$(sed -n "s/^data:[[:space:]]*[\"']\{0,1\}\(\/[^\"'#[:space:]]*\).*/\1/p" "$file" \
+        2>/dev/null | tail -n 1 || true)"
+    echo "${configured:-"${data-}"}"
+}
+
 # template NAME: a file of deploy/ with the values of this installation.
 template() {
     local text
@@ -138,5 +153,6 @@ template() {
     text="${text//@ROBOT@/"$robot"}"
     text="${text//@SERVER@/"$server"}"
     text="${text//@PART@/"${part-}"}"
+    text="${text//@DATA@/"$(used_data)"}"
     printf '%s\n' "${text//@PARTS@/"${parts-}"}"
 }

@@ -129,6 +129,21 @@ def test_other_addresses_are_set_in_the_settings_and_the_rest_of_them_stays(robo
     assert "left: /etc/gpr20/environment" in robot.uninstall()
 
 
+@pytest.mark.parametrize("configured", ["", "data: '/mnt/other'  # an SSD\n", "#data: /mnt/no\n"])
+def test_the_services_wait_for_the_disk_of_the_surveys(robot, configured):
+    robot.write("etc/gpr20/robot/storage.yaml", configured)
+    robot.install("--data", "/srv/surveys")
+    folder = "/mnt/other" if "other" in configured else "/srv/surveys"
+    assert robot.unit_values("gpr20-robot", "RequiresMountsFor") == [folder]
+
+
+def test_a_data_folder_that_is_gone_is_not_made_again(robot):
+    robot.install("--data", "/srv/disk/surveys")
+    (robot.folder / "srv/disk/surveys").rmdir()
+    assert "left: the folder /srv/disk/surveys is gone" in robot.install()
+    assert not (robot.folder / "srv/disk/surveys").exists()
+
+
 def test_the_chrony_of_ubuntu_reads_the_file_too(tmp_path):
     server = machine_tree.server(tmp_path)
     server.write("etc/os-release", UBUNTU)
@@ -292,6 +307,38 @@ def test_at_its_end_the_doctor_looks_as_the_user_of_the_services(setting, run, n
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(re.findall("(?m)^systemd-run .*--uid=gpr20 .*run.sh doctor$", done.stdout)) == run
     assert done.stdout.count("rosrun gpr20_doctor doctor") == named
+
+
+KEY = (
+    f"source {ROOT}/scripts/steps/installation.sh"
+    + """
+is_real() { true; }
+robot_config() { echo "robot_config $*"; }
+chown() { echo "chown $*"; }
+"""
+)
+
+
+@pytest.mark.parametrize(
+    "text, made",
+    [(None, 1), ("#signing_key: ''", 1), ("signing_key: ''", 0), ("signing_key: a", 0)],
+)
+def test_the_key_that_signs_surveys_is_made_once_for_the_user_of_the_storage(tmp_path, text, made):
+    if text is not None:
+        (tmp_path / "etc/gpr20/robot").mkdir(parents=True)
+        (tmp_path / "etc/gpr20/robot/storage.yaml").write_text(f"data: /srv\n{text}\n")
+    done = shell(KEY, f"root={tmp_path} user=measure", "ensure_key")
+    assert done.returncode == 0, done.stderr
+    folder = "/etc/gpr20/robot"
+    assert done.stdout.count(f"robot_config key {folder}\n") == made
+    owner = f"chown measure: {folder}/signing_key {folder}/signing_key.pub\n"
+    assert done.stdout.count(owner) == made
+
+
+@pytest.mark.parametrize("make", MACHINES, ids=lambda make: make.__name__)
+def test_only_a_machine_that_stores_surveys_has_a_key(tmp_path, make):
+    printed = make(tmp_path).install()
+    assert ("signing_key" in printed) is (make is not machine_tree.robot)
 
 
 def test_a_machine_without_running_services_is_told_of_the_doctor(bare):

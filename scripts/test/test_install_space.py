@@ -94,7 +94,7 @@ def survey(installed, tmp_path_factory):
             run(sourced(folder, f"rosrun gpr20_user_interface run_survey {AREA}"), environment)
         finally:
             end(launch, signal.SIGINT)
-    (stored,) = data.iterdir()
+    (stored,) = (one for one in data.iterdir() if one.is_dir())
     return stored, log.read_text()
 
 

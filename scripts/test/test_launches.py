@@ -14,6 +14,9 @@ import psutil
 import pytest
 import rosbag
 from robot_kit import LaunchedRobot, free_port
+from user_shell import ROOT
+
+from gpr20_survey.files.data_marker import FolderMemory, read_marker
 
 pytestmark = pytest.mark.real_time
 
@@ -24,8 +27,9 @@ ERROR = re.compile(r"\[(ERROR|FATAL)\]|Traceback")
 
 @pytest.fixture
 def robot(tmp_path, monkeypatch):
-    # The kit sets the address of its master in the environment.
+    # The kit sets both in the environment.
     monkeypatch.setenv("ROS_MASTER_URI", "")
+    monkeypatch.setenv("GPR20_STATE", "")
     robot = LaunchedRobot(tmp_path, "time_scale:=20")
     yield robot
     robot.stop()
@@ -69,6 +73,17 @@ def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
     assert "ends the launch, because it cannot start" in said
     assert "restarting process" not in said
     assert "Traceback" not in said
+
+
+def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
+    own = {
+        "GPR20_LAUNCH_ARGUMENTS": f"ns:=robot1 data:={tmp_path}/data",
+        "GPR20_STATE": f"{tmp_path}/state",
+    }
+    command = [str(ROOT / "deploy/run.sh"), "accept_data"]
+    subprocess.run(command, env={**os.environ, **own}, check=True, timeout=LIMIT_S)
+    identity = read_marker(tmp_path / "data").identity
+    assert FolderMemory(tmp_path / "state").identity_at(tmp_path / "data") == identity
 
 
 def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends_them(robot):

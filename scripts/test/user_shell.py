@@ -29,7 +29,8 @@ def user_environment(data, **more):
     """Return the environment of such a shell, with a folder for surveys."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(SOURCED)}
     folders = [one for one in os.environ["PATH"].split(":") if not one.startswith(str(ROOT))]
-    return {**kept, "PATH": ":".join(folders), "GPR20_DATA": str(data), **more}
+    own = {"GPR20_DATA": str(data), "GPR20_STATE": f"{data}.state"}
+    return {**kept, "PATH": ":".join(folders), **own, **more}
 
 
 def wait_until(condition, *processes, limit_s=LIMIT_S):

@@ -65,6 +65,7 @@ class LaunchedRobot:
         data: Optional[Path] = None,
     ) -> None:
         self.data = data or folder / "data"
+        self._state = folder / "state"
         self._mark = str(uuid.uuid4())
         self._log = (folder / "launch.log").open("ab")
         self._command = [*launch.split(), f"data:={self.data}", *arguments]
@@ -77,7 +78,11 @@ class LaunchedRobot:
             RuntimeError: The robot does not start.
         """
         port = free_port()
-        os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
+        os.environ.update(
+            ROS_MASTER_URI=f"http://127.0.0.1:{port}",
+            ROS_IP="127.0.0.1",
+            GPR20_STATE=str(self._state),
+        )
         self._launch = self.run(["roslaunch", "-p", str(port), *self._command], {MARK: self._mark})
         deadline_s = time.monotonic() + START_LIMIT_S
         while not {*NODES, MASTER} <= set(self.processes()):

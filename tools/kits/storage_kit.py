@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any, Callable, Container, Dict, Iterable, List
+from typing import Any, Callable, Container, Dict, Iterable, List, Optional
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
 
 from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
+from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.folder.signature import Signer
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
@@ -120,6 +122,8 @@ class Kit:
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
         readers: Readers = Readers.GROUP,
+        signer: Optional[Signer] = None,
+        check_data: Optional[Callable[[], None]] = None,
     ) -> None:
         self.stored: List[Trace] = []
         self.opened: List[str] = []
@@ -128,6 +132,7 @@ class Kit:
         self.processing = DataProcessing(
             Storage(
                 data=data,
+                check_data=check_data or (lambda: ensure_folders(data, readers.folder_mode)),
                 open_recordings=open_recordings,
                 topics=SurveyTopics(TRACE_DEFINITION),
                 free_bytes=lambda _: free_bytes,
@@ -135,6 +140,7 @@ class Kit:
                 clock=Clock(),
                 revision="1.2.3",
                 readers=readers,
+                signer=signer,
                 end_status=end_status,
             ),
             limits,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -75,6 +76,10 @@ def pytest_configure(config: pytest.Config) -> None:
         no_configuration = config.rootpath / ".pytest_cache" / "no_configuration"
         no_configuration.mkdir(parents=True, exist_ok=True)
         os.environ["GPR20_CONFIG"] = str(no_configuration)
+        # Which data folders were used before: names below /tmp return, after the next restart.
+        state = config.rootpath / ".pytest_cache" / "state"
+        shutil.rmtree(str(state), ignore_errors=True)
+        os.environ["GPR20_STATE"] = str(state)
     # The generated modules, behind the sources.
     for path in os.environ["PYTHONPATH"].split(os.pathsep):
         if path not in sys.path:

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""A disk that fills during a survey pauses it; after space was made it continues to its end."""
+"""Another disk in the place of the data folder is refused, and one that fills pauses a survey.
+
+After space was made the survey continues to its end.
+"""
 
 import shutil
 import subprocess
@@ -17,7 +20,7 @@ TRACES = 18
 
 
 class FullDiskTest(unittest.TestCase):
-    """The data folder is a tmpfs."""
+    """The data folder becomes a tmpfs after the launch; the tests run in the order of names."""
 
     @classmethod
     def setUpClass(cls):
@@ -32,7 +35,7 @@ class FullDiskTest(unittest.TestCase):
     def tearDownClass(cls):
         # Lazily: the storage may still be writing its last index.
         subprocess.run(["umount", "--lazy", str(cls.client.data)], check=True)
-        cls.client.data.rmdir()
+        shutil.rmtree(cls.client.data)  # what the launch made below
 
     def fill(self):
         """Leave nothing free on the disk; return the file that takes the space."""
@@ -43,6 +46,15 @@ class FullDiskTest(unittest.TestCase):
                     file.write(b"x" * 4096)
             except OSError:
                 return ballast
+
+    def test_0_another_disk_is_refused_until_somebody_accepts_it(self):
+        self.assertTrue(self.client.set().success)
+        self.client.start()
+        failed = self.client.wait_for_status(ControlStatus.FAILED)
+        self.assertEqual(failed.fault_code, "storage.other_data_folder", failed.message)
+        self.assertEqual(list(self.client.data.iterdir()), [])
+        accept = ["rosrun", "gpr20_launch", "robot_config", "accept_data"]
+        subprocess.run([*accept, "--data", str(self.client.data)], check=True, timeout=60)
 
     def test_1_a_survey_that_does_not_fit_is_refused_before_anything_moves(self):
         answer = self.client.set(x_points=100, y_points=100, x_stop_mm=300.0, y_stop_mm=300.0)

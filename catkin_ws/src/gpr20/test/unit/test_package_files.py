@@ -39,6 +39,8 @@ ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
 # pyqtgraph, PyVISA-py by PyVISA.
 INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-pip"}
 INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
+# The program ssh-keygen, which signs surveys.
+INDIRECT_KEYS |= {"openssh-client"}
 # Needed by the window, which a machine without a screen does not start, and by the viewer.
 NOT_EVERYWHERE = {"PyQt5"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
@@ -77,6 +79,7 @@ OFFICIAL_ROS_KEYS = {
     "xacro",
 }
 OFFICIAL_KEYS = OFFICIAL_ROS_KEYS | {
+    "openssh-client",
     "python3-numpy",
     "python3-psutil",
     "python3-pyqt5",

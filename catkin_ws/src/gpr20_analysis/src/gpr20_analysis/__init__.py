@@ -22,6 +22,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),
     "formats.conversion": ("export_survey", "import_survey"),
+    "formats.csv_cells": ("cell_text",),
     "formats.dataset_files": ("write_dataset",),
     "imaging.image": ("image_survey",),
     "imaging.image_options": ("ImageOptions",),

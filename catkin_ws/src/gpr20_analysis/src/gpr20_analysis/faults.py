@@ -68,6 +68,33 @@ MANIFEST = Fault(
     Message("Run gpr20 repair: it writes the manifest again if everything else agrees."),
     replaces=True,
 )
+WRONG_SIGNATURE = Fault(
+    "analysis.wrong_signature",
+    Message(
+        "Do not use the survey: ask for another copy of it, and compare both. Keep this one as it "
+        "is."
+    ),
+    replaces=True,
+)
+UNKNOWN_SIGNER = Fault(
+    "analysis.unknown_signer",
+    Message(
+        "Ask those who maintain the robot for the line of its key, and compare the key's "
+        "fingerprint with them. Do not take the line from the survey's sender alone."
+    ),
+)
+STALE_SIGNATURE = Fault(
+    "analysis.stale_signature",
+    Message(
+        "Ask who changed the survey, and compare it with a copy from before. On the robot, "
+        "annotating the survey signs it again."
+    ),
+)
+UNSIGNED = Fault(
+    "analysis.survey_unsigned",
+    Message("Ask for the survey as the robot signed it, or verify it without --signers."),
+    Severity.WARNING,
+)
 FILES_DIFFER = Fault(
     "analysis.files_differ",
     Message("Keep a copy of the survey's folder, then resume the survey: that repairs its files."),

@@ -13,7 +13,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import printable
 
 # The command line needs this module before it knows which libraries a command needs.
 if TYPE_CHECKING:

@@ -8,12 +8,18 @@ import struct
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Mapping, Optional
+from typing import Any, Callable, Dict, Mapping, Optional
 
 import numpy as np
 
 from gpr20_common.low.clock import Clock
+from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
+from gpr20_survey.plan.markers import Marker, new_marker, removed_marker
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recording import RecordedMessage
@@ -26,6 +32,7 @@ from gpr20_survey.recording.survey_topics import (
 )
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_json import CHECKSUM
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
 
@@ -122,6 +129,7 @@ def make_survey(
     misplaced: Mapping[int, Mapping[str, Any]] = MappingProxyType({}),
     recorded: bool = False,
     more: Mapping[str, Any] = MappingProxyType({}),
+    at_end: Callable[[DataProcessing], Any] = lambda _: None,
 ) -> Path:
     """Store a survey and return its folder.
 
@@ -132,10 +140,12 @@ def make_survey(
         misplaced: What some traces have other than planned.
         recorded: Whether the recordings hold messages of another topic too.
         more: More entries of survey.json.
+        at_end: Called when the traces are stored, while the survey is open.
     """
     processing = DataProcessing(
         Storage(
             data=data / "data",
+            check_data=lambda: ensure_folders(data / "data"),
             open_recordings=open_recordings,
             topics=SurveyTopics(TRACE_DEFINITION),
             free_bytes=lambda _: 10**12,
@@ -156,9 +166,46 @@ def make_survey(
         if recorded:
             processing.record(_text_message(f"measuring trace {index}", index))
         processing.store(planned_trace(index, **misplaced.get(index, {})))
+    at_end(processing)
     if outcome is None:
         folder = Path(shutil.copytree(str(folder), str(data / folder.name)))
     elif outcome != INTERRUPTED:  # as the shut down below does
         processing.close_survey(SURVEY, outcome)
     processing.shut_down()
     return folder
+
+
+def add_marker(folder: Path, marker: Marker, now: str) -> None:
+    """Add a marker to a survey that nobody writes."""
+
+    def change(description: Dict[str, Any]) -> Optional[Fact]:
+        values = new_marker(description, marker, now)
+        return None if values is None else Fact(Kind.MARKER, values)
+
+    add_to_survey(folder, change, now)
+
+
+def remove_marker(folder: Path, marker: Marker, author: str, now: str) -> None:
+    """Remove a marker of a survey that nobody writes."""
+
+    def change(description: Dict[str, Any]) -> Optional[Fact]:
+        values = removed_marker(description, marker.marker_id, author, now)
+        return None if values is None else Fact(Kind.MARKER_REMOVED, values)
+
+    add_to_survey(folder, change, now)
+
+
+def describe_again(folder: Path, **changes: Any) -> None:
+    """Let a survey's log say something else, as if it had been written so from the start."""
+    found = recover(folder)
+    description = {**found.description, **changes}
+    records = [LogRecord.after(None, Kind.PLAN, description, description["started"])]
+    for one in found.found.records[1:]:  # the manifest may name the number of the last one
+        records.append(LogRecord.after(records[-1], Kind.AUDIT, {}, one.time))
+    SurveyLog(folder, records, whole=False).write()
+
+
+def write_trace_file(path: Path, values: Mapping[str, Any]) -> None:
+    """Write a trace's file as a version without checksums wrote it."""
+    without: Dict[str, Any] = {key: one for key, one in values.items() if key != CHECKSUM}
+    path.write_text(json.dumps(without) + "\n")

@@ -27,6 +27,8 @@ from gpr20_doctor.mid.machine_facts import (
     PowerFacts,
     RealtimeFacts,
 )
+from gpr20_survey.faults import OTHER_DATA_FOLDER
+from gpr20_survey.folder.data_folder import KnownFolder
 
 BOTH = frozenset({"gpio", "spi"})
 SPI = DeviceFile(Path("/dev/spidev0.0"), True, True)
@@ -36,7 +38,7 @@ ONE = AddressFacts("", "", (), "127.0.0.1", "http://localhost:11311")
 GROUPS = GroupFacts("pi", False, BOTH, BOTH, BOTH)
 GPIO = GpioFacts((PINS,), frozenset({"rpi_gpio"}), "rpi_gpio")
 REALTIME = RealtimeFacts(99, True, None)
-DISK = DiskFacts(Path("/data"), 20_000_000_000, 0.1)
+DISK = DiskFacts(Path("/data"), 20_000_000_000, KnownFolder("0f8fad5b", True), 0.1)
 HEALTHY = MachineFacts(
     hardware=HardwareUse.NEEDED,
     addresses=TWO,
@@ -51,6 +53,7 @@ HEALTHY = MachineFacts(
     clock=ClockFacts(True, 0.0001),
     vna=PortFacts("10.0.0.1", 111),
 )
+OTHER = Message("/data is not the data folder").with_fault(OTHER_DATA_FOLDER)
 GONE = Unknown(Message("permission denied"))
 
 
@@ -109,6 +112,8 @@ CASES = [
     ({"power": PowerFacts(True)}, Level.FAULT, "too low now"),
     ({"power": PowerFacts(False, True)}, Level.WARNING, "too low since"),
     ({"disk": replace(DISK, free_bytes=10)}, Level.FAULT, "0.0 GB"),
+    ({"disk": replace(DISK, known=OTHER)}, Level.FAULT, "not the data folder"),
+    ({"disk": replace(DISK, known=KnownFolder("", False))}, Level.UNKNOWN, "right data folder"),
     ({"disk": replace(DISK, trace_s=1.5)}, Level.WARNING, "in 1.50 s"),
     ({"disk": replace(DISK, trace_s=float("inf"))}, Level.FAULT, "did not store"),
     ({"clock": ClockFacts(False, 0.0)}, Level.WARNING, "chrony does not follow"),
@@ -154,6 +159,11 @@ def test_a_robot_that_was_not_restarted_after_an_update_is_found():
     assert "runs the software 0.1.0 (abc), but 0.1.0 (new) is installed" in str(found.text)
 
 
+def test_space_and_speed_of_another_disk_are_not_called_good():
+    for one in findings(None, replace(HEALTHY, disk=replace(DISK, known=OTHER))):
+        assert one.check not in ("data_disk", "disk_speed")
+
+
 def test_the_free_space_is_listed_once():
     found = findings(facts(), HEALTHY)
     assert sum("GB free" in str(one.text) for one in found) == 1
@@ -171,6 +181,11 @@ def perhaps(facts):
     return st.none() | UNKNOWN | facts
 
 
+FOLDERS = (
+    UNKNOWN
+    | st.builds(KnownFolder, WORDS, st.booleans())
+    | st.just(verbatim("another folder").with_fault(OTHER_DATA_FOLDER))
+)
 MACHINES = st.builds(
     MachineFacts,
     st.sampled_from(HardwareUse),
@@ -182,7 +197,7 @@ MACHINES = st.builds(
     perhaps(st.builds(GpioFacts, st.lists(DEVICES).map(tuple), SETS, WORDS, st.booleans())),
     perhaps(st.builds(RealtimeFacts, st.integers(0, 99), st.booleans(), st.none() | st.just(9))),
     perhaps(st.builds(PowerFacts, st.booleans(), st.booleans(), st.booleans())),
-    perhaps(st.builds(DiskFacts, PATHS, st.integers(0, 10**13), perhaps(st.floats(0.0)))),
+    perhaps(st.builds(DiskFacts, PATHS, st.integers(0, 10**13), FOLDERS, perhaps(st.floats(0.0)))),
     perhaps(st.builds(ClockFacts, st.booleans(), st.floats())),
     perhaps(st.builds(PortFacts, WORDS, st.just(111), REASONS)),
 )

@@ -40,6 +40,10 @@ def machine(root, **environment):
 def test_everything_of_a_real_robot_on_one_computer_is_looked_at(root):
     request = machine(root).request(nodes(backend="pigpio"))
     assert request.hardware is HardwareUse.NEEDED
+    assert not request.data_disk
+    found = nodes()
+    found["vna_processing"].configuration["data_disk"] = True
+    assert machine(root).request(found).data_disk
     assert request.pin_library == "pigpio"
     assert machine(root).request(nodes()).pin_library == "rpi_gpio"
     assert (request.data, request.vna) == (Path("/s"), "10.0.0.9")
@@ -99,6 +103,9 @@ def test_without_nodes_the_computer_and_its_configuration_decide(root):
     request = machine(root, GPR20_DATA="/data").request({})
     assert request.hardware is HardwareUse.NEEDED
     assert (request.vna, request.data) == ("10.1.1.1", Path("/data"))
+    assert not request.data_disk
+    (root / "config/storage.yaml").write_text("data_disk: true\n")
+    assert machine(root).request({}).data_disk
     (root / "config/height.yaml").write_text("spi_device: 1\n")
     assert machine(root).request({}).spi == (0, 1)
     (root / "config/analyzer.yaml").write_text("address: GPIB0::16::INSTR\n")

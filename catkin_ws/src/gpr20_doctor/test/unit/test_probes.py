@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from gpr20_common.low.clock import Clock
 from gpr20_doctor.low import (
     chrony,
     config_files,
@@ -25,6 +26,8 @@ from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, PortFacts
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import MachineRequest
+from gpr20_survey.faults import OTHER_DATA_FOLDER
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFolder
 
 
 def tree(folder, **files):
@@ -168,6 +171,28 @@ def test_a_folder_that_may_not_be_searched_is_not_known(monkeypatch, tmp_path):
     monkeypatch.setattr(Path, "is_dir", refuse)
     request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path / "a", thorough=False)
     assert isinstance(probe_machine(request).disk, Unknown)
+
+
+def test_a_data_folder_that_is_gone_is_named_and_its_place_is_not_written_to(tmp_path):
+    data, environment = tmp_path / "data", {"GPR20_STATE": str(tmp_path / "state")}
+    request = MachineRequest(HardwareUse.ELSEWHERE, environment, data=data)
+    assert probe_machine(request).disk.known == KnownFolder("", False)
+    folder = DataFolder(DataFolderUse(data, tmp_path / "state"), Clock())
+    folder.check()
+    assert probe_machine(request).disk.known == folder.identify()
+    data.rename(tmp_path / "moved")
+    disk = probe_machine(request).disk
+    assert disk.known.fault_code == OTHER_DATA_FOLDER.code and disk.trace_s is None
+    assert not data.exists()
+
+
+def test_what_this_user_may_not_read_may_be_right_for_the_storage(tmp_path, monkeypatch):
+    def refuse(*_arguments):
+        raise PermissionError(errno.EACCES, "no")
+
+    monkeypatch.setattr("gpr20_survey.folder.data_folder.read_marker", refuse)
+    request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path, thorough=False)
+    assert isinstance(probe_machine(request).disk.known, Unknown)
 
 
 def test_a_disk_that_hangs_is_not_waited_for(monkeypatch, tmp_path):

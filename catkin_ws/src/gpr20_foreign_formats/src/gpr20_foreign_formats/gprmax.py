@@ -19,6 +19,7 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
 from gpr20_common.message import Message
 from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
+from gpr20_survey.files.regular_file import check_regular
 
 ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
 PATTERNS = ("*.out", "*.h5")
@@ -132,6 +133,7 @@ def _spectrum(
 
 
 def _read(path: Path) -> _Trace:
+    check_regular(path, follow_link=True)
     try:
         with h5py.File(str(path), "r") as file:
             return _trace(file, path.name)

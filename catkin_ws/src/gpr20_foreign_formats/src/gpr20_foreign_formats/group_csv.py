@@ -35,6 +35,7 @@ from gpr20_foreign_formats.group_names import (
     plain,
 )
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
+from gpr20_survey.files.regular_file import open_regular, read_regular
 
 HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}
 KINDS = {dataset.S21: VNA, dataset.A_SCAN: TIME}
@@ -187,7 +188,7 @@ def _times(
         )
         return named_s
     try:
-        header, *lines = path.read_text(encoding="ascii").split()
+        header, *lines = read_regular(path).decode("ascii").split()
         times_s = np.array(lines, dtype=np.float64)
     except ValueError as error:
         raise UnreadableFileError(
@@ -214,7 +215,7 @@ def _times(
 
 
 def _read(path: Path, points: int, expected: str) -> np.ndarray:
-    with path.open("rb") as stream:
+    with open(open_regular(path, follow_link=True), "rb") as stream:
         header = stream.readline().decode("ascii", "replace").strip()
         if header != expected:
             raise UnreadableFileError(

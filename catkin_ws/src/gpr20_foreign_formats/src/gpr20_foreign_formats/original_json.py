@@ -22,6 +22,7 @@ from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
+from gpr20_survey.files.regular_file import read_regular
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
@@ -123,7 +124,7 @@ def read_original(
 
 def _read(path: Path) -> Dict[str, Any]:
     try:
-        sample = orjson.loads(path.read_bytes())
+        sample = orjson.loads(read_regular(path))
         rows = np.array([[row[key] for key in VALUES] for row in sample["data"]], np.float64)
         if rows.ndim != 2 or not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0).all():
             raise ValueError("frequencies not ascending, or NaN")

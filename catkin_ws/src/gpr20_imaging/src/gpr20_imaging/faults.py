@@ -43,6 +43,13 @@ STICK_GONE = Fault(
 STICK_FULL = Fault(
     "imaging.stick_full", Message("Make space on the USB stick, or use another one.")
 )
+STICK_FOLDER = Fault(
+    "imaging.stick_folder",
+    Message(
+        "Rename what has this name on the USB stick, or use another one. What was there is "
+        "untouched."
+    ),
+)
 STICK_FORMAT = Fault(
     "imaging.stick_format",
     Message("Use another USB stick, or format this one as exFAT: that deletes what is on it."),

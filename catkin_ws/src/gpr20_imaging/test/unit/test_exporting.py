@@ -6,15 +6,17 @@ import threading
 import zipfile
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from imaging_kit import store_survey
 
 from gpr20_imaging import faults
-from gpr20_imaging.errors import CancelledError, ExportFailedError
+from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
+from gpr20_survey.faults import NOT_A_FILE
 
 
 @pytest.fixture
@@ -48,7 +50,7 @@ def test_every_kind_is_written_with_its_checksum(tmp_path, exporter, sticks, sta
     assert len(files_of(stick)) == 2 * len(names)
     report = (stick / names[0]).read_text()
     assert report.startswith(f"{folder} 4.0 es")
-    assert len(stages) == 2 * len(names)
+    assert len(stages) == 2 * len(names) + 1  # and what was stored is read
 
 
 def test_the_zip_file_holds_the_whole_survey(tmp_path, exporter, sticks):
@@ -175,9 +177,156 @@ def test_a_stick_that_is_removed_leaves_no_file_on_the_disk_below(
 def test_what_an_interrupted_export_left_is_removed(tmp_path, exporter, sticks):
     folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
     (stick / FOLDER).mkdir()
-    (stick / FOLDER / ".old_survey.zip.0011aabb.tmp").write_text("half")
+    for kind in ExportKind:
+        for name in (
+            f"20260921T141320_0f8fad5b_{kind.ending}",
+            f"{folder.name}_SIMULATED_report.html",
+        ):
+            for ending in ("", ".sha256"):
+                (stick / FOLDER / f".{name}{ending}.0011aabb.tmp").write_text("half")
     exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
     assert len(files_of(stick)) == 2
+
+
+def test_what_another_program_left_unfinished_is_not_removed(tmp_path, exporter, sticks):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    own = ".20260921T141320_0f8fad5b_report.html"
+    foreign = [
+        ".letter.odt.tmp",
+        ".old_survey.zip.0011aabb.tmp",
+        f"{own}.tmp",
+        f"{own}.0011AABB.tmp",
+    ]
+    foreign += [f"{own[1:]}.0011aabb.tmp", ".x_report.html.0011aabb.tmp"]
+    (stick / FOLDER / f"{own}.0011aabb.tmp").mkdir(parents=True)
+    for name in foreign:
+        (stick / FOLDER / name).write_text("of others")
+    exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
+    assert {*foreign, f"{own}.0011aabb.tmp"} < set(files_of(stick))
+
+
+def contents(folder):
+    return {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
+
+
+def put_link(path, computer):
+    path.symlink_to(computer)
+
+
+def put_relative_link(path, computer):
+    path.symlink_to(os.path.relpath(str(computer), str(path.parent)))
+
+
+def put_link_to_nothing(path, computer):
+    path.symlink_to(computer / "nothing")
+
+
+def put_file(path, _computer):
+    path.write_text("a file")
+
+
+def put_pipe(path, _computer):
+    os.mkfifo(str(path))
+
+
+@each_case("put", [put_link, put_relative_link, put_link_to_nothing, put_file, put_pipe])
+def test_a_folder_of_exports_that_is_none_of_the_stick_is_refused(tmp_path, exporter, sticks, put):
+    folder, stick = store_survey(tmp_path / put.__name__), sticks.plug_in(put.__name__)
+    computer = tmp_path / f"computer_{put.__name__}"
+    computer.mkdir()
+    own = f".{folder.name}_SIMULATED_report.html.0011aabb.tmp"
+    for name in (".letter.odt.tmp", own, f"{folder.name}_SIMULATED_report.html"):
+        (computer / name).write_text("of the computer")
+    before = contents(computer)
+    put(stick / FOLDER, computer)
+    with raises_fault(faults.STICK_FOLDER, stick.name, error=ExportFailedError):
+        exporter.export(request_for(folder, stick, *ExportKind), Cancellation())
+    assert contents(computer) == before
+    assert [one.name for one in stick.iterdir()] == [FOLDER]
+
+
+@pytest.mark.needs("mounts")
+def test_another_disk_below_the_mount_point_is_refused(tmp_path, exporter, sticks):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    (stick / FOLDER).mkdir()
+    subprocess.run(["mount", "-t", "tmpfs", "tmpfs", str(stick / FOLDER)], check=True)
+    try:
+        with raises_fault(faults.STICK_FOLDER, stick.name, error=ExportFailedError):
+            exporter.export(request_for(folder, stick, *ExportKind), Cancellation())
+        assert files_of(stick) == []
+    finally:
+        subprocess.run(["umount", "--lazy", str(stick / FOLDER)], check=True)
+
+
+def test_links_with_the_names_of_exports_are_replaced_not_followed(tmp_path, exporter, sticks):
+    folder, stick = store_survey(tmp_path / "data"), sticks.plug_in()
+    (stick / FOLDER).mkdir()
+    target = tmp_path / "computer"
+    target.write_text("of the computer")
+    wanted = request_for(folder, stick, *ExportKind)
+    for kind in ExportKind:
+        for ending in ("", ".sha256"):
+            (stick / FOLDER / (wanted.name(kind) + ending)).symlink_to(target)
+    for name in exporter.export(wanted, Cancellation()):
+        assert not (stick / name).is_symlink() and not (stick / f"{name}.sha256").is_symlink()
+    assert target.read_text() == "of the computer"
+
+
+@each_case("level", ["the folder of the exports", "the mount point"])
+def test_a_link_that_is_put_there_meanwhile_leads_nowhere(
+    tmp_path, exporter, sticks, monkeypatch, level
+):
+    folder, stick = store_survey(tmp_path / level[-5:] / "data"), sticks.plug_in(level[-5:])
+    computer = tmp_path / level[-5:] / "computer"
+    (computer / FOLDER).mkdir(parents=True)
+    real = stick_files.copy_file
+
+    def copy(source, target):
+        moved = stick if level == "the mount point" else stick / FOLDER
+        if not moved.is_symlink():
+            moved.rename(moved.with_name("moved"))
+            moved.symlink_to(computer if moved is stick else computer / FOLDER)
+        real(source, target)
+
+    monkeypatch.setattr(stick_files, "copy_file", copy)
+    with pytest.raises(ImagingError):
+        exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
+    assert contents(computer) == {}
+    monkeypatch.setattr(stick_files, "copy_file", real)
+
+
+def cut_off(path):
+    os.truncate(str(path), 3)
+
+
+def change_a_byte(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+@each_case("spoil", [cut_off, change_a_byte, os.unlink])
+@each_case("ending", ["", ".sha256"])
+def test_what_is_not_on_the_stick_after_all_is_no_success(
+    tmp_path, exporter, sticks, monkeypatch, spoil, ending
+):
+    folder, stick = store_survey(tmp_path / f"{spoil.__name__}{ending}"), sticks.plug_in()
+    wanted = request_for(folder, stick, ExportKind.SURVEY_ZIP)
+    path = stick / FOLDER / (wanted.name(ExportKind.SURVEY_ZIP) + ending)
+    with monkeypatch.context() as patched:
+        patched.setattr(stick_files.StickFolder, "sync", lambda _self: spoil(path))
+        with raises_fault(faults.STICK_FAILED, stick.name, error=ExportFailedError):
+            exporter.export(wanted, Cancellation())
+
+
+@each_case("put", [put_link, put_pipe])
+def test_a_survey_that_cannot_be_read_is_no_fault_of_the_stick(tmp_path, exporter, sticks, put):
+    folder, stick = store_survey(tmp_path / put.__name__), sticks.plug_in()
+    (tmp_path / f"file_{put.__name__}").write_text("elsewhere")
+    put(folder / "survey.bag", tmp_path / f"file_{put.__name__}")
+    with raises_fault(NOT_A_FILE, "survey.bag", error=ImagingError):
+        exporter.export(request_for(folder, stick, ExportKind.SURVEY_ZIP), Cancellation())
+    assert files_of(stick) == []
 
 
 def test_a_survey_that_changes_meanwhile_is_refused(tmp_path, exporter, sticks, monkeypatch):

@@ -39,11 +39,6 @@ WRONG_ARGUMENT = Fault(
     "launch.wrong_argument",
     Message("Correct the argument that the message names, and launch the robot again."),
 )
-# A full disk, which the sentence names, is a matter of the disk.
-NO_DATA_FOLDER = Fault(
-    "launch.no_data_folder",
-    Message("Give another folder with data:=, or allow this user to write to it."),
-)
 ROBOT_RUNNING = Fault(
     "launch.robot_running",
     Message("End the robot that is running, as the message says, then launch this one."),

@@ -10,9 +10,19 @@ from fault_kit import raises_fault
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.mid.records import record_from
 from gpr20_launch import faults
+from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.mid.launch_request import LaunchRequest
 from gpr20_simulator.faults import WRONG_SCENE
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_survey.faults import (
+    FOLDER_MOVED,
+    NO_DATA_DISK,
+    NOT_A_FILE,
+    NOT_PERMITTED,
+    OTHER_DATA_FOLDER,
+)
+from gpr20_survey.files.data_marker import read_marker
+from gpr20_survey.files.file_system import file_system_of
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PACKAGES = Path(__file__).resolve().parents[3]
@@ -132,8 +142,31 @@ def test_a_data_folder_that_cannot_be_written_is_refused(home, kind):
         folder = Path("/proc/surveys")
     else:
         folder.mkdir(mode=0o500)
-    with raises_fault(faults.NO_DATA_FOLDER, folder):
+    refusals = (NOT_A_FILE, NOT_PERMITTED, FOLDER_MOVED)
+    with raises_fault(refusals, folder, error=LaunchRefusedError):
         request(data=str(folder)).sections(AXES)
+
+
+def test_a_launch_marks_the_data_folder_and_never_makes_one_in_its_place(home):
+    folder = home / "surveys"
+    for _launch in range(2):
+        request(data=str(folder)).sections(AXES)
+    assert read_marker(folder) is not None
+    folder.rename(home / "moved")
+    with raises_fault(OTHER_DATA_FOLDER, folder, error=LaunchRefusedError):
+        request(data=str(folder)).sections(AXES)
+    assert not folder.exists()
+    (home / "moved").rename(folder)
+    assert request(data=str(folder)).sections(AXES)["storage"]["data"] == str(folder)
+
+
+def test_a_data_disk_that_is_not_there_refuses_the_launch(home):
+    if file_system_of(home).device != file_system_of(Path("/")).device:
+        pytest.skip("the temporary folder is not on the disk of the system")
+    (home / "storage.yaml").write_text("data_disk: true")
+    with raises_fault(NO_DATA_DISK, home / "surveys", error=LaunchRefusedError):
+        request(config=str(home), data=f"{home}/surveys").sections(AXES)
+    assert not (home / "surveys").exists()
 
 
 def test_the_robot_part_does_not_need_the_data_folder(home):

@@ -21,7 +21,8 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.daily_check_steps import CHECK_LIMIT_S
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
-from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.faults import CHECK_ORDER, OTHER_DATA_FOLDER
+from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
@@ -61,7 +62,8 @@ class SeeingAnalyzer(FakeAnalyzer):
 def checked(data, gain=1.0, robot=ROBOT):
     analyzer = SeeingAnalyzer(gain)
     check = make_check(analyzer, robot.address, analyzer.instruct)
-    return compare_with_history(check, robot, data, "2026-09-21T14:13:20+00:00")
+    use = DataFolderUse(data, data / "state")
+    return compare_with_history(check, robot, use, "2026-09-21T14:13:20+00:00")
 
 
 def test_each_part_is_asked_for_and_swept_twice_and_the_analyzer_is_released():
@@ -127,6 +129,19 @@ def test_three_steps_make_a_check_with_a_verdict_and_a_line_of_the_history(stepp
     stepped.robot.analyzer_calls.call(lambda: None, lambda: None)
     assert (stepped.analyzer.sweeps, stepped.analyzer.releases) == (12, 6)
     assert str(stepped.activities[0]) == "daily check of the radar"
+
+
+def test_a_check_does_not_make_a_data_folder_in_the_place_of_one_that_is_gone(stepped, tmp_path):
+    def make_check_of_robot():
+        return [step(stepped, number) for number in range(3)]
+
+    make_check_of_robot()
+    moved = tmp_path.rename(tmp_path.with_name("moved"))
+    with raises_fault(OTHER_DATA_FOLDER, tmp_path, error=DeviceError):
+        make_check_of_robot()
+    assert not tmp_path.exists()
+    moved.rename(tmp_path)
+    assert len((tmp_path / HISTORY).read_text().splitlines()) == 1
 
 
 def test_a_step_without_those_before_it_is_refused_and_sweeps_nothing(stepped):

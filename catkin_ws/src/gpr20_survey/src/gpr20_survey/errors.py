@@ -6,12 +6,13 @@ import contextlib
 import errno
 import os
 from pathlib import Path
-from typing import Iterator, Optional, Union
+from typing import Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable as printable
 from gpr20_survey import faults
 
 
@@ -49,6 +50,12 @@ class StorageFailedError(ProcessingError, OSError):
     """The disk refused something; it is not stored and may be stored again."""
 
     fault = faults.STORAGE_FAILED
+
+
+class SigningError(ProcessingError):
+    """A survey could not be signed, or its signature not be checked; it is stored all the same."""
+
+    fault = faults.NOT_SIGNED
 
 
 class _FileError(ProcessingError, OSError):
@@ -144,11 +151,6 @@ def _other_file(error: OSError, path: Path) -> Optional[str]:
     if not isinstance(file, str) or path.name in os.path.basename(file):
         return None
     return file
-
-
-def printable(name: Union[str, Path]) -> str:
-    """Return a file's name or path as text that can be sent and shown, whatever bytes it holds."""
-    return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
 def _advice(error: OSError) -> Message:

@@ -101,9 +101,57 @@ FOLDER_MOVED = Fault(
     "storage.folder_moved",
     Message("Put the survey's folder back to its place and name, then resume the survey."),
 )
+OTHER_DATA_FOLDER = Fault(
+    "storage.other_data_folder",
+    Message(
+        "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
+        "used from now on, the person who maintains the robot accepts it as the user who runs the "
+        "robot: rosrun gpr20_launch robot_config accept_data"
+    ),
+)
+NO_DATA_DISK = Fault(
+    "storage.no_data_disk",
+    Message(
+        "Plug in and mount the disk of the surveys, then try again. A robot without one has no "
+        "data_disk in storage.yaml."
+    ),
+)
+FILE_SYSTEM_UNSUITABLE = Fault(
+    "storage.file_system_unsuitable",
+    Message("Use another disk for the surveys, or format it with ext4, which deletes all on it."),
+)
 LOCKED = Fault(
     "survey.locked",
     Message("Another program writes this survey: end the survey there first."),
+)
+
+# The signature of a survey: without it a survey is whole, but nobody vouches for it.
+NOT_SIGNED = Fault(
+    "survey.not_signed",
+    Message(
+        "Keep the survey: it is stored. Ask the person who maintains the robot to look at the "
+        "signing key; the next change of the survey signs it again."
+    ),
+    Severity.WARNING,
+)
+SIGNING_KEY = Fault(
+    "survey.signing_key",
+    Message(
+        "Correct the file of the key as the message says, or move it away and make another key "
+        "with rosrun gpr20_launch robot_config key. Then annotate the survey, which signs it again."
+    ),
+    Severity.WARNING,
+    replaces=True,
+)
+NO_SSH_KEYGEN = Fault(
+    "survey.no_ssh_keygen",
+    Message("Install the package openssh-client, or do as the message says."),
+    Severity.WARNING,
+)
+SIGNERS_FILE = Fault(
+    "survey.signers_file",
+    Message("Check the path of the signers file: one line for each robot whose key you accept."),
+    replaces=True,
 )
 
 # The calibration of the VNA: its driver and the doctor report it.

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import datetime
+import hashlib
 import json
 import math
+import random
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
+from log_examples import without_checksum
 from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_json
 
 from gpr20_survey.errors import TraceRefusedError
@@ -35,13 +38,13 @@ def test_neighbouring_frequencies_stay_apart(frequency_hz):
 
 def test_the_keys_are_those_of_the_format():
     assert list(json.loads(trace_json.encode(make_trace()))) == [
-        *(*KEYS, *ANALYZER_KEYS, "aux", "zero_epochs", "zero_times")
+        *(*KEYS, *ANALYZER_KEYS, "aux", "zero_epochs", "zero_times", "sha256")
     ]
 
 
 def test_a_trace_without_known_settings_sensors_and_zeros_has_the_form_of_early_versions():
     unknown = make_trace(analyzer=AnalyzerSettings(), aux=(), zeros=())
-    assert list(json.loads(trace_json.encode(unknown))) == KEYS
+    assert list(json.loads(trace_json.encode(unknown))) == [*KEYS, "sha256"]
 
 
 @each_case(
@@ -147,3 +150,29 @@ def test_the_three_times_are_not_mixed_up():
     assert [values[key] for key in ("timestamp", "sweep_started", "sweep_ended")] == [
         utc_time.iso_text(time_us) for time_us in expected
     ]
+
+
+def test_a_file_ends_with_the_checksum_of_all_bytes_before_it():
+    content = trace_json.encode(make_trace())
+    covered = content[: content.rindex(b', "sha256"')]
+    assert json.loads(content)["sha256"] == hashlib.sha256(covered).hexdigest()
+    assert trace_json.is_proven(content)
+
+
+def test_no_byte_of_a_file_can_change_unseen():
+    content = trace_json.encode(make_trace())
+    chance = random.Random(7)
+    for place in range(len(content)):
+        changed = bytearray(content)
+        changed[place] ^= 1 << chance.randrange(8)
+        with pytest.raises(TraceRefusedError):
+            print(place, trace_json.decode(bytes(changed)))
+    for cut in range(len(content)):
+        with pytest.raises(TraceRefusedError):
+            print(cut, trace_json.decode(content[:cut]))
+
+
+def test_a_file_of_an_earlier_version_is_read_but_proves_nothing():
+    former = without_checksum(trace_json.encode(make_trace()))
+    assert trace_json.decode(former).fingerprint() == make_trace().fingerprint()
+    assert not trace_json.is_proven(former)

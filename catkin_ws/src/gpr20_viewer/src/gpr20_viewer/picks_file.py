@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Optional, Tuple
 from gpr20_analysis import faults as analysis_faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
+from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import Message
 from gpr20_survey.files.durable_files import replace_file, sync_path, write_new_file
 from gpr20_survey.folder import survey_folder
@@ -59,7 +60,8 @@ def _csv(picks: Picks, shared: Dict[str, str]) -> str:
     writer = csv.DictWriter(stream, [*names, *SHARED], lineterminator="\n")
     writer.writeheader()
     for one in picks:
-        writer.writerow({**asdict(one), **shared})
+        cells = {**asdict(one), **shared}
+        writer.writerow({name: csv_cell(value) for name, value in cells.items()})
     return stream.getvalue()
 
 

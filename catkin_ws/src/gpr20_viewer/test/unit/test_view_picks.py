@@ -16,6 +16,7 @@ import pytest
 from fault_kit import raises_fault
 from survey_kit import make_survey
 
+from gpr20_analysis import cell_text
 from gpr20_analysis.faults import OUTPUT
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
@@ -231,7 +232,8 @@ def test_exported_picks_say_what_they_are(tmp_path):
     with (tmp_path / "out.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [float(row["x_m"]) for row in rows] == [0.1, 0.3]
-    assert rows[0]["note"] == editor.picks[0].note and rows[1]["level_db"] == ""
+    assert rows[0]["note"].startswith("'=")
+    assert cell_text(rows[0]["note"]) == editor.picks[0].note and rows[1]["level_db"] == ""
     record = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert record["picks"][0]["author"] == "Ana Peña"
     for one in (*rows, record):

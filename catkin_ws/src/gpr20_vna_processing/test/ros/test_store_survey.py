@@ -329,6 +329,31 @@ class StoreSurveyTest(unittest.TestCase):
         )
         self.assertTrue(self.close("stopped").success)
 
+    def test_3b_a_data_folder_that_is_gone_is_told_and_never_made_again(self) -> None:
+        data = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, data)
+        self.start_node("/robot4", data)
+        close = self.service("/robot4/close_survey", CloseSurvey)
+        self.assertTrue(self.open().success)
+        self.assertTrue(close(survey_id=self.survey_id, outcome="stopped").success)
+        found = self.collect("/diagnostics", DiagnosticArray)
+
+        def told(code: str) -> bool:
+            own = [one for array in found for one in array.status if "robot4/" in one.name]
+            values = {pair.key: pair.value for one in own[-1:] for pair in one.values}
+            return values.get("fault_code") == code
+
+        self.wait_until(lambda: told(""), "a good data folder is not told")
+        os.rename(data, data + "_moved")
+        self.wait_until(lambda: told("storage.other_data_folder"), "nobody says that it is gone")
+        self.survey_id = str(uuid.uuid4())
+        refused = self.open()
+        self.assertFalse(refused.success)
+        self.assertIn(data, refused.message)
+        self.assertFalse(os.path.exists(data))
+        os.rename(data + "_moved", data)
+        self.wait_until(lambda: told(""), "it is not told that the folder is back")
+
     def test_5_a_node_that_was_killed_goes_on_with_the_survey(self) -> None:
         data = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, data)

@@ -15,6 +15,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.geopackage import write_geopackage
 from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
@@ -113,12 +114,12 @@ def _write_csv(found: CandidateList, path: Path) -> None:
         for name, value in list_record(found).items():
             for one in value if isinstance(value, list) else [value]:
                 text = one if isinstance(one, str) else json.dumps(one)
-                stream.write(f"# {name}: {' '.join(text.split())}\n")
+                stream.write(f"# {name}: {csv_cell(' '.join(text.split()))}\n")
         writer = csv.writer(stream)
         writer.writerow(COLUMNS)
         for one in found.candidates:
             record = _flat(candidate_record(one, found))
-            writer.writerow(["" if record[name] is None else record[name] for name in COLUMNS])
+            writer.writerow([csv_cell(record[name]) for name in COLUMNS])
 
 
 def _write_gpkg(found: CandidateList, path: Path) -> None:

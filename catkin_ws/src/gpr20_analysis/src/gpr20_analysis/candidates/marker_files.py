@@ -13,13 +13,14 @@ from gpr20_analysis.candidates.files import write_with_checksum
 from gpr20_analysis.candidates.marker_list import MarkerList
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.plan.markers import Marker
 
 FORMAT = "gpr20-markers/1"
 COLUMNS = (
     *("id", "x_m", "y_m", "depth_m", "text", "author", "time"),
-    *("removed", "removed_by", "longitude_deg", "latitude_deg"),
+    *("removed", "removed_by", "confirmed", "longitude_deg", "latitude_deg"),
 )
 
 
@@ -82,6 +83,7 @@ def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:
         "time": marker.time,
         "removed": marker.removed,
         "removed_by": marker.removed_by,
+        "confirmed": found.is_confirmed(marker),
         "longitude_deg": longitude_deg,
         "latitude_deg": latitude_deg,
     }
@@ -106,12 +108,12 @@ def _csv(found: MarkerList) -> str:
     lines = io.StringIO()
     for name, value in _list_record(found).items():
         text = value if isinstance(value, str) else json.dumps(value)
-        lines.write(f"# {name}: {' '.join(text.split())}\n")
+        lines.write(f"# {name}: {csv_cell(' '.join(text.split()))}\n")
     writer = csv.writer(lines)
     writer.writerow(COLUMNS)
     for one in found.markers:
         record = _record(one, found)
-        writer.writerow(["" if record[name] is None else record[name] for name in COLUMNS])
+        writer.writerow([csv_cell(record[name]) for name in COLUMNS])
     return lines.getvalue()
 
 

@@ -28,7 +28,7 @@ from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 from gpr20_survey.folder.survey_folder import SURVEY_FILE, TRACES_FOLDER
 
 FAILURE = 1
@@ -240,16 +240,16 @@ def _record(job: Job, outcome: Outcome) -> Dict[str, Any]:
 def _print(rows: Sequence[Tuple[Job, Outcome]], catalogue: Catalogue) -> None:
     title, time, result = catalogue.tr("survey"), catalogue.tr("s"), catalogue.tr("result")
     width = max(len(title), *(len(job.name) for job, _ in rows))
-    print(f"{title:{width}}  {time:>8}  {result}")
+    say(f"{title:{width}}  {time:>8}  {result}")
     for job, outcome in rows:
         seconds = "" if outcome.seconds is None else f"{outcome.seconds:.1f}"
         state = catalogue.text(STATES[_state(outcome)])
-        print(printable(f"{job.name:{width}}  {seconds:>8}  {state}"))
+        say(f"{job.name:{width}}  {seconds:>8}  {state}")
         for remark in outcome.remarks:
-            print(printable(f"    {remark}"))
+            say(f"    {remark}")
         if outcome.error:
             for line in [outcome.error, *first_steps(outcome.error)]:
-                print(printable(f"    {shown(line, catalogue)}"))
+                say(f"    {shown(line, catalogue)}")
 
 
 COMMAND = Command(

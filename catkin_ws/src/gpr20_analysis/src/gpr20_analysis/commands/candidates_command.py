@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
@@ -56,7 +57,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     for path in chosen.output:
         write_candidates(found, path)
     if chosen.json:
-        print(json_text(found))
+        print(json.dumps(json.loads(json_text(found)), indent=2))
     else:
         image_command.print_candidates(image, found, chosen, catalogue)
     if chosen.publish:

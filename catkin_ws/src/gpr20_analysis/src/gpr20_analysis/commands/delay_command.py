@@ -14,6 +14,7 @@ from gpr20_analysis.processing.chain import recipe_of
 from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 from gpr20_survey.plan.antenna_delay import KEY
 from gpr20_survey.radar.depth import one_way_path_m
 
@@ -53,18 +54,18 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         )
     fit = fit_delay(survey, chosen.separation, chosen.height, chosen.plate)
     recorded_ns = recorded_delay_s(survey) * NS_PER_S
-    print(catalogue.tr("delay of cables and antennas: {delay_ns:.3f} ns, within "
+    say(catalogue.tr("delay of cables and antennas: {delay_ns:.3f} ns, within "
                        "{uncertainty_ns:.3f} ns (95 %), from {count} traces",
                        delay_ns=fit.delay_s * NS_PER_S,
                        uncertainty_ns=fit.uncertainty_s * NS_PER_S,
                        count=fit.traces))  # fmt: skip
-    print(catalogue.tr("spread of single traces: {spread_ns:.3f} ns, {spread_mm:.1f} mm of height",
+    say(catalogue.tr("spread of single traces: {spread_ns:.3f} ns, {spread_mm:.1f} mm of height",
                        spread_ns=fit.residual_s * NS_PER_S,
                        spread_mm=one_way_path_m(fit.residual_s) * MM_PER_M))  # fmt: skip
-    print(catalogue.text(_separated(fit)))
-    print(catalogue.tr("recorded in the survey: {delay_ns:.3f} ns", delay_ns=recorded_ns))
-    print(catalogue.tr("in {file} of the robot's configuration:", file=FILE))
-    print(f"{KEY}: {fit.delay_s * NS_PER_S:.3f}")
+    say(catalogue.text(_separated(fit)))
+    say(catalogue.tr("recorded in the survey: {delay_ns:.3f} ns", delay_ns=recorded_ns))
+    say(catalogue.tr("in {file} of the robot's configuration:", file=FILE))
+    say(f"{KEY}: {fit.delay_s * NS_PER_S:.3f}")
     return inputs.status_of(survey)
 
 

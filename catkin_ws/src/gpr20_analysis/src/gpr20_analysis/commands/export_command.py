@@ -25,6 +25,7 @@ from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
 
 
@@ -58,7 +59,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     progress = inputs.progress_bar(catalogue.tr("writing"))
     written = export_survey(transformed, chosen.output, chosen.format, progress)
     for path, content in written.items():
-        print(f"{path}: {catalogue.text(content)}")
+        say(f"{path}: {catalogue.text(content)}")
     return inputs.status_of(survey)
 
 

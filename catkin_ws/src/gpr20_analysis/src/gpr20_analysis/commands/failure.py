@@ -41,7 +41,10 @@ def message_of(error: BaseException, command: str) -> Message:
         The message, with its fault.
     """
     if isinstance(error, Gpr20Error):
-        return error.message
+        file = error.filename if isinstance(error, OSError) else None
+        return (
+            Message("{file}: {reason}", file=file, reason=error.message) if file else error.message
+        )
     if isinstance(error, KeyboardInterrupt):
         return Message("interrupted; no partial output is left").with_fault(faults.INTERRUPTED)
     if isinstance(error, ModuleNotFoundError):

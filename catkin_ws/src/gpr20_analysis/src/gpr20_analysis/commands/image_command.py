@@ -37,7 +37,7 @@ from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
@@ -281,10 +281,10 @@ def print_candidates(
     notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
     estimated = [permittivity_line(image)] if "permittivity_lowest" in image.attrs else []
     for line in [*notes, *estimated]:
-        print(printable(shown(line, catalogue)))
+        say(shown(line, catalogue))
     # Who asks for a number gets all of the list.
     most_doubtful = MOST_DOUBTFUL if chosen.most is None else None
-    print("\n".join(candidate_lines(found, catalogue, most_doubtful)))
+    say(*candidate_lines(found, catalogue, most_doubtful))
 
 
 COMMAND = Command(

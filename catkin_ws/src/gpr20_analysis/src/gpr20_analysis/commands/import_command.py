@@ -17,6 +17,7 @@ from gpr20_analysis.formats.format import IMPORTS, Band
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,7 +72,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     inputs.print_warnings(survey, catalogue)
     dataset_files.write_dataset(survey, chosen.output)
     sizes = ", ".join(f"{name} {size}" for name, size in survey.sizes.items())
-    print(f"{chosen.output}: {sizes}")
+    say(f"{chosen.output}: {sizes}")
     return inputs.status_of(survey)
 
 

@@ -11,7 +11,7 @@ from gpr20_analysis.commands.rows import print_rows
 from gpr20_analysis.report.summary import summarize, summary_of, warnings_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, shown
 from gpr20_common.catalogue import Catalogue
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     else:
         print_rows(summary_of(survey), catalogue)
         for one in warnings_of(survey):
-            print(printable(shown(one, catalogue)))
+            say(shown(one, catalogue))
     return inputs.status_of(survey)
 
 

@@ -25,6 +25,7 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import remark_lines
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable, say
 
 
 def add_survey(parser: argparse.ArgumentParser) -> None:
@@ -70,14 +71,14 @@ def print_warnings(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> 
         path: Where it was read from, if it is not the survey of the command.
     """
     for line in remark_lines(survey, catalogue, path):
-        print(line, file=sys.stderr)
+        say(line, file=sys.stderr)
 
 
 def progress_bar(what: str) -> Any:
     """Return a `Progress` that draws a bar on a terminal and nothing elsewhere."""
 
     def shown(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
-        return tqdm(items, total=total, desc=what, disable=None, leave=False)
+        return tqdm(items, total=total, desc=printable(what), disable=None, leave=False)
 
     return shown
 

@@ -26,7 +26,7 @@ from gpr20_common.low.catalogue_file import (
     read_catalogue,
 )
 from gpr20_common.sent_message import message_fields
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -46,9 +46,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
         if os.environ.get(TRACEBACK) and not isinstance(error, (*EXPECTED, KeyboardInterrupt)):
             traceback.print_exc()
         reason = message_of(error, f"gpr20 {' '.join(given)}")
-    print(f"gpr20 {' '.join(given[:1])}: {printable(shown(reason, catalogue))}", file=sys.stderr)
+    say(f"gpr20 {' '.join(given[:1])}: {shown(reason, catalogue)}", file=sys.stderr)
     for step in first_steps(reason):
-        print(printable(shown(step, catalogue)), file=sys.stderr)
+        say(shown(step, catalogue), file=sys.stderr)
     if getattr(chosen, "json", False):
         print(json.dumps({"error": message_fields(reason)}))
     return REFUSED

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 from gpr20_analysis.candidates.files import output_paths
@@ -12,7 +13,7 @@ from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_common.catalogue import Catalogue
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,10 +38,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     for path in chosen.output:
         write_markers(found, path)
     if chosen.json:
-        print(json_text(found), end="")
+        print(json.dumps(json.loads(json_text(found)), indent=2))
     else:
         for line in marker_lines(found, catalogue):
-            print(printable(line))
+            say(line)
     return inputs.status_of(survey)
 
 

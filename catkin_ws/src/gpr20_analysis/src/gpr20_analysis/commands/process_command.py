@@ -12,6 +12,7 @@ from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.processing.chain import recipe_of, recipe_text
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.terminal_text import say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,8 +38,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.save_recipe:
         with atomic_output(chosen.save_recipe) as place:
             place.write_text(recipe, encoding="utf-8")
-    print(catalogue.tr("{path}, made by the steps:", path=chosen.output))
-    print(recipe, end="")
+    say(catalogue.tr("{path}, made by the steps:", path=chosen.output))
+    say(*recipe.splitlines())
     return status
 
 

@@ -8,25 +8,27 @@ from pathlib import Path
 from typing import List
 
 from gpr20_analysis import __version__
-from gpr20_analysis.commands import inputs
+from gpr20_analysis.commands import inputs, signing
 from gpr20_analysis.commands.command import DAMAGED, Command
 from gpr20_analysis.read.manifest_repair import Repair, repair_manifest
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 from gpr20_survey.trace import utc_time
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("folder", type=Path, help="folder of one survey that was closed")
+    signing.add_argument(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Repair the manifest, print what was done and return the exit status."""
     folder = chosen.folder.expanduser()
+    signer = signing.chosen_signer(chosen)
     now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
     progress = inputs.progress_bar(catalogue.tr("verifying"))
     result = repair_manifest(folder, f"gpr20 {__version__}", now, progress)
@@ -45,12 +47,14 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         lines.append(Message("nothing was changed: every file is as in the manifest"))
     found = verify_survey(folder, progress)
     _print([*lines, found.verdict], catalogue)
+    if result.repair is Repair.WRITTEN:
+        return max(found.status, signing.sign_again(folder, signer, catalogue))
     return found.status
 
 
 def _print(lines: List[Message], catalogue: Catalogue) -> None:
     for line in lines:
-        print(printable(shown(line, catalogue)))
+        say(shown(line, catalogue))
 
 
 COMMAND = Command(

@@ -14,6 +14,7 @@ from gpr20_analysis.read.replay import describe, recorded
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 
@@ -89,7 +90,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     stopped = playback.stopped
     if not stopped:
         marker.end()
-    print(
+    say(
         catalogue.tr(
             "{traces} traces in {messages} messages were published",
             traces=node.traces,

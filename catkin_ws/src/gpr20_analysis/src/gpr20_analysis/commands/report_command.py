@@ -11,6 +11,7 @@ from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.terminal_text import say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +40,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
     write_report(survey, chosen.survey, chosen.output, options, steps, chosen.language, progress)
-    print(json.dumps({"output": str(chosen.output)}) if chosen.json else chosen.output)
+    say(json.dumps({"output": str(chosen.output)}) if chosen.json else chosen.output)
     return inputs.status_of(survey)
 
 

@@ -6,7 +6,7 @@ from typing import Iterable, Tuple
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 TITLE_WIDTH = 24
 
@@ -15,6 +15,6 @@ def print_rows(rows: Iterable[Tuple[Message, Message]], catalogue: Catalogue) ->
     """Print title and text of each row; a text of several lines is indented."""
     for title, text in rows:
         first, *more = catalogue.text(text).splitlines() or [""]
-        print(printable(f"{catalogue.text(title) + ':':{TITLE_WIDTH}}{first}".rstrip()))
+        say(f"{catalogue.text(title) + ':':{TITLE_WIDTH}}{first}".rstrip())
         for line in more:
-            print(printable(f"{'':{TITLE_WIDTH}}{line}".rstrip()))
+            say(f"{'':{TITLE_WIDTH}}{line}".rstrip())

@@ -13,6 +13,7 @@ from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.terminal_text import say
 
 MCAP = ".mcap"
 
@@ -30,7 +31,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     outputs.check([Output(chosen.output)], [sample_survey()], chosen.overwrite)
     with atomic_output(chosen.output) as place:
         shutil.copyfile(str(sample_survey()), str(place))
-    print(chosen.output)
+    say(chosen.output)
     return DONE
 
 

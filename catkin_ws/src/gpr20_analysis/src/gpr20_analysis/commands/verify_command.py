@@ -9,11 +9,12 @@ from pathlib import Path
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.failure import first_steps
+from gpr20_analysis.read.signature_check import look_at_signature
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.errors import printable
+from gpr20_common.terminal_text import say
 
 LISTED = 50
 """Number of faults that are printed without --all."""
@@ -26,27 +27,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--all", action="store_true", help=f"print all faults, not only the first {LISTED}"
     )
     parser.add_argument(
+        "--signers",
+        type=Path,
+        metavar="FILE",
+        help="require a signature by a key of this file (allowed_signers of OpenSSH)",
+    )
+    parser.add_argument(
         "--json", action="store_true", help="print everything as JSON, for programs"
     )
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check the folder, print what was found and return the exit status."""
+    signed = look_at_signature(chosen.folder, chosen.signers)
     found = verify_survey(chosen.folder, inputs.progress_bar(catalogue.tr("verifying")))
+    status = max(found.status, signed.status)
     if chosen.json:
-        print(json.dumps(found.record(), indent=2))
-        return found.status
+        record = {**found.record(), "status": status, "signature": signed.record()}
+        print(json.dumps(record, indent=2))
+        return status
     listed = found.faults if chosen.all else found.faults[:LISTED]
     lines = [Message("FAULT: {sentence}", sentence=fault) for fault in listed]
     others = len(found.faults) - len(listed)
     if others:
         lines.append(Message("... and {count} more; --all prints all of them", count=others))
-    lines += [Message("note: {sentence}", sentence=note) for note in found.notes]
-    for line in [*lines, found.verdict, *first_steps(found.verdict)]:
-        print(printable(shown(line, catalogue)))
-    return found.status
+    notes = found.notes if signed.check else [*found.notes, signed.message]
+    lines += [Message("note: {sentence}", sentence=note) for note in notes]
+    lines += [found.verdict, *first_steps(found.verdict)]
+    # Last, so that "complete" is never the last word on what nobody vouches for.
+    if signed.check:
+        lines += [signed.message, *first_steps(signed.message)]
+    for line in lines:
+        say(shown(line, catalogue))
+    return status
 
 
 COMMAND = Command(
-    "Check a survey's folder: files, values, positions. Nothing is changed.", add_arguments, run
+    "Check a survey's folder: files, values, positions, signature. Nothing is changed.",
+    add_arguments,
+    run,
 )

@@ -22,6 +22,7 @@ from gpr20_analysis.formats.format import (
     Writer,
     files_of,
 )
+from gpr20_analysis.formats.recognition import refuse_device
 from gpr20_analysis.formats.sums_beside import remove_sums, sums_path, write_sums
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
@@ -187,5 +188,7 @@ def import_survey(
         MissingLibraryError: The package of the format is not installed.
     """
     options = ImportOptions(band, height_m, source)
-    found: xr.Dataset = IMPORTS.find(form).read(Path(path).expanduser(), options, progress)
+    place = Path(path).expanduser()
+    refuse_device(place)
+    found: xr.Dataset = IMPORTS.find(form).read(place, options, progress)
     return found

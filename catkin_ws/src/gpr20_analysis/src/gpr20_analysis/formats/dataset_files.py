@@ -36,6 +36,8 @@ from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
 from gpr20_common.message import Message
+from gpr20_survey.files.file_sums import regular_files
+from gpr20_survey.files.regular_file import check_regular
 
 NETCDF, ZARR = ".nc", ".zarr"
 REAL, IMAGINARY = "_real", "_imag"
@@ -106,6 +108,9 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
     """
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
+    if path.is_dir():
+        for name in regular_files(path):
+            check_regular(path / name)
     checked = has_checksum(path)
     try:
         with np.errstate(invalid="ignore"):

@@ -9,8 +9,10 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import aux_names
+from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_common.terminal_text import printable
 
 FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality,simulated"
 
@@ -50,7 +52,7 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
                 repr(float(survey[dataset.Y].values[row])),
                 repr(float(survey[dataset.POLARIZATION].values[turn])),
                 repr(float(facts[dataset.HEIGHT][place])),
-                str(facts[dataset.TIMESTAMP][place]),
+                str(csv_cell(str(facts[dataset.TIMESTAMP][place]))),
                 str(facts[dataset.QUALITY][place]),
                 simulated,
                 *(repr(float(one[place])) for one in aux_values),
@@ -62,5 +64,5 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
 
 def _heading(aux: xr.DataArray) -> str:
     """Return the heading of a column; a unit has no commas and quotes there."""
-    unit = "".join(one for one in str(aux.attrs.get("units", "")) if one not in ',"')
-    return f"{aux.name} [{unit}]" if unit else str(aux.name)
+    unit = "".join(one for one in printable(str(aux.attrs.get("units", ""))) if one not in ',"')
+    return str(csv_cell(f"{aux.name} [{unit}]" if unit else str(aux.name)))

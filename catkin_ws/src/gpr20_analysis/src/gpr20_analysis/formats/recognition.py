@@ -1,4 +1,4 @@
-"""Recognizes files of other formats, to name the command that imports them."""
+"""Recognizes files that are no survey; of other formats it names the command that imports them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,19 @@ from gpr20_analysis.formats.format import IMPORTS
 from gpr20_common.message import Message
 
 OUTPUT = "survey.nc"
+
+
+def refuse_device(path: Path) -> None:
+    """Refuse pipes, devices and the like, which some readers would wait for.
+
+    Raises:
+        AnalysisError: There is something, but neither a file nor a folder.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise AnalysisError(
+            Message("{path} is neither a file nor a folder, so it is not a survey", path=path),
+            fault=faults.NO_INPUT,
+        )
 
 
 def refuse_importable(path: Path) -> None:

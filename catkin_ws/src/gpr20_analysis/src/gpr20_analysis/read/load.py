@@ -10,18 +10,16 @@ from typing import Any, List, Tuple, Union
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis import dataset
 from gpr20_analysis.formats.dataset_check import checked
 from gpr20_analysis.formats.dataset_files import CHUNK_BYTES, is_dataset, read_dataset
 from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
-from gpr20_analysis.formats.recognition import refuse_importable
+from gpr20_analysis.formats.recognition import refuse_device, refuse_importable
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
-from gpr20_analysis.read.recordings import is_recording
+from gpr20_analysis.read.recording_files import is_recording
 from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.trace_table import EMPTY, in_memory
-from gpr20_common.message import Message
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 
 LAZY_BYTES = 1 << 30
@@ -57,11 +55,7 @@ def load_survey(
         OSError: It cannot be read.
     """
     found = Path(path).expanduser()
-    if found.exists() and not (found.is_file() or found.is_dir()):
-        raise AnalysisError(
-            Message("{path} is neither a file nor a folder, so it is not a survey", path=found),
-            fault=faults.NO_INPUT,
-        )
+    refuse_device(found)
     if is_dataset(found):
         return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)
     # What is ours is not shown to the formats of other packages.

@@ -6,15 +6,15 @@ import enum
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import List, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, sealing, survey_folder
-from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.survey_log import FoundLog
 
 
 class Seal(enum.Enum):
@@ -40,13 +40,13 @@ class ManifestCheck:
     """Differences between the files and a valid manifest."""
 
 
-def check_manifest(folder: Path, survey_id: str, records: Sequence[LogRecord]) -> ManifestCheck:
+def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck:
     """Compare a survey's files with its manifest.
 
     Args:
         folder: The survey's folder.
         survey_id: UUID of the survey.
-        records: Its log; empty for a survey of an earlier version.
+        log: Its log.
 
     Raises:
         OSError: The disk cannot be read.
@@ -59,7 +59,7 @@ def check_manifest(folder: Path, survey_id: str, records: Sequence[LogRecord]) -
         return ManifestCheck(Seal.DAMAGED, damage=error.message)
     if sealed.reopened is not None:
         return ManifestCheck(Seal.REOPENED, sealed)
-    differences = [*_differences(folder, sealed), *_other_log(sealed, records)]
+    differences = [*_differences(folder, sealed), *_other_log(sealed, log)]
     return ManifestCheck(Seal.VALID, sealed, differences=differences)
 
 
@@ -86,8 +86,9 @@ def exists(folder: Path, name: str) -> bool:
     return os.path.lexists(str(folder / name))
 
 
-def _other_log(sealed: Manifest, records: Sequence[LogRecord]) -> List[Message]:
-    if sealed.log is None or sealed.covers(records):
+def _other_log(sealed: Manifest, log: FoundLog) -> List[Message]:
+    records = log.records
+    if sealed.log is None or sealed.covers(records) or sealed.log.number in log.lost:
         return []
     return [
         Message(
@@ -104,7 +105,10 @@ def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:
     if unread and name.startswith(f"{survey_folder.DAMAGED_FOLDER}/"):
         return []  # never data, and it could not be read at the close
     try:
-        present = file_sums.sum_of_file(path)
+        own, new = sealed.files[name], sealed.replacing.get(name)
+        # A file of another length differs already, and may take long to read.
+        sizes = [one.size for one in (own, new) if one is not None]
+        present = file_sums.sum_of_sized_file(path, sizes)
     except OSError as error:
         return [Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))]
     if unread:

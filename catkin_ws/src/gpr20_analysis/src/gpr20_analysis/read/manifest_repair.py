@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import List
 
@@ -17,13 +17,23 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
-from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
+from gpr20_survey.folder.recovery import (
+    RecoveredSurvey,
+    open_log,
+    recover_with_recording,
+    repairs_of,
+)
 
 SHOWN = 5
 """Number of differences that are named."""
 VOUCHED = Message(
     "the log vouches for all of it: traces and recordings are those with which the survey ended"
 )
+OTHERS = Message(
+    "traces or recordings were replaced as a whole after the survey ended: its log says what they "
+    "were, and nothing vouches for those that are there"
+)
+OTHER_DATA = {sealing.DATA: {"reason": "they are not those with which the survey ended"}}
 NOT_VOUCHED = Message(
     "nothing can tell whether traces or recordings were replaced as a whole before now"
 )
@@ -70,7 +80,7 @@ def repair_manifest(
     check_survey_folder(folder)
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
-        recovered = recover(folder)
+        recovered = recover_with_recording(folder)
         survey_folder.check_survey_id(recovered.survey_id)
         return _repair(folder, recovered, revision, now, progress)
 
@@ -79,7 +89,7 @@ def _repair(
     folder: Path, recovered: RecoveredSurvey, revision: str, now: str, progress: Progress
 ) -> RepairResult:
     log = recovered.found
-    found = manifest_check.check_manifest(folder, recovered.survey_id, log.records)
+    found = manifest_check.check_manifest(folder, recovered.survey_id, log)
     is_valid = found.seal is Seal.VALID and not found.differences
     if is_valid and (log.is_whole or not log.has_log) and not recovered.unconfirmed:
         return RepairResult(Repair.NOT_NEEDED)
@@ -93,18 +103,22 @@ def _repair(
     if found.seal is Seal.DAMAGED:
         old = folder / manifest.MANIFEST_FILE
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
-    whole_log = open_log(folder, recovered, now)
     if is_valid:
         assert found.manifest is not None
-        sealing.seal_log(folder, found.manifest, whole_log)
+        sealing.write_sealed(folder, found.manifest, open_log(folder, recovered, now))
         return RepairResult(Repair.WRITTEN, notes=notes)
+    sums = sealing.data_sums(folder)
+    is_other = sealing.has_other_data(recovered.description, sums)
+    if is_other:
+        recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
+    whole_log = open_log(folder, recovered, now)
+    whole_log.write()
     reason = Message("it was missing") if found.damage is None else found.damage
     rewritten = ({"time": now, "reason": reason.sentence()},)
-    proven = sealing.write_manifest(
-        folder, whole_log, revision, str(ended), rewritten=rewritten
-    ) == recovered.description.get(sealing.CONTENT)
+    sealing.write_manifest(folder, whole_log, revision, str(ended), sums, rewritten)
     notes.append(Message("manifest.json was written again"))
-    return RepairResult(Repair.WRITTEN, notes=[*notes, VOUCHED if proven else NOT_VOUCHED])
+    vouched = {True: OTHERS, False: VOUCHED, None: NOT_VOUCHED}[is_other]
+    return RepairResult(Repair.WRITTEN, notes=[*notes, vouched])
 
 
 def _refuse(found: ManifestCheck, has_ended: bool) -> None:

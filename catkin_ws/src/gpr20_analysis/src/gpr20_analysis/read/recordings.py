@@ -6,13 +6,10 @@ messages are read.
 
 from __future__ import annotations
 
-import contextlib
-import itertools
-import os
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Dict, Iterator, List, Optional, Union
+from typing import Any, BinaryIO, Dict, Iterator, List, Optional
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
@@ -20,25 +17,28 @@ from mcap.records import Channel, Chunk
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
-from rosbags.rosbag1 import Reader
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.read.unindexed_bag import complete_messages, has_whole_index
+from gpr20_analysis.read.recording_files import (
+    bag_reader,
+    failing_as_unreadable,
+    is_bag,
+    is_finished,
+    opened,
+)
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import is_metadata_topic
 from gpr20_survey.trace import trace_message, utc_time
 
-BAG, MCAP = ".bag", ".mcap"
-BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
-INDEX_POSITION = b"index_pos="
 RECORD_HEAD_BYTES = 9  # opcode and length
 CUT_OFF = Message(
-    "the recording has no complete index, because it was cut off; all complete messages were read"
+    "the recording was cut off, so it has no complete index; all complete messages before that "
+    "place were read"
 )
 
 
@@ -56,18 +56,18 @@ class OpenRecording:
 
 
 def open_recording(path: Path) -> OpenRecording:
-    """Open a bag or an MCAP file, finished or cut off.
+    """Open a bag or an MCAP file, finished or cut off; the path may be a link.
 
     Raises:
         UnreadableFileError: It is neither, or its index is damaged.
         OSError: It cannot be read.
     """
-    if not is_finished(path):
-        described = (one for one in _readable_messages(path) if is_metadata_topic(one.topic))
+    if not is_finished(path, follow_link=True):
+        described = (one for one in _linked_messages(path) if is_metadata_topic(one.topic))
         metadata = next((_text(one.data) for one in described), None)
-        traces = (one for one in _readable_messages(path) if _is_trace_type(one.datatype))
+        traces = (one for one in _linked_messages(path) if _is_trace_type(one.datatype))
         return OpenRecording(traces, 0, metadata, [CUT_OFF])
-    with _failing_as_unreadable(path):
+    with failing_as_unreadable(path):
         return _open_bag(path) if is_bag(path) else _open_mcap(path)
 
 
@@ -75,45 +75,54 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
     """Yield every recorded trace, in the order of the file.
 
     Args:
-        path: Bag or MCAP file.
+        path: Bag or MCAP file, no link.
         finished: Whether it must have an index, which is then used for reading.
 
     Raises:
         UnreadableFileError: It is damaged, or cannot be read to its end.
     """
     if not finished:
-        return (one for one in _whole_messages(path) if one.datatype == trace_message.DATATYPE)
-    return _bag_traces(path) if is_bag(path) else _mcap_traces(path, None)
+        messages = _complete_messages(path, path)
+        return (one for one in messages if one.datatype == trace_message.DATATYPE)
+    return _bag_traces(path, False) if is_bag(path) else _mcap_traces(path, None, False)
 
 
-def mcap_messages(path: Path) -> Iterator[RecordedMessage]:
+def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
     """Yield the messages of an MCAP file in order of time; of a cut-off file, the complete ones.
+
+    Args:
+        path: The file.
+        follow_link: Whether it may be a symbolic link.
 
     Raises:
         UnreadableFileError: The file is damaged before its end.
         OSError: It cannot be read.
     """
-    if not is_finished(path):
-        yield from _whole_messages(path)
+    if not is_finished(path, follow_link):
+        yield from _whole_messages(path, path.resolve() if follow_link else path)
         return
-    with _failing_as_unreadable(path), path.open("rb") as stream:
+    with failing_as_unreadable(path), opened(path, follow_link) as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
             if schema is not None:
                 yield recorded_message(schema, channel, message)
 
 
-def mcap_length_s(path: Path) -> float:
+def mcap_length_s(path: Path, follow_link: bool) -> float:
     """Return the time between the first and the last message of an MCAP file [s].
 
     Of a file that was cut off it is not known: 0.
+
+    Args:
+        path: The file.
+        follow_link: Whether it may be a symbolic link.
 
     Raises:
         UnreadableFileError: The file is damaged.
         OSError: It cannot be read.
     """
-    if not is_finished(path):
+    if not is_finished(path, follow_link):
         return 0.0
-    with _failing_as_unreadable(path), path.open("rb") as stream:
+    with failing_as_unreadable(path), opened(path, follow_link) as stream:
         summary = make_reader(stream, validate_crcs=True).get_summary()
     if summary is None or summary.statistics is None:
         return 0.0
@@ -122,57 +131,17 @@ def mcap_length_s(path: Path) -> float:
     return length_ns / utc_time.NS_PER_S
 
 
-def is_finished(path: Path) -> bool:
-    """Return whether a bag or an MCAP file has its index.
-
-    Raises:
-        UnreadableFileError: It is neither.
-        OSError: It cannot be read.
-    """
-    magic = BAG_MAGIC if is_bag(path) else MCAP_MAGIC
-    with path.open("rb") as stream:
-        if stream.read(len(magic)) != magic:
-            kind = "bag" if is_bag(path) else "MCAP"
-            raise UnreadableFileError(
-                Message(
-                    "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
-                ),
-                fault=faults.RECORDING_DAMAGED,
-            )
-        if path.suffix == MCAP:
-            stream.seek(max(len(magic), stream.seek(0, os.SEEK_END) - len(magic)))
-            return stream.read() == magic
-        head = stream.read(4096)
-    place = head.find(INDEX_POSITION)
-    if place < 0:
-        raise UnreadableFileError(
-            Message("{file} has no bag header", file=path.name), fault=faults.RECORDING_DAMAGED
-        )
-    place += len(INDEX_POSITION)
-    return head[place : place + 8] != bytes(8) and has_whole_index(path)
-
-
-def is_bag(path: Path) -> bool:
-    """Return whether a name is that of a bag; `rosbag record` names one that it writes .active."""
-    return path.name.endswith((BAG, f"{BAG}.active"))
-
-
-def is_recording(path: Path) -> bool:
-    """Return whether a name is that of a bag or an MCAP file."""
-    return is_bag(path) or path.suffix == MCAP
-
-
 def _open_bag(path: Path) -> OpenRecording:
-    with Reader(str(path)) as reader:
+    with bag_reader(path, follow_link=True) as reader:
         count = sum(one.msgcount for one in reader.connections if _is_trace(one))
         described = [one for one in reader.connections if is_metadata_topic(one.topic)]
         found = (bytes(data) for _, _, data in reader.messages(described) if described)
         metadata = next((_text(data) for data in found), None)
-    return OpenRecording(_bag_traces(path), count, metadata)
+    return OpenRecording(_bag_traces(path, True), count, metadata)
 
 
 def _open_mcap(path: Path) -> OpenRecording:
-    with path.open("rb") as stream:
+    with opened(path, follow_link=True) as stream:
         reader = make_reader(stream, validate_crcs=True)
         attached = {one.name: one.data for one in reader.iter_attachments()}
         summary = reader.get_summary()
@@ -181,11 +150,11 @@ def _open_mcap(path: Path) -> OpenRecording:
     if summary is not None and summary.statistics is not None:
         counts = summary.statistics.channel_message_counts
         count = sum(counts.get(number, 0) for number in _trace_channels(summary))
-    return OpenRecording(_mcap_traces(path, summary), count, metadata)
+    return OpenRecording(_mcap_traces(path, summary, True), count, metadata)
 
 
-def _bag_traces(path: Path) -> Iterator[RecordedMessage]:
-    with _failing_as_unreadable(path), Reader(str(path)) as reader:
+def _bag_traces(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
+    with failing_as_unreadable(path), bag_reader(path, follow_link) as reader:
         connections = [one for one in reader.connections if _is_trace(one)]
         for connection, time_ns, data in reader.messages(connections) if connections else ():
             yield RecordedMessage(
@@ -198,8 +167,10 @@ def _bag_traces(path: Path) -> Iterator[RecordedMessage]:
             )
 
 
-def _mcap_traces(path: Path, summary: Optional[Summary]) -> Iterator[RecordedMessage]:
-    with _failing_as_unreadable(path), path.open("rb") as stream:
+def _mcap_traces(
+    path: Path, summary: Optional[Summary], follow_link: bool
+) -> Iterator[RecordedMessage]:
+    with failing_as_unreadable(path), opened(path, follow_link) as stream:
         summary = summary or make_reader(stream, validate_crcs=True).get_summary()
         if summary is None:
             raise UnreadableFileError(
@@ -237,44 +208,32 @@ def _trace_channels(summary: Summary) -> Dict[int, Channel]:
     }
 
 
-def _whole_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield every complete message of a recording that has no index yet."""
-    stored: Union[StoredBag, StoredMcap]
-    stored = StoredBag(path) if is_bag(path) else StoredMcap(path)
-    yield from stored.messages()
+def _linked_messages(path: Path) -> Iterator[RecordedMessage]:
+    """Yield what `_complete_messages` does of a recording that may be a symbolic link."""
+    return _complete_messages(path, path.resolve())
+
+
+def _complete_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
+    """Yield every message that is there in full in a recording that has no index yet.
+
+    Args:
+        path: Its name.
+        place: Where it is: the same, or what the name links to.
+    """
+    if not is_bag(path):
+        yield from _whole_messages(path, place)
+        return
+    with opened(place, follow_link=False) as stream:
+        yield from complete_messages(stream)
+
+
+def _whole_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
+    """Yield every message of the whole chunks of an MCAP file that has no index yet."""
+    stored = StoredMcap(place)
+    with failing_as_unreadable(path):
+        yield from stored.messages()
     if stored.faults:
         raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
-
-
-def _readable_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield the messages of whole chunks, then those in full of a chunk that was cut off.
-
-    Bags that another recorder wrote have chunks of another form, which are read too.
-    """
-    count = 0
-    try:
-        for message in _whole_messages(path):
-            count += 1
-            yield message
-    except UnreadableFileError:
-        if count or not is_bag(path):
-            raise
-    if is_bag(path):
-        yield from itertools.islice(complete_messages(path), count, None)
-
-
-@contextlib.contextmanager
-def _failing_as_unreadable(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except UnreadableFileError:
-        raise
-    except Exception as error:
-        # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
-        raise UnreadableFileError(
-            Message("{file} is damaged", file=path.name, details=repr(error)),
-            fault=faults.RECORDING_DAMAGED,
-        ) from error
 
 
 def _is_trace(connection: Any) -> bool:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, Iterable, Iterator, Optional, Union
 
 from gpr20_analysis.errors import DamagedSurveyError
-from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
+from gpr20_analysis.read.recording_files import MCAP
+from gpr20_analysis.read.recordings import mcap_length_s, mcap_messages
 from gpr20_analysis.read.sources import SurveySource, open_source
 from gpr20_common.message import in_a_row
 from gpr20_survey.folder import survey_folder
@@ -54,11 +56,11 @@ def describe(survey: Path) -> ReplayedSurvey:
         OSError: It cannot be read.
     """
     folder = survey.resolve()
-    path = _mcap(survey)
+    path, own_name = _mcap(survey), not survey.is_dir()
     if path is None:
         return ReplayedSurvey(_survey_of_files(open_source(survey), folder))
     found: Dict[str, RecordedMessage] = {}
-    for message in mcap_messages(path):
+    for message in mcap_messages(path, own_name):
         name = message.topic.rsplit("/", 1)[-1]
         found.setdefault(name, message)
         # The metadata are the first message, behind the marker where there is one.
@@ -66,7 +68,8 @@ def describe(survey: Path) -> ReplayedSurvey:
             break
     own = found.get(METADATA_TOPIC) or next(iter(found.values()), None)
     namespace = "/" if own is None else own.topic[: own.topic.rindex("/") + 1]
-    return ReplayedSurvey(_survey_of_mcap(found, path, folder), namespace, mcap_length_s(path))
+    length_s = mcap_length_s(path, own_name)
+    return ReplayedSurvey(_survey_of_mcap(found, path, folder), namespace, length_s)
 
 
 def recorded(survey: Path) -> Iterator[Due]:
@@ -82,7 +85,7 @@ def recorded(survey: Path) -> Iterator[Due]:
     """
     path = _mcap(survey)
     if path is not None:
-        for message in mcap_messages(path):
+        for message in mcap_messages(path, follow_link=not survey.is_dir()):
             if message.datatype != replay_message.DATATYPE:
                 yield Due(message.time_ns, message)
         return
@@ -136,7 +139,7 @@ def _is_kept(message: RecordedMessage) -> bool:
 
 def _mcap(survey: Path) -> Optional[Path]:
     path = survey / survey_folder.MCAP_FILE if survey.is_dir() else survey
-    return path if path.suffix == MCAP and path.exists() else None
+    return path if path.suffix == MCAP and os.path.lexists(str(path)) else None
 
 
 def _survey_of_mcap(found: Dict[str, RecordedMessage], path: Path, folder: Path) -> RecordedSurvey:

@@ -13,12 +13,15 @@ import orjson
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
+from gpr20_analysis.read.recording_files import is_recording
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
+from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.recovery import recover, unconfirmed_message
+from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.folder.recovery import recover_with_recording, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -152,7 +155,7 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
         return _folder_source(path, read)
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
-    if recordings.is_recording(path):
+    if is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
         return JsonSource(path.name, [path], None, read)
@@ -169,13 +172,18 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
 def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
     described = folder / survey_folder.SURVEY_FILE
+    for one in (traces, described):
+        check_regular(one)
     files = _trace_files(traces if traces.is_dir() else folder)
     description, damage, notes = None, [], []
     if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
-            recovered = recover(folder)
+            recovered = recover_with_recording(folder)
             description = recovered.description
-            notes = [unconfirmed_message(one) for one in (recovered.all_unconfirmed,) if one]
+            unconfirmed = recovered.all_unconfirmed
+            if unconfirmed:
+                description = {**description, UNCONFIRMED: unconfirmed}
+                notes.append(unconfirmed_message(unconfirmed))
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
     if not files and described.exists():

@@ -19,9 +19,19 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder import (
+    manifest,
+    sealing,
+    survey_folder,
+    survey_metadata,
+    trace_files,
+)
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import RecoveredSurvey, recover, unconfirmed_message
+from gpr20_survey.folder.recovery import (
+    RecoveredSurvey,
+    recover_with_recording,
+    unconfirmed_message,
+)
 from gpr20_survey.plan.zero_history import unproven_zeros
 
 FILES = (
@@ -81,7 +91,7 @@ def verify_survey(
     writer = None if repairing else writer_of(folder)
     try:
         survey_folder.check_no_links(folder)
-        recovered = recover(folder)
+        recovered = recover_with_recording(folder)
         survey_folder.check_survey_id(recovered.survey_id)
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
@@ -112,6 +122,7 @@ class _Verifier:
             has_log=recovered.found.has_log,
         )
         self._zeros: List[Zeros] = []
+        self._is_adding = False  # the manifest names an entry that is being added to the log
 
     def run(self, with_log: bool) -> Verification:
         if self._use_manifest and not self._found.writer:
@@ -143,8 +154,7 @@ class _Verifier:
         return self._folder / survey_folder.TRACES_FOLDER
 
     def _check_manifest(self) -> None:
-        records = self._recovered.found.records
-        found = manifest_check.check_manifest(self._folder, self._survey_id, records)
+        found = manifest_check.check_manifest(self._folder, self._survey_id, self._recovered.found)
         self._found.sealed = found.seal is Seal.VALID
         self._found.faults += found.differences
         if found.damage is not None:
@@ -166,7 +176,9 @@ class _Verifier:
         elif found.seal is Seal.MISSING:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
         elif found.manifest is not None:
+            self._is_adding = found.manifest.log is None or found.manifest.next_log is not None
             self._note_manifest(found.manifest)
+            self._check_content(found.manifest)
         self._note_damaged()
         self._note_name()
 
@@ -193,6 +205,17 @@ class _Verifier:
                     "is not covered",
                     time=str(one.get("time")),
                     reason=str(one.get("reason")),
+                )
+            )
+
+    def _check_content(self, sealed: Manifest) -> None:
+        is_named = sealing.DATA in self._recovered.all_unconfirmed
+        is_other = sealing.has_other_data(self._description, sealed.files)
+        if self._found.sealed and is_other and not is_named:
+            self._found.fault(
+                Message(
+                    "traces or recordings were replaced, and the manifest was written again: the "
+                    "log of the survey names other ones"
                 )
             )
 
@@ -271,16 +294,22 @@ class _Verifier:
                 for number in log.lost
             ]
             if log.behind:
-                self._found.note(
-                    Message(
-                        "log.jsonl or survey.json lacks the last entry of the log, as after a "
-                        "power cut; the other has it"
-                    )
-                )
+                self._note_behind()
         named = self._recovered.all_unconfirmed
         self._found.unconfirmed = tuple(named)
         if named:
             self._found.note(unconfirmed_message(named))
+
+    def _note_behind(self) -> None:
+        behind = Message(
+            "log.jsonl or survey.json lacks the last entry of the log, as after a power cut; the "
+            "other has it"
+        )
+        # Of a closed survey only while an entry is being added, which its manifest names before.
+        if self._found.sealed and not self._is_adding:
+            self._found.fault(behind)
+        else:
+            self._found.note(behind)
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description

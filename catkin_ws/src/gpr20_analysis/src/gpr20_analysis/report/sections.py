@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import __version__, dataset
-from gpr20_analysis.candidates.marker_list import marker_heading, marker_row, survey_markers
+from gpr20_analysis.candidates.marker_list import marker_heading, marker_rows, survey_markers
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps
@@ -129,10 +129,10 @@ def _verification(found: Verification, catalogue: Catalogue) -> Section:
 def _markers(survey: xr.Dataset, catalogue: Catalogue) -> Section:
     title = catalogue.tr("Markers")
     try:
-        found = survey_markers(survey).markers
+        found = survey_markers(survey)
     except AnalysisError as error:
         return Section(title, warnings=[shown(error.message, catalogue)])
-    rows = [marker_row(one, catalogue) for one in found]
+    rows = marker_rows(found, catalogue)
     return Section(title, rows=rows, heading=marker_heading(catalogue) if rows else ())
 
 

@@ -20,6 +20,8 @@ from gpr20_analysis.read.annotation_attributes import (
 )
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
+from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.refines import REFINES
@@ -124,9 +126,14 @@ def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
 
 
 def warnings_of(survey: xr.Dataset) -> List[Message]:
-    """Return what the operator was warned of during the survey; none without survey.json."""
-    found = mapping_of(description_of(survey), "report").get("warnings")
-    return [
+    """Return what nothing vouches for, and what the operator was warned of during the survey.
+
+    Without survey.json there is none of both.
+    """
+    described = description_of(survey)
+    unconfirmed = mapping_of(described, UNCONFIRMED)
+    found = mapping_of(described, "report").get("warnings")
+    return ([unconfirmed_message(unconfirmed)] if unconfirmed else []) + [
         Message(
             "warning of the robot at {time}: {warning}",
             time=str(one.get("time")),

@@ -7,14 +7,14 @@ import hashlib
 import json
 
 import pytest
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, add_marker, describe_again, make_survey, remove_marker
 
 from gpr20_analysis import load_survey, survey_markers
 from gpr20_analysis.commands.main import main
-from gpr20_survey.folder.annotating import annotate_folder, change_description
+from gpr20_survey.folder.annotating import add_to_survey, annotate
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.markers import Marker, with_marker, without_marker
+from gpr20_survey.plan.markers import Marker
 
 NOW, LATER = "2026-11-21T05:10:00.000000Z", "2026-11-21T06:00:00.000000Z"
 ONE = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", 12.5, 20.0, 80.0, 'raíz, "metal"', "Ana")
@@ -25,15 +25,14 @@ OTHER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae8", 15.0, 10.0)
 def folder(tmp_path):
     folder = make_survey(tmp_path, len(POINTS), "finished")
     for marker in (ONE, OTHER):
-        change_description(folder, lambda values, one=marker: with_marker(values, one, NOW))
-    change_description(
-        folder, lambda values: without_marker(values, OTHER.marker_id, "Luis", LATER)
-    )
+        add_marker(folder, marker, NOW)
+    remove_marker(folder, OTHER, "Luis", LATER)
     return folder
 
 
 def on_the_earth(folder):
-    annotate_folder(folder, Annotation(position=Wgs84Position(4.60283, -74.06514), heading_deg=0.0))
+    position = Wgs84Position(4.60283, -74.06514)
+    add_to_survey(folder, annotate(Annotation(position=position, heading_deg=0.0)), NOW)
 
 
 def test_markers_are_listed_and_removed_ones_on_request(folder, capsys):
@@ -102,8 +101,7 @@ def test_the_report_and_info_show_markers(folder, tmp_path, capsys):
 
 def test_damaged_markers_are_a_note_and_refused_by_the_command(tmp_path, capsys):
     folder = make_survey(tmp_path, len(POINTS), "finished")
-    path = folder / "survey.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "markers": 5}))
+    describe_again(folder, markers=5)
     survey = load_survey(folder, accept_damaged=True)
     assert "not a list of markers" in str(survey.attrs["notes"])
     assert main(["markers", str(folder), "--accept-damaged"]) == 3
@@ -112,8 +110,7 @@ def test_damaged_markers_are_a_note_and_refused_by_the_command(tmp_path, capsys)
 
 def test_info_names_the_survey_that_a_finer_one_refines(tmp_path, capsys):
     folder = make_survey(tmp_path, len(POINTS), "finished")
-    path = folder / "survey.json"
     coarse = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "refines": coarse}))
+    describe_again(folder, refines=coarse)
     main(["info", str(folder), "--accept-damaged"])
     assert coarse in capsys.readouterr().out

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, describe_again, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -104,12 +104,14 @@ def test_a_survey_that_has_not_ended_is_refused(tmp_path, refusals):
     assert annotate(folder) == 0
 
 
-def test_a_damaged_survey_json_is_refused(folder, capsys):
+def test_a_damaged_survey_json_is_written_again_from_the_log_before(folder):
     path = folder / "survey.json"
     path.write_bytes(path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 10.0'))
-    assert annotate(folder, *OPTIONS) == 3
-    assert "survey.json" in capsys.readouterr().err
     assert gpr20_verify([str(folder)]) == 2
+    assert annotate(folder, *OPTIONS) == 0
+    assert stored(folder) == replace(EXAMPLE, position=None)
+    assert b'"y_stop_mm": 10.0' not in path.read_bytes()
+    assert gpr20_verify([str(folder)]) == 0
 
 
 def test_what_is_no_survey_is_refused(tmp_path, capsys):
@@ -143,9 +145,7 @@ def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
 
 
 def test_an_annotation_that_is_damaged_is_noted_and_does_not_hide_the_survey(folder):
-    path = folder / "survey.json"
-    values = json.loads(path.read_text("ascii"))
-    path.write_text(json.dumps({**values, "annotation": {"operator": 1}}))
+    describe_again(folder, annotation={"operator": 1})
     survey = load_survey(folder)
     assert "operator" not in survey.attrs
     assert any("the annotation in survey.json is not valid" in one for one in survey.attrs["notes"])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
-from survey_kit import make_survey
+from survey_kit import describe_again, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, REFUSED
@@ -234,8 +234,7 @@ def test_the_robot_configuration_reaches_the_survey(tmp_path):
 
 
 def change_analyzer(folder, analyzer):
-    path = folder / "survey.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "analyzer": analyzer}))
+    describe_again(folder, analyzer=analyzer)
 
 
 def test_surveys_of_earlier_versions_have_none(tmp_path):

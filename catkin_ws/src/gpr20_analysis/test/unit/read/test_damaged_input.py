@@ -8,8 +8,9 @@ import shutil
 
 import numpy as np
 import pytest
+import xarray as xr
 from fault_kit import raises_fault
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, make_survey, write_trace_file
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import Quality
@@ -40,8 +41,7 @@ def trace_file(folder, index):
 def change(folder, index, **entries):
     path = trace_file(folder, index)
     values = json.loads(path.read_text())
-    values.update(entries)
-    path.write_text(json.dumps(values) + "\n")
+    write_trace_file(path, {**values, **entries})
 
 
 def truncate(folder):
@@ -53,7 +53,7 @@ def put_nan(folder):
     path = trace_file(folder, VICTIM)
     values = json.loads(path.read_text())
     values["s21_real"][2] = float("nan")
-    path.write_text(json.dumps(values) + "\n")
+    write_trace_file(path, values)
 
 
 def empty(folder):
@@ -123,7 +123,7 @@ def test_one_trace_twice_is_refused_in_files_alone_and_in_their_survey(folder):
     name = trace_file(folder, VICTIM).name
     turned = f"{copy['z_coord_deg']:+07.2f}"
     path = folder / "traces" / f"{name.rsplit('_Z', 1)[0]}_Z{turned}.json"
-    path.write_text(json.dumps(copy) + "\n")
+    write_trace_file(path, copy)
     for part in (folder / "traces", folder):
         with raises_fault(faults.SURVEY_DAMAGED):
             load_survey(part)
@@ -181,8 +181,15 @@ def test_samples_with_the_same_numbers_are_noted(tmp_path):
     assert any("exactly the values of another" in note for note in notes)
 
 
-def test_a_damaged_description_is_refused(folder):
-    (folder / "survey.json").write_text("{")
+def test_a_description_that_is_damaged_in_every_form_is_refused(folder, whole):
+    good = load_survey(whole)
+    for name in ("log.jsonl", "survey.json", "survey.mcap"):
+        content = (folder / name).read_bytes()
+        (folder / name).write_bytes(b"{")
+        xr.testing.assert_identical(load_survey(folder), good.assign_attrs(source=folder.name))
+        (folder / name).write_bytes(content)
+    for name in ("log.jsonl", "survey.json", "survey.mcap"):
+        (folder / name).write_text("{")
     with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(folder)
 
@@ -196,7 +203,7 @@ def test_positions_on_no_grid_are_refused(folder):
         x_mm, y_mm = round(values["x_coord_mm"], 2), round(values["y_coord_mm"], 2)
         values.update(x_coord_mm=x_mm, y_coord_mm=y_mm)
         name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{values['z_coord_deg']:+07.2f}.json"
-        (folder / "traces" / name).write_text(json.dumps(values) + "\n")
+        write_trace_file(folder / "traces" / name, values)
     with raises_fault(faults.NO_GRID):
         load_survey(folder / "traces")
 

@@ -1,21 +1,24 @@
-"""One flipped bit anywhere in a survey's folder: what verify says covers what it has checked.
+"""One changed byte anywhere in a survey's folder: what verify says covers what it has checked.
 
-GPR20_DAMAGES sets how many bits are flipped, GPR20_DAMAGE_SEED repeats those of a run.
+GPR20_DAMAGES sets how many bytes are changed, GPR20_DAMAGE_SEED repeats those of a run.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import random
 from contextlib import contextmanager
 
 import pytest
-from survey_kit import POINTS, SURVEY, make_survey, planned_trace
+from survey_kit import POINTS, SURVEY, add_marker, make_survey, planned_trace
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
+from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.plan.markers import Marker, markers_of
 
 FLIPS = int(os.environ.get("GPR20_DAMAGES", "40"))
 SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
@@ -23,9 +26,20 @@ SEALED = {"finished": len(POINTS), "stopped": 7, "interrupted": 7}
 UNSEALED = {"cut off": 7, "not sealed": 7}
 
 
+DURING = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", 110.0, 20.0, 80.0, "metal", "Ana")
+AFTER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae8", 15.0, 10.0)
+
+
+def mark(processing):
+    processing.add_marker("", DURING)
+    processing.report(SURVEY, json.dumps({"complete": False}))
+
+
 def stored(place, ending, count):
     outcome = {"cut off": None, "not sealed": "stopped"}.get(ending, ending)
-    folder = make_survey(place, count, outcome, recorded=True)
+    folder = make_survey(place, count, outcome, recorded=True, at_end=mark)
+    if ending not in UNSEALED:
+        add_marker(folder, AFTER, "2026-11-21T05:10:00.000000Z")
     if ending == "not sealed":
         (folder / "manifest.json").unlink()  # the power was cut before it was written
     return folder
@@ -40,8 +54,8 @@ def surveys(tmp_path_factory):
 
 
 @contextmanager
-def flipped(surveys, endings, number):
-    """Flip one bit of one file, of every file with the same probability, until the end."""
+def changed(surveys, endings, number):
+    """Change one byte of one file, of every file with the same probability, until the end."""
     rng = random.Random(f"{SEED} {number}")
     ending = rng.choice(list(endings))
     folder = surveys[ending]
@@ -52,7 +66,7 @@ def flipped(surveys, endings, number):
     whole = path.read_bytes()
     content = bytearray(whole)
     place = rng.randrange(len(content))
-    content[place] ^= 1 << rng.randrange(8)
+    content[place] ^= rng.choice([1 << rng.randrange(8), rng.randrange(1, 256)])
     path.write_bytes(content)
     try:
         yield ending, folder, f"{ending}, {path.name} byte {place}, GPR20_DAMAGE_SEED={SEED}"
@@ -60,9 +74,9 @@ def flipped(surveys, endings, number):
         path.write_bytes(whole)
 
 
-def test_no_bit_of_a_sealed_survey_is_flipped_unseen(surveys):
+def test_no_byte_of_a_sealed_survey_is_changed_unseen(surveys):
     for number in range(FLIPS):
-        with flipped(surveys, SEALED, number) as (_ending, folder, where):
+        with changed(surveys, SEALED, number) as (_ending, folder, where):
             found = verify_survey(folder)
             assert found.status == DAMAGED, where
             assert "intact" not in str(found.verdict), where
@@ -70,7 +84,7 @@ def test_no_bit_of_a_sealed_survey_is_flipped_unseen(surveys):
 
 def test_an_unsealed_survey_is_never_called_intact(surveys):
     for number in range(FLIPS):
-        with flipped(surveys, UNSEALED, number) as (ending, folder, where):
+        with changed(surveys, UNSEALED, number) as (ending, folder, where):
             found = verify_survey(folder)
             unseen = not found.faults or (
                 ending == "not sealed"
@@ -82,6 +96,8 @@ def test_an_unsealed_survey_is_never_called_intact(surveys):
                 assert "without a manifest, changes to" in str(found.verdict), where
             if unseen:
                 assert_traces_are_those_stored(folder, where)
+                (marker,) = markers_of(read_description(folder))
+                assert marker.same_request(DURING), where
 
 
 def assert_traces_are_those_stored(folder, where):

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import random
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, describe_again, make_survey, planned_trace
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.manifest_repair import NOT_VOUCHED, OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_survey.folder import manifest
+from gpr20_survey.folder import manifest, sealing
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +58,7 @@ def test_a_damaged_manifest_is_written_again_and_kept(copy, capsys, seed):
     assert main(["repair", str(copy)]) == 0
     printed = capsys.readouterr().out
     assert "manifest.json was written again" in printed
-    assert "nothing can tell whether these were changed" in printed
+    assert str(VOUCHED) in printed
     assert files(copy) == {**before, "damaged/manifest.json": wrong}
     (rewritten,) = manifest.read_manifest(copy).rewritten
     assert rewritten["reason"] and rewritten["time"]
@@ -94,12 +95,47 @@ def test_nothing_is_sealed_that_disagrees(copy, capsys, name, keep):
     assert (copy / "manifest.json").exists() == keep
 
 
+def test_a_manifest_is_not_said_to_be_proven_if_nothing_says_what_the_survey_held(copy, capsys):
+    describe_again(copy, content_sha256=None)
+    (copy / "manifest.json").unlink()
+    assert main(["repair", str(copy)]) == 0
+    assert str(NOT_VOUCHED) in capsys.readouterr().out
+
+
+def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copy, tmp_path, capsys):
+    other = {4: {"s21_real": planned_trace(5).s21_real}}
+    replaced = make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
+    for name in ("survey.bag", "survey.mcap", "traces"):
+        for path in [copy / name] if name != "traces" else (copy / name).iterdir():
+            shutil.copy(str(replaced / path.relative_to(copy)), str(path))
+    (copy / "manifest.json").unlink()
+    assert main(["repair", str(copy)]) == 1
+    printed = capsys.readouterr().out
+    assert str(OTHERS) in printed and str(VOUCHED) not in printed
+    for _ in range(2):
+        found = verify_survey(copy)
+        assert (found.status, found.unconfirmed) == (1, (sealing.DATA,))
+        assert main(["repair", str(copy)]) == 1
+    assert manifest.read_manifest(copy).unconfirmed == (sealing.DATA,)
+
+
+def test_data_that_were_replaced_with_the_manifest_are_found(copy, tmp_path):
+    other = {4: {"s21_real": planned_trace(5).s21_real}}
+    replaced = make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
+    for name in ("survey.json", "log.jsonl"):
+        shutil.copy(str(copy / name), str(replaced / name))
+    sealed = manifest.read_manifest(replaced)
+    own = manifest.read_manifest(copy)
+    (replaced / "manifest.json").write_bytes(replace(own, files=sealed.files).encode())
+    assert verify_survey(copy).status == 0
+    assert verify_survey(replaced).status == 2
+
+
 @pytest.mark.parametrize("outcome", [None, "reopened"])
 def test_a_survey_that_is_not_closed_is_refused(tmp_path, refusals, outcome):
     folder = make_survey(tmp_path, 4, None)
     if outcome is not None:
-        path = folder / "survey.json"
-        path.write_text(json.dumps({**json.loads(path.read_text()), "resumed": ["now"]}))
+        describe_again(folder, resumed=["now"])
     assert main(["repair", str(folder)]) == 3
     assert refusals[-1:] == [faults.NOT_CLOSED.code]
 

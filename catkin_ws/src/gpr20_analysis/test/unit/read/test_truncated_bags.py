@@ -12,8 +12,8 @@ from survey_kit import POINTS, SURVEY, make_survey, planned_trace
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.recordings import open_recording
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.recording import bag_format
-from gpr20_survey.recording.bag_reader import StoredBag
 
 ALL = len(POINTS)
 DRAWS = int(os.environ.get("GPR20_DAMAGES", "40"))
@@ -31,7 +31,7 @@ def content(folder):
 
 @pytest.fixture(scope="module")
 def messages(folder):
-    return list(StoredBag(folder / "survey.bag").messages())
+    return list(complete_messages(folder / "survey.bag"))
 
 
 def indices(path):

@@ -9,11 +9,20 @@ import sys
 from pathlib import Path
 
 import pytest
-from survey_kit import PARAMETERS, POINTS, make_survey, planned_trace
+from survey_kit import (
+    PARAMETERS,
+    POINTS,
+    describe_again,
+    make_survey,
+    planned_trace,
+    write_trace_file,
+)
 
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 NO_SETTINGS = AnalyzerSettings()
@@ -37,10 +46,13 @@ def copy(finished, tmp_path):
     return Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
 
 
-def change_json(path: Path, **changes) -> None:
-    values = json.loads(path.read_text())
-    values.update(changes)
-    path.write_text(json.dumps(values, indent=2) + "\n")
+def cut_to(mcap, content, count):
+    """Cut an MCAP file so that this number of traces is left."""
+    for size in range(len(content), 0, -64):
+        mcap.write_bytes(content[:size])
+        found = StoredMcap(mcap).messages()
+        if sum(one.datatype == trace_message.DATATYPE for one in found) == count:
+            return
 
 
 def texts(messages):
@@ -54,7 +66,9 @@ def without_manifest_faults(found):
 def test_a_whole_survey_is_complete_and_intact(finished, capsys):
     assert main([str(finished)]) == 0
     printed = capsys.readouterr().out
-    assert printed == "complete and intact: all 18 planned traces are stored and readable\n"
+    assert printed == (
+        "note: not signed\ncomplete and intact: all 18 planned traces are stored and readable\n"
+    )
 
 
 def test_a_survey_that_was_stopped_is_intact_and_never_called_complete(stopped, capsys):
@@ -70,14 +84,14 @@ def test_a_survey_that_was_cut_off_is_judged_by_what_is_whole(tmp_path, capsys):
     assert "7 of 18 planned traces are stored and readable, and the survey was not closed" in (
         capsys.readouterr().out
     )
-    bag = folder / "survey.bag"
-    content = bag.read_bytes()
-    last = content.index(planned_trace(6).s21_real.tobytes())
-    bag.write_bytes(content[:last])
+    (folder / "survey.bag").unlink()  # it is written again when the survey is resumed
     assert main([str(folder)]) == 1
-    assert "trace 6 is not in survey.bag yet" in capsys.readouterr().out
-    last = content.index(planned_trace(5).s21_real.tobytes())
-    bag.write_bytes(content[:last])
+    mcap = folder / "survey.mcap"
+    content = mcap.read_bytes()
+    cut_to(mcap, content, 6)
+    assert main([str(folder)]) == 1
+    assert "trace 6 is not in survey.mcap yet" in capsys.readouterr().out
+    cut_to(mcap, content, 5)
     assert main([str(folder)]) == 2
 
 
@@ -101,7 +115,7 @@ def test_damage_is_found_without_the_manifest_too(copy):
     original = {one: one.read_bytes() for one in (trace, copy / "survey.bag", copy / "survey.mcap")}
     values = json.loads(original[trace])
     values["s21_imag"][2] = values["s21_imag"][2] + 1e-12
-    trace.write_text(json.dumps(values) + "\n")
+    write_trace_file(trace, values)
     faults = without_manifest_faults(verify_survey(copy))
     assert faults == [
         "trace 4 has other values in survey.bag than in its JSON file",
@@ -252,10 +266,11 @@ CONTRADICTIONS = (
 
 def test_words_that_contradict_the_files_are_faults(stopped, tmp_path):
     folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
-    described = (folder / "survey.json").read_bytes()
+    described = {name: (folder / name).read_bytes() for name in ("survey.json", "log.jsonl")}
     for changes, reason in CONTRADICTIONS:
-        (folder / "survey.json").write_bytes(described)
-        change_json(folder / "survey.json", **changes)
+        for name, content in described.items():
+            (folder / name).write_bytes(content)
+        describe_again(folder, **changes)
         found = verify_survey(folder)
         assert found.status == 2, changes
         assert any(reason in fault for fault in texts(found.faults)), changes
@@ -273,7 +288,7 @@ def test_a_report_that_does_not_claim_more_than_the_files_is_true(stopped, tmp_p
         None,
         "complete",
     ):
-        change_json(folder / "survey.json", report=report)
+        describe_again(folder, report=report)
         found = verify_survey(folder, use_manifest=False)
         assert texts(found.faults) == before, report
 
@@ -334,7 +349,7 @@ def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):
         timeout=60,
     )
     assert (answer.returncode, answer.stderr) == (0, "")
-    assert answer.stdout.startswith("complete and intact")
+    assert answer.stdout.startswith("note: not signed\ncomplete and intact")
 
 
 def test_the_script_answers_with_the_status_of_the_check(stopped):

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
-from survey_kit import NOW_NS, STARTED_US, make_survey
+from survey_kit import NOW_NS, STARTED_US, describe_again, make_survey
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import DAMAGED
@@ -104,9 +102,8 @@ def test_a_trace_older_than_its_sweep_is_told(tmp_path):
 
 def test_an_end_before_the_start_is_told(tmp_path):
     folder = make_survey(tmp_path, 4, None)
-    path = folder / "survey.json"
     ended = utc_time.iso_text(STARTED_US - S)
-    path.write_text(json.dumps({**json.loads(path.read_text()), "ended": ended}))
+    describe_again(folder, ended=ended)
     found = verify_survey(folder)
     assert found.status == DAMAGED  # its recordings have no end
     assert any(f"the survey ended at {ended}, before it started" in str(one) for one in found.notes)

@@ -8,7 +8,7 @@ import math
 import re
 
 import pytest
-from survey_kit import POINTS, make_survey
+from survey_kit import POINTS, describe_again, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -65,8 +65,7 @@ def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path,
     warning = {"time": "2026-09-21T14:13:20+00:00", "warning": "set back", "warning_message": None}
     recorded = {"warnings": [warning, {**warning, "warning_message": message}, 7]}
     folder = make_survey(tmp_path, ALL, "finished")
-    path = folder / "survey.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "report": recorded}))
+    describe_again(folder, report=recorded)
     output = tmp_path / "report.html"
     main(["report", str(folder), "--output", str(output), *OPTIONS, *LOW])
     text = output.read_text(encoding="utf-8")
@@ -134,11 +133,10 @@ def turn(gain_db, noise_db=-60.0, z_deg=0.0):
 @pytest.mark.usefixtures("blank_figures")
 def test_drift_repeatability_and_noise_are_shown_with_their_number_of_visits(tmp_path):
     folder = make_survey(tmp_path, ALL, "finished")
-    path, output = folder / "survey.json", tmp_path / "report.html"
+    output = tmp_path / "report.html"
 
     def text_with(drift):
-        report = {"report": {"drift": drift}}
-        path.write_text(json.dumps({**json.loads(path.read_text()), **report}))
+        describe_again(folder, report={"drift": drift})
         main(["report", str(folder), "--output", str(output), "--overwrite", *OPTIONS, *LOW])
         return output.read_text(encoding="utf-8")
 

@@ -19,6 +19,7 @@ from gpr20_common.high.parameters import (
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.low.roslaunch_process import end_with_roslaunch, roslaunch_number
+from gpr20_common.terminal_text import say
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
@@ -46,7 +47,7 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
         # Its handlers end the node in the main thread, which has locks of rospy while it starts.
         rospy.init_node(name, disable_signals=True)
     except rospy.ROSInitException as error:
-        print(f"{name} was ended before it had started: {error}", file=sys.stderr)
+        say(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.
         os._exit(1)
     try:
@@ -110,7 +111,7 @@ def _refuse_second(name: str) -> None:
         process = probe.process()
     except NodeSilentError:
         return  # there is none, or it has died and left its name behind
-    print(
+    say(
         f"{name} cannot start: it is already running (process {process}). If this is a second "
         "launch of the robot, end the first one, or give this one its own namespace, such as "
         "ns:=robot2",
@@ -118,6 +119,6 @@ def _refuse_second(name: str) -> None:
     )
     launch = roslaunch_number() if configuration_name() else None
     if launch is not None:
-        print(f"{name} ends the launch, because it cannot start", file=sys.stderr)
+        say(f"{name} ends the launch, because it cannot start", file=sys.stderr)
         end_with_roslaunch(launch)
     sys.exit(1)

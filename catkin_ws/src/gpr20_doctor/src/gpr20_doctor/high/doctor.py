@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 import threading
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import List, Mapping, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -22,6 +22,7 @@ from gpr20_common.low.catalogue_file import (
 )
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 from gpr20_doctor import faults
 from gpr20_doctor.high.graph import Graph, master_answers
 from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
@@ -79,14 +80,14 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
         # ~USER without such a user, a master that ends while it is asked.
         failed = Message("The doctor could not work: {reason}", reason=str(error))
         failed = failed.with_fault(faults.CANNOT_WORK)
-        print(catalogue.text(failed), file=sys.stderr)
+        say(catalogue.text(failed), file=sys.stderr)
         if failed.remedy is not None:
-            print(f"-> {catalogue.text(failed.remedy)}", file=sys.stderr)
+            say(f"-> {catalogue.text(failed.remedy)}", file=sys.stderr)
         return REFUSED
-    shown: Sequence[str] = (
-        [as_json(found, catalogue)] if given.json else list(lines(found, catalogue))
-    )
-    print("\n".join(shown), flush=True)
+    if given.json:
+        print(as_json(found, catalogue), flush=True)
+    else:
+        say(*lines(found, catalogue), flush=True)
     return exit_status(found)
 
 

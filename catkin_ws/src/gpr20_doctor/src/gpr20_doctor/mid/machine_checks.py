@@ -9,6 +9,7 @@ import math
 from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding, Level, Unknown
 from gpr20_doctor.mid.hardware_checks import check_hardware
@@ -30,6 +31,10 @@ HOT_C = 80.0
 # Storing runs beside the next sample, which takes longer than this [s].
 TRACE_LIMIT_S = 1.0
 CLOCK_LIMIT_S = 0.1
+FIRST_USE = Message(
+    "If the surveys have a disk of their own, mount it. Then start the robot, which marks the "
+    "folder, and run gpr20 doctor again."
+)
 
 Check = Callable[[MachineFacts], Iterable[Finding]]
 
@@ -84,7 +89,7 @@ def check_power(facts: MachineFacts) -> Iterator[Finding]:
 
 
 def check_disk(facts: MachineFacts) -> Iterator[Finding]:
-    """Judge the disk of the surveys and its speed."""
+    """Judge the folder of the surveys, its disk and the speed of that."""
     disk = facts.disk
     if disk is None:
         text = Message("Disk of the surveys: not on this computer.")
@@ -93,6 +98,9 @@ def check_disk(facts: MachineFacts) -> Iterator[Finding]:
     if not isinstance(disk, DiskFacts):
         yield not_known("data_disk", Message("the disk of the surveys"), disk)
         return
+    yield _data_folder(disk)
+    if isinstance(disk.known, Message):
+        return  # what is there now is not the disk of the surveys
     yield disk_space("data_disk", disk.free_bytes / BYTES_PER_GB)
     if disk.trace_s is not None:
         yield _disk_speed(disk.trace_s)
@@ -172,6 +180,27 @@ def _two_machines(addresses: AddressFacts) -> Finding:
         Level.OK,
         Message("Two computers: this one is {own}.", own=addresses.own[0]),
     )
+
+
+def _data_folder(disk: DiskFacts) -> Finding:
+    known, folder = disk.known, printable(disk.folder)
+    if isinstance(known, Message):
+        return Finding.of_fault("data_folder", known)
+    if isinstance(known, Unknown) or not known.identity:
+        fact = known if isinstance(known, Unknown) else Unknown(Message("it was never used here"))
+        subject = Message("whether {folder} is the right data folder", folder=folder)
+        return not_known("data_folder", subject, fact, FIRST_USE)
+    if known.remembered:
+        text = Message(
+            "Data folder {folder}, identity {identity}", folder=folder, identity=known.identity
+        )
+        return Finding("data_folder", Level.OK, text)
+    text = Message(
+        "Data folder {folder}, identity {identity}; this user has not stored a survey in it.",
+        folder=folder,
+        identity=known.identity,
+    )
+    return Finding("data_folder", Level.NOTE, text)
 
 
 def _disk_speed(trace_s: object) -> Finding:

@@ -10,6 +10,7 @@ from typing import FrozenSet, Optional, Tuple, Union
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
+from gpr20_survey.folder.data_folder import KnownFolder
 
 # The libraries of the pins: the module of each name of the configuration.
 PIN_MODULES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
@@ -97,11 +98,13 @@ class DiskFacts:
     Attributes:
         folder: The folder of the surveys.
         free_bytes: What may still be written [bytes].
+        known: What the folder is, or why no survey can be stored in it.
         trace_s: Time to write one large trace durably [s]; None: not measured.
     """
 
     folder: Path
     free_bytes: int
+    known: Union[KnownFolder, Message, Unknown]
     trace_s: Union[float, Unknown, None] = None
 
 

@@ -9,7 +9,9 @@ import threading
 from pathlib import Path
 from typing import Callable, List, Mapping, Optional, TypeVar, Union
 
-from gpr20_common.message import verbatim
+from gpr20_common.low.clock import Clock
+from gpr20_common.low.data_folder import state_folder
+from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import own_software
 from gpr20_common.os_reason import os_reason
 from gpr20_doctor.low import (
@@ -39,7 +41,10 @@ from gpr20_doctor.mid.machine_facts import (
 )
 from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.files.file_system import existing_folder
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFolder
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.trace.ms2026c import MAX_FREQUENCY_POINTS
 
@@ -71,7 +76,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         gpio=_known(lambda: _gpio(request)) if pins else None,
         realtime=_known(_realtime) if pins else None,
         power=_known(lambda: _power(request.root)) if pi else None,
-        disk=None if request.data is None else _disk(request.data, request.thorough),
+        disk=None if request.data is None else _disk(request.data, request),
         clock=_known(_clock) if request.thorough else None,
         vna=_vna(request.vna) if request.thorough else None,
         pins=request.pins,
@@ -156,16 +161,33 @@ def _power(root: Path) -> PowerFacts:
     return PowerFacts(low)
 
 
-def _disk(folder: Path, thorough: bool) -> Union[DiskFacts, Unknown]:
+def _disk(folder: Path, request: MachineRequest) -> Union[DiskFacts, Unknown]:
     # A launch makes the folder; until then its disk is that of the folder around it.
-    around = (folder, *folder.parents)
-    existing = _known(lambda: _in_time(lambda: next(one for one in around if one.is_dir())))
+    existing = _known(lambda: _in_time(lambda: existing_folder(folder)))
     if isinstance(existing, Unknown):
         return existing
     free = _known(lambda: _in_time(lambda: free_bytes(existing)))
     if isinstance(free, Unknown):
         return free
-    return DiskFacts(folder, free, _known(lambda: _trace_s(existing)) if thorough else None)
+    use = DataFolderUse(folder, state_folder(request.environment), request.data_disk)
+    known = _known(lambda: _in_time(lambda: _identify(use, request.thorough)))
+    # Nothing is written where no survey is stored.
+    measured = request.thorough and not isinstance(known, Message)
+    return DiskFacts(folder, free, known, _known(lambda: _trace_s(existing)) if measured else None)
+
+
+def _identify(use: DataFolderUse, thorough: bool) -> Union[KnownFolder, Message]:
+    folder = DataFolder(use, Clock())
+    try:
+        known = folder.identify()
+        if thorough:
+            folder.check_file_system()
+    except ProcessingError as error:
+        # The storage may be allowed what this user is not.
+        if isinstance(error.__cause__, PermissionError):
+            raise error.__cause__ from None
+        return error.message
+    return known
 
 
 def _in_time(probe: Callable[[], Fact]) -> Fact:

@@ -35,6 +35,7 @@ class MachineRequest:
         pins: Whether an axis has pins; False: other controllers move all axes.
         spi: Bus and device of the height sensor's converter.
         data: Folder of the surveys; None: not on this computer.
+        data_disk: Whether that folder must be on a disk of its own.
         vna: Address of the VNA; None: not to be checked.
         thorough: Whether to do what takes longer: speed of the disk, VNA, chrony.
         root: Root of the file system.
@@ -46,6 +47,7 @@ class MachineRequest:
     pins: bool = True
     spi: Tuple[int, int] = DEFAULT_SPI
     data: Optional[Path] = None
+    data_disk: bool = False
     vna: Union[str, Unknown, None] = None
     thorough: bool = True
     root: Path = ROOT
@@ -93,6 +95,7 @@ class ThisMachine:
             pins=bool(libraries),
             spi=self._spi(nodes.get(HEIGHT_SENSOR)),
             data=self._data(nodes.get(STORAGE)),
+            data_disk=self._data_disk(nodes.get(STORAGE)),
             vna=None if surveying or robot == SIMULATED else self._vna(nodes.get(ANALYZER)),
             thorough=thorough,
             root=self.root,
@@ -136,6 +139,11 @@ class ThisMachine:
         folder = storage.configuration.get("data") if storage is not None else None
         folder = folder or config_files.configured(self._config, "storage.yaml", "data")
         return data_folder(str(folder or ""), self.environment)
+
+    def _data_disk(self, storage: Optional[NodeDescription]) -> bool:
+        if storage is not None:
+            return storage.configuration.get("data_disk") is True
+        return config_files.configured(self._config, "storage.yaml", "data_disk") is True
 
     def _vna(self, analyzer: Optional[NodeDescription]) -> Union[str, Unknown, None]:
         host = "" if analyzer is None else analyzer.software.host

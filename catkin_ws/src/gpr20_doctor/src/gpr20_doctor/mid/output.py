@@ -40,7 +40,7 @@ def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
             for one in found
         ],
     }
-    return json.dumps(record, ensure_ascii=False, indent=2)
+    return json.dumps(record, indent=2)
 
 
 def _with_details(message: Message, catalogue: Catalogue) -> str:

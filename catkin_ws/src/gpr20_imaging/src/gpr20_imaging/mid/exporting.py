@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,14 +16,24 @@ from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.cancellation import Cancellation
+from gpr20_imaging.low.stick_files import StickFolder
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.survey_zip import write_zip
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.results.volume import Volume
 
 FOLDER = "GPR20"
 MARGIN_BYTES = 1 << 20
+SIMULATED_MARK = "_SIMULATED"
+_ENDINGS = "|".join(re.escape(kind.ending) for kind in ExportKind)
+_NAME = re.compile(f"{FOLDER_NAME.pattern}({SIMULATED_MARK})?_({_ENDINGS})")
 GONE = (errno.ENOENT, errno.EIO, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.EROFS)
+
+
+def is_export(name: str) -> bool:
+    """Return whether a name is one that an `ExportRequest` gives."""
+    return _NAME.fullmatch(name) is not None
 
 
 @dataclass(frozen=True)
@@ -47,7 +58,7 @@ class ExportRequest:
 
     def name(self, kind: ExportKind) -> str:
         """Return the name of a file on the stick."""
-        mark = "_SIMULATED" if self.simulated else ""
+        mark = SIMULATED_MARK if self.simulated else ""
         return f"{self.folder.name}{mark}_{kind.ending}"
 
 
@@ -133,20 +144,23 @@ class Exporter:
                 ),
                 fault=faults.STICK_FULL,
             )
-        folder = Path(volume.path) / FOLDER
-        stick_files.make_folder(folder)
-        for kind, path in files:
-            self._report(Message("copying {what} to the USB stick", what=kind.message))
-            with stick_files.new_file(folder / request.name(kind), cancellation) as target:
-                if path is None:
-                    write_zip(request.folder, target)
-                else:
-                    stick_files.copy_file(path, target)
-                # Before it gets its name: this may be a folder of the disk by now.
-                self._volumes.check_present(volume)
-        self._report(Message("waiting until the USB stick has stored everything"))
-        stick_files.sync_volume(folder)
-        self._volumes.check_present(volume)
+        with StickFolder(volume, FOLDER) as folder:
+            folder.remove_unfinished(is_export)
+            for kind, path in files:
+                self._report(Message("copying {what} to the USB stick", what=kind.message))
+                with folder.new_file(request.name(kind), cancellation) as target:
+                    if path is None:
+                        write_zip(request.folder, target)
+                    else:
+                        stick_files.copy_file(path, target)
+                    # Before it gets its name: this may be a folder of the disk by now.
+                    self._volumes.check_present(volume)
+            self._report(Message("waiting until the USB stick has stored everything"))
+            folder.sync()
+            self._report(Message("reading what the USB stick has stored"))
+            folder.check_written(cancellation)
+            folder.check_in_place()
+            self._volumes.check_present(volume)
         return [f"{FOLDER}/{request.name(kind)}" for kind, _ in files]
 
     def _refusal(self, volume: Volume, error: OSError) -> ExportFailedError:

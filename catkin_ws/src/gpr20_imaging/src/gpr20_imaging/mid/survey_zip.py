@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import zipfile
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import IO, Any, Dict, Iterator, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ExportFailedError
+from gpr20_imaging.errors import ExportFailedError, ImagingError
 from gpr20_survey.files.file_sums import PIECE_BYTES, regular_files
 from gpr20_survey.files.regular_file import open_regular
 
@@ -25,20 +28,25 @@ def write_zip(folder: Path, target: Any) -> None:
 
     Raises:
         ExportFailedError: The survey changed meanwhile.
+        ImagingError: A file of the survey cannot be read.
         CancelledError: The request was cancelled.
-        OSError: A file cannot be read, or the target not be written.
+        OSError: The target cannot be written.
     """
-    before = _versions(folder)
+    with _reading(folder.name):
+        before = _versions(folder)
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
         for name in before:
-            path = folder / name
-            entry = zipfile.ZipInfo.from_file(
-                str(path), f"{folder.name}/{name}", strict_timestamps=False
-            )
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            with open(open_regular(path), "rb") as source, archive.open(entry, "w") as file:
-                for piece in iter(lambda: source.read(PIECE_BYTES), b""):
-                    file.write(piece)
+            with _reading(name):
+                descriptor = open_regular(folder / name)
+            with open(descriptor, "rb") as source:
+                with _reading(name):
+                    entry = zipfile.ZipInfo.from_file(
+                        str(folder / name), f"{folder.name}/{name}", strict_timestamps=False
+                    )
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                with archive.open(entry, "w") as file:
+                    for piece in _pieces(source, name):
+                        file.write(piece)
     if _versions(folder) != before:
         raise ExportFailedError(
             Message("the survey was changed while it was exported; export it when it has ended"),
@@ -46,9 +54,31 @@ def write_zip(folder: Path, target: Any) -> None:
         )
 
 
+def _pieces(source: IO[bytes], name: str) -> Iterator[bytes]:
+    while True:
+        with _reading(name):
+            piece = source.read(PIECE_BYTES)
+        if not piece:
+            return
+        yield piece
+
+
+@contextlib.contextmanager
+def _reading(name: str) -> Iterator[None]:
+    """Turn an error of the survey's disk into one that does not look like one of the stick."""
+    try:
+        yield
+    except OSError as error:
+        raise ImagingError(
+            Message(
+                "{file} of the survey cannot be read: {reason}", file=name, reason=os_reason(error)
+            )
+        ) from error
+
+
 def _versions(folder: Path) -> Dict[str, Tuple[int, int]]:
     found = {}
     for name in regular_files(folder):
-        status = (folder / name).stat()
+        status = os.stat(str(folder / name), follow_symlinks=False)
         found[name] = status.st_mtime_ns, status.st_size
     return found

@@ -20,6 +20,7 @@ from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
+from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
 from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
@@ -54,7 +55,7 @@ def main() -> int:
         _refuse_running(request.nodes, given.ns)
     except (Gpr20Error, OSError, RuntimeError) as error:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
-        print(f"\nThis robot cannot be launched: {error}\n", file=sys.stderr)
+        say("", f"This robot cannot be launched: {error}", "", file=sys.stderr)
         return 1
     _print_warnings(machine_warnings(request, sections, os.environ))
     print(json.dumps(sections))
@@ -93,7 +94,7 @@ def _print_warnings(found: Sequence[Finding]) -> None:
     # The standard output is the configuration.
     for one in found:
         remedy = "" if one.remedy is None else f" {one.remedy}"
-        print(f"{one.level.title}: {one.text}{remedy}", file=sys.stderr)
+        say(f"{one.level.title}: {one.text}{remedy}", file=sys.stderr)
 
 
 def _number(name: str, text: str) -> float:

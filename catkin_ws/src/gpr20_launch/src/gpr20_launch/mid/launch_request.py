@@ -13,15 +13,15 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
-from gpr20_launch.low.data_folder import try_to_write
 from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configuration
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_simulator.mid.world.scene import read_scene
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.errors import ProcessingError
+from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
@@ -178,22 +178,28 @@ class LaunchRequest:
         analyzer["address"] = LOOPBACK
 
     def _data_folder(self, sections: Sections) -> Path:
-        given = {**sections["storage"], **({"data": self.data} if self.data.strip() else {})}
-        parameters = record_from(ProcessingParameters, given, "storage")
-        folder = parameters.data_folder()
+        use = storage_parameters(sections, self.data).data_folder_use()
         try:
-            try_to_write(folder, parameters.readable_by.folder_mode)
-        except OSError as error:
+            DataFolder(use, Clock()).check()
+        except ProcessingError as error:
             raise LaunchRefusedError(
-                Message(
-                    "surveys cannot be stored in {folder} (data:=): {reason}; give another folder "
-                    "or permission to write",
-                    folder=folder,
-                    reason=os_reason(error),
-                ),
-                fault=faults.NO_DATA_FOLDER,
+                Message("no survey can be stored: {reason}", reason=error.message)
             ) from error
-        return folder
+        return use.path
+
+
+def storage_parameters(sections: Sections, data: str) -> ProcessingParameters:
+    """Return the parameters of the storage.
+
+    Args:
+        sections: The configuration.
+        data: Folder of the surveys in place of the configured one; empty: that one.
+
+    Raises:
+        InvalidValueError: A value is not allowed.
+    """
+    given = {**sections["storage"], **({"data": data} if data.strip() else {})}
+    return record_from(ProcessingParameters, given, "storage")
 
 
 @contextmanager

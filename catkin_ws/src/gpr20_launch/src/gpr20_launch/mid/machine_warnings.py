@@ -46,7 +46,8 @@ def machine_warnings(
     with_pins = [one for one in axes if not one.get("controller")]
     libraries = [str(one.get("backend", Backend.RPI_GPIO.value)) for one in with_pins]
     sensor = sections.get("height_sensor", {})
-    data = sections.get("storage", {}).get("data")
+    storage = sections.get("storage", {})
+    data = storage.get("data")
     facts = probe_machine(
         MachineRequest(
             hardware=HardwareUse.ELSEWHERE if elsewhere else HardwareUse.NEEDED,
@@ -55,6 +56,7 @@ def machine_warnings(
             pins=bool(libraries),
             spi=(sensor.get("spi_bus", 0), sensor.get("spi_device", 0)),
             data=Path(str(data)) if data else None,
+            data_disk=storage.get("data_disk") is True,
             thorough=False,
             root=root,
         )

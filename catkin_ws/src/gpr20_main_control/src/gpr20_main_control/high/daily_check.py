@@ -21,9 +21,10 @@ from gpr20_common.low.catalogue_file import (
     read_catalogue,
 )
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
+from gpr20_common.terminal_text import say
 from gpr20_doctor.high.graph import master_answers
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_main_control import faults
@@ -37,6 +38,7 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.plan.robot_description import ANALYZER, STORAGE
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.daily_check import Part
@@ -69,7 +71,7 @@ def main() -> int:
         return _check(given, catalogue, sys.stdin.readline)
     except KeyboardInterrupt:
         stopped = catalogue.tr("The check was stopped; nothing was stored.")
-        print(f"\n{stopped}", file=sys.stderr)
+        say("", stopped, file=sys.stderr)
         return STOPPED
     except (Gpr20Error, OSError, rospy.ROSException) as error:
         _print_failure(error, catalogue)
@@ -84,12 +86,12 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
     rospy.init_node(PROGRAM, anonymous=True, disable_signals=True, disable_rosout=True)
     robot, data = _robot(given)
     if robot.simulated:
-        print(catalogue.tr("SIMULATED robot: the check shows no real antennas."))
+        say(catalogue.tr("SIMULATED robot: the check shows no real antennas."))
 
     def instruct(part: Part, instruction: Message) -> None:
         number, total = list(Part).index(part) + 1, len(Part)
         go_on = catalogue.tr("Then press Enter.")
-        print(f"[{number}/{total}] {catalogue.text(instruction)} {go_on}", flush=True)
+        say(f"[{number}/{total}] {catalogue.text(instruction)} {go_on}", flush=True)
         if not answer():
             raise RequestRefusedError(
                 Message("nobody confirmed that the antennas are ready"), fault=faults.TEST_STOPPED
@@ -102,7 +104,7 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
     lines = [one.message for one in verdict.comparisons]
     if damaged:
         lines.append(Message("Lines of the history that cannot be read: {count}", count=damaged))
-    print(*(catalogue.text(one) for one in [*lines, verdict.message]), sep="\n", flush=True)
+    say(*(catalogue.text(one) for one in [*lines, verdict.message]), flush=True)
     return GOOD if verdict.good else DIFFERS
 
 
@@ -116,7 +118,8 @@ def _robot(given: argparse.Namespace) -> Any:
     name = str(json.loads(configuration.site_json).get("robot", ""))
     stored = nodes[STORAGE].configuration.get("data", "") if STORAGE in nodes else ""
     data = data_folder(given.data, os.environ) if given.data else history_folder(stored, os.environ)
-    return CheckedRobot(name, configuration.simulated, address), data
+    use = DataFolderUse(data, state_folder(os.environ))
+    return CheckedRobot(name, configuration.simulated, address), use
 
 
 def _refuse_beside_survey() -> None:
@@ -145,4 +148,4 @@ def _print_failure(error: BaseException, catalogue: Catalogue) -> None:
     lines: Sequence[str] = [catalogue.text(known)]
     if known.remedy is not None:
         lines = [*lines, f"-> {catalogue.text(known.remedy)}"]
-    print(*lines, sep="\n", file=sys.stderr, flush=True)
+    say(*lines, file=sys.stderr, flush=True)

@@ -7,12 +7,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
+from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import Analyzer
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.files.json_lines import add_line, read_lines
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.results.daily_check import (
     INSTRUCTIONS,
     Figures,
@@ -160,23 +162,25 @@ def history_folder(stored: object, environment: Mapping[str, str]) -> Path:
 
 
 def compare_with_history(
-    check: MadeCheck, robot: CheckedRobot, data: Path, time: str
+    check: MadeCheck, robot: CheckedRobot, use: DataFolderUse, time: str
 ) -> Tuple[Verdict, int]:
     """Compare a check with those before, and add it to them.
 
     Args:
         check: The check.
         robot: Which robot was checked.
-        data: The data folder.
+        use: The data folder.
         time: The time of day.
 
     Returns:
         The verdict, and how many lines of the history cannot be read.
 
     Raises:
+        SurveyRefusedError: It is not the data folder that was used before.
         OSError: The disk refused.
     """
-    path = data / HISTORY
+    DataFolder(use, Clock()).check()
+    path = use.path / HISTORY
     lines, damaged = read_lines(path)
     own = {
         "format": FORMAT,

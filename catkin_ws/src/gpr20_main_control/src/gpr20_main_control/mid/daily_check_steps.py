@@ -6,6 +6,7 @@ import os
 from typing import Dict, Optional
 
 from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
@@ -19,7 +20,9 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.waits import StopInterruption
+from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.plan.robot_description import STORAGE
 from gpr20_survey.results.daily_check import Part, Verdict
 from gpr20_survey.trace.utc_time import iso_text
@@ -90,11 +93,15 @@ class DailyCheckSteps:
         robot = CheckedRobot(description.site.robot, description.config().simulated, address)
         nodes = description.nodes
         stored = nodes[STORAGE].configuration.get("data", "") if STORAGE in nodes else ""
-        data = history_folder(stored, os.environ)
+        data = DataFolderUse(history_folder(stored, os.environ), state_folder(os.environ))
         try:
             verdict, _damaged = compare_with_history(
                 made_check(self._parts), robot, data, iso_text(time_of_day_us())
             )
+        except ProcessingError as error:
+            raise DeviceError(
+                Message("the check could not be made: {reason}", reason=error.message)
+            ) from error
         except OSError as error:
             raise DeviceError(
                 Message("the check could not be made: {reason}", reason=str(error))

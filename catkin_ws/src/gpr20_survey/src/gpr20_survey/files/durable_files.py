@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Iterator, Optional
 
 from gpr20_survey.files import access
+from gpr20_survey.files.regular_file import open_regular
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
@@ -46,7 +47,7 @@ def write_new_file(path: Path, data: bytes) -> None:
         # Unlike rename(), link() never replaces a file.
         os.link(str(temporary), str(path))
     except FileExistsError:
-        if path.read_bytes() != data:
+        if not _holds(path, data):
             raise
         sync_path(path)
     finally:
@@ -85,6 +86,22 @@ def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
 
 
 def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
+    """Make a folder if it is missing; return when it is durable.
+
+    The folder above it is not made: where a disk is missing, nothing begins in its place.
+
+    Args:
+        path: The folder.
+        mode: Its mode, if it is made; None: that of the folder above it.
+
+    Raises:
+        OSError: The disk refused, or the folder above it is missing.
+    """
+    if not path.is_dir():
+        make_new_folder(path, mode)
+
+
+def ensure_folders(path: Path, mode: Optional[int] = None) -> None:
     """Make a folder and those above it where they are missing; return when all are durable.
 
     Args:
@@ -95,7 +112,7 @@ def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
         OSError: The disk refused.
     """
     if not path.is_dir():
-        ensure_folder(path.parent, mode)
+        ensure_folders(path.parent, mode)
         make_new_folder(path, mode)
 
 
@@ -106,6 +123,11 @@ def sync_path(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def _holds(path: Path, data: bytes) -> bool:
+    with open(open_regular(path), "rb") as stream:
+        return stream.read(len(data) + 1) == data
 
 
 def _write_temporary(path: Path, data: bytes) -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from pathlib import Path
-from typing import Iterator, NamedTuple, Optional
+from typing import BinaryIO, Container, Iterator, NamedTuple, Optional
 
 from gpr20_survey.files.regular_file import open_regular
 
@@ -29,6 +29,8 @@ def sum_of(content: bytes) -> FileSum:
 def regular_files(folder: Path) -> Iterator[str]:
     """Yield the names of all files below a folder, relative to it and sorted.
 
+    Links are not followed: one to a folder is a name too.
+
     Raises:
         OSError: The folder cannot be read.
     """
@@ -38,7 +40,8 @@ def regular_files(folder: Path) -> Iterator[str]:
 
     for parent, folders, names in os.walk(str(folder), onerror=refuse):
         folders.sort()
-        for name in sorted(names):
+        links = [name for name in folders if os.path.islink(os.path.join(parent, name))]
+        for name in sorted([*names, *links]):
             yield (Path(parent) / name).relative_to(folder).as_posix()
 
 
@@ -48,14 +51,22 @@ def sum_of_file(path: Path) -> FileSum:
     Raises:
         OSError: The file cannot be read.
     """
-    digest, size = hashlib.sha256(), 0
     with open(open_regular(path), "rb") as stream:
-        while True:
-            piece = stream.read(PIECE_BYTES)
-            if not piece:
-                return FileSum(digest.hexdigest(), size)
-            digest.update(piece)
-            size += len(piece)
+        return _sum_of_stream(stream)
+
+
+def sum_of_sized_file(path: Path, sizes: Container[int]) -> Optional[FileSum]:
+    """Return the checksum of a file; None, and the file is not read, if it has no such size.
+
+    Args:
+        path: The file.
+        sizes: What its length may be [bytes].
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    with open(open_regular(path), "rb") as stream:
+        return _sum_of_stream(stream) if os.fstat(stream.fileno()).st_size in sizes else None
 
 
 def sum_if_readable(path: Path) -> Optional[FileSum]:
@@ -64,3 +75,13 @@ def sum_if_readable(path: Path) -> Optional[FileSum]:
         return sum_of_file(path)
     except OSError:
         return None
+
+
+def _sum_of_stream(stream: BinaryIO) -> FileSum:
+    digest, size = hashlib.sha256(), 0
+    while True:
+        piece = stream.read(PIECE_BYTES)
+        if not piece:
+            return FileSum(digest.hexdigest(), size)
+        digest.update(piece)
+        size += len(piece)

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Iterator, Optional
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import SurveyRefusedError, printable
+from gpr20_survey.errors import SurveyRefusedError
 
 # How long somebody who adds one fact waits for another who does the same.
 SHORT_WAIT_S = 5.0

@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 
 from gpr20_survey.files import access
 from gpr20_survey.files.durable_files import ensure_folder, sync_path
+from gpr20_survey.files.regular_file import read_regular
 
 
 def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
@@ -18,7 +19,7 @@ def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
         OSError: The disk cannot be read.
     """
     try:
-        lines = path.read_bytes().splitlines()
+        lines = read_regular(path).splitlines()
     except FileNotFoundError:
         return [], 0
     objects = [_object(line) for line in lines]

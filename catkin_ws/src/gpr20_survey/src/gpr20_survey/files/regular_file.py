@@ -10,30 +10,110 @@ from pathlib import Path
 from gpr20_common.message import Message
 from gpr20_survey.errors import IrregularFileError
 
+MOST_HOLE_BYTES = 64 << 20
+"""A power cut may leave a hole where the last writes were [bytes]; none of them is as large."""
 
-def open_regular(path: Path) -> int:
+
+def open_regular(path: Path, follow_link: bool = False) -> int:
     """Return a descriptor for reading a file; never wait for a pipe or a device.
+
+    A file that is mostly a hole is refused: it takes no space on the disk, but its zeros would
+    be read for minutes.
 
     Args:
         path: The file.
+        follow_link: Whether the path may be a symbolic link.
 
     Raises:
-        IrregularFileError: It is no regular file.
+        IrregularFileError: It is no regular file, or has a large hole.
         OSError: There is none, or it cannot be read.
     """
+    # Before it is opened: that alone affects a device, or the writer of a pipe.
+    _check(path, os.stat(str(path), follow_symlinks=follow_link))
     flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK
     try:
-        descriptor = os.open(str(path), flags | os.O_NOFOLLOW)
+        descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
     except OSError as error:
         if error.errno == errno.ELOOP:
             raise _link(path) from error
         if error.errno == errno.ENXIO:
             raise _irregular(path) from error
         raise
-    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+    try:
+        status = os.fstat(descriptor)
+        _check(path, status)
+        if status.st_size > MOST_HOLE_BYTES and _has_large_hole(descriptor, status.st_size):
+            raise IrregularFileError(
+                Message(
+                    "this has {size} bytes, but most of them were never written; move it away",
+                    size=status.st_size,
+                ),
+                path,
+            )
+    except BaseException:
         os.close(descriptor)
-        raise _irregular(path)
+        raise
     return descriptor
+
+
+def read_regular(path: Path) -> bytes:
+    """Return the content of a file, which may be a link; never wait for a pipe or a device.
+
+    Raises:
+        IrregularFileError: It is no regular file, or has a large hole.
+        OSError: There is none, or it cannot be read.
+    """
+    with open(open_regular(path, follow_link=True), "rb") as stream:
+        return stream.read()
+
+
+def check_regular(path: Path, follow_link: bool = False) -> None:
+    """Check that a path, if there is anything, is a regular file or a folder.
+
+    Args:
+        path: The file or folder.
+        follow_link: Whether it may be a symbolic link.
+
+    Raises:
+        IrregularFileError: It is something else.
+        OSError: That cannot be found out.
+    """
+    try:
+        status = os.stat(str(path), follow_symlinks=follow_link)
+    except FileNotFoundError:
+        return
+    if not stat.S_ISDIR(status.st_mode):
+        _check(path, status)
+
+
+def _check(path: Path, status: os.stat_result) -> None:
+    if stat.S_ISLNK(status.st_mode):
+        raise _link(path)
+    if not stat.S_ISREG(status.st_mode):
+        raise _irregular(path)
+
+
+def _has_large_hole(descriptor: int, size: int) -> bool:
+    """Return whether more of a file than is allowed was never written.
+
+    File systems that do not know it say that all of a file is data.
+    """
+    holes = place = 0
+    while place < size and holes <= MOST_HOLE_BYTES:
+        hole = os.lseek(descriptor, place, os.SEEK_HOLE)
+        place = _next_data(descriptor, hole, size)
+        holes += place - hole
+    os.lseek(descriptor, 0, os.SEEK_SET)
+    return holes > MOST_HOLE_BYTES
+
+
+def _next_data(descriptor: int, place: int, size: int) -> int:
+    try:
+        return os.lseek(descriptor, place, os.SEEK_DATA)
+    except OSError as error:
+        if error.errno == errno.ENXIO:  # there is no data behind this place
+            return max(place, size)
+        raise
 
 
 def _link(path: Path) -> IrregularFileError:

@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable, storing
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, sealing, survey_folder
 from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import is_vouched, open_log, recover
+from gpr20_survey.folder.recovery import is_vouched, open_log, recover_with_recording
+from gpr20_survey.folder.signature import Signer, try_to_sign
 from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
@@ -49,7 +51,13 @@ def annotate(annotation: Annotation) -> Change:
     return change
 
 
-def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
+def add_to_survey(
+    folder: Path,
+    change: Change,
+    now: str,
+    signer: Optional[Signer] = None,
+    on_unsigned: Callable[[Message], None] = lambda _warning: None,
+) -> Dict[str, Any]:
     """Add a fact to a survey that nobody writes; return survey.json's content when it is durable.
 
     A form of the log that is damaged is written again from the other one. A survey of an earlier
@@ -59,6 +67,8 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
         folder: The survey's folder.
         change: What is added.
         now: The present moment, as ISO 8601 text.
+        signer: Signs the survey again, if its manifest was as this key had signed it.
+        on_unsigned: Called with a warning if that failed.
 
     Raises:
         SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
@@ -69,27 +79,33 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
     failure = Message("{path} could not be written", path=printable(folder))
     with storing(failure, folder), locked(folder, SHORT_WAIT_S):
         sealed = _seal_of(folder)
-        recovered = recover(folder)
-        if sealed is not None and recovered.found.has_log:
+        recovered = recover_with_recording(folder)
+        if recovered.found.lost:
+            raise _damaged(folder, recovered.found.damage)
+        if sealed is not None and sealed.log is not None:
             _check_covered(folder, sealed, recovered.found.records)
         elif sealed is not None and not is_vouched(folder):
             raise _damaged(folder, ())
-        if recovered.found.lost:
-            raise _damaged(folder, recovered.found.damage)
         fact = change(recovered.description)
         if fact is not None and fact.is_in(recovered.found.records):
             fact = None
         if fact is None and recovered.found.is_whole:
             return recovered.description
+        was_signed = signer is not None and signer.has_signed(folder)
         log = open_log(folder, recovered, now)
-        if sealed is not None:
-            sealed = sealing.seal_log(folder, sealed, log)
+        if sealed is not None and not log.is_whole:
+            sealed = sealing.write_sealed(folder, sealed, log)
+        elif fact is None:
+            log.write()
         if fact is not None:
             record = log.next(fact.kind, fact.values, now)
             if sealed is None:
                 log.add(record)
             else:
                 sealing.add_sealed(folder, sealed, log, record)
+        warning = try_to_sign(signer, folder) if was_signed else None
+    if warning is not None:
+        on_unsigned(warning)
     return log.description
 
 

@@ -60,6 +60,8 @@ def _plan(description: Description, values: Mapping[str, Any], _record: LogRecor
 
 def _set(key: str) -> Callable[[Description, Mapping[str, Any], LogRecord], None]:
     def apply(description: Description, values: Mapping[str, Any], _record: LogRecord) -> None:
+        # At the end: the order must not depend on former values, which may have been left out.
+        description.pop(key, None)
         description[key] = values
 
     return apply

@@ -13,6 +13,8 @@ from gpr20_survey.folder import survey_metadata
 
 NO_RECORD = ""
 """What the first record has instead of the checksum of the record before it."""
+MAX_NUMBER = 1_000_000
+"""Of a record: the numbers up to that of the last one are counted."""
 KEYS = ("number", "time", "kind", "values", "previous", "sha256")
 
 
@@ -78,10 +80,23 @@ class LogRecord:
 
     @classmethod
     def after(
-        cls, last: Optional[LogRecord], kind: Kind, values: Dict[str, Any], time: str
+        cls,
+        last: Optional[LogRecord],
+        kind: Kind,
+        values: Dict[str, Any],
+        time: str,
+        lost: int = -1,
     ) -> LogRecord:
-        """Return the record that follows another; None: the first of a log."""
-        number = 0 if last is None else last.number + 1
+        """Return the record that follows another.
+
+        Args:
+            last: The record before it; None: it is the first of a log.
+            kind: What it says.
+            values: The fact.
+            time: When it is added, as ISO 8601 text.
+            lost: The largest number of a record that was lost behind `last`.
+        """
+        number = max(-1 if last is None else last.number, lost) + 1
         previous = NO_RECORD if last is None else last.sha256
         own_sum = _sum(number, time, kind.value, values, previous)
         return cls(number, time, kind.value, values, previous, own_sum)
@@ -99,6 +114,11 @@ class LogRecord:
         return _compact(self.as_json()) + b"\n"
 
 
+def is_number(value: Any) -> bool:
+    """Return whether a value is the number of a record."""
+    return type(value) is int and 0 <= value <= MAX_NUMBER
+
+
 def record_of(values: Any) -> Optional[LogRecord]:
     """Return the record of a JSON value, or None if its checksum is not right.
 
@@ -108,7 +128,7 @@ def record_of(values: Any) -> Optional[LogRecord]:
     if not isinstance(values, dict) or tuple(values) != KEYS:
         return None
     texts = (values[key] for key in ("time", "kind", "previous", "sha256"))
-    if type(values["number"]) is not int or not all(isinstance(one, str) for one in texts):
+    if not is_number(values["number"]) or not all(isinstance(one, str) for one in texts):
         return None
     record = LogRecord(**values)
     if record.values is None and record.kind == Kind.REPORT.value:

@@ -15,10 +15,9 @@ from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_record import LogRecord
+from gpr20_survey.folder.log_record import LogRecord, is_number
 
 MANIFEST_FILE = "manifest.json"
-SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
 FORMAT = "gpr20-manifest/3"
 WITHOUT_LOG_FORMAT = "gpr20-manifest/2"  # lists survey.json instead of the log
 FORMER_FORMAT = "gpr20-manifest/1"  # and has no checksum of its own
@@ -204,6 +203,8 @@ def _head(values: Any) -> Optional[LogHead]:
     if values is None:
         return None
     if not isinstance(values, dict) or values.keys() != set(LogHead._fields):
+        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
+    if not is_number(values["number"]) or not isinstance(values["sha256"], str):
         raise ManifestDamagedError(Message("its entries are not those of a manifest"))
     return LogHead(**values)
 

@@ -8,14 +8,17 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, printable
+from gpr20_survey.errors import (
+    ManifestDamagedError,
+    SurveyRefusedError,
+)
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import (
     FoundLog,
     SurveyLog,
@@ -25,8 +28,11 @@ from gpr20_survey.folder.survey_log import (
 )
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.survey_topics import recorded_log
 
 NO_COPY = "no copy of survey.json confirms it"
+PLAN = "plan"
 WRONG_FORM = "it is not as the storage writes it"
 MAX_RESUMPTIONS = 100_000
 # How survey.json begins.
@@ -70,41 +76,59 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(
-    folder: Path, recorded: Iterable[LogRecord] = (), sealed: Optional[Manifest] = None
-) -> RecoveredSurvey:
+def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:
         folder: The survey's folder.
         recorded: Records of its log that were found in a recording.
-        sealed: Its manifest, which knows how long the log was. If it is not given, it is read where
-            the log is not whole.
+        last: Number of a record that its log is known to have had.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
     recorded = list(recorded)
     try:
-        found = read_log(folder, recorded, _last_sealed(sealed))
+        found = read_log(folder, recorded, last)
+        if not found.agrees or found.lost:
+            last = max(last, sealed_end(folder))
+            found = read_log(folder, recorded, last)
     except SurveyRefusedError as error:
-        copy = _sealed_for(folder)
-        if copy is None:
+        sealed = _sealed_for(folder)
+        if sealed is None:
             # Resuming, which repairs it as long as there is a copy, does not help.
             raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
-        return RecoveredSurvey(start_of(copy), FoundLog(), _later_lost())
+        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
     if not found.has_log:
         return _former(folder, found)
-    last = _last_sealed(sealed)
-    if not found.agrees and sealed is None:
-        last = _last_sealed(_manifest(folder))
-        found = read_log(folder, recorded, last)
     if not found.records or found.records[0].kind != Kind.PLAN.value:
-        found = _with_plan(folder, found, recorded, last)
+        found = _with_plan(folder, found, recorded)
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
-    unconfirmed = lost_entries(found)["entries"] if found.lost else {}
+    unconfirmed = lost_entries(found)["entries"]
+    if found.has_open_end:
+        unconfirmed.update(_later_lost(found.records[-1].number))
     return RecoveredSurvey(description, found, unconfirmed)
+
+
+def recover_with_recording(folder: Path) -> RecoveredSurvey:
+    """Return what `recover` does, with the records of the log in the MCAP if others are damaged.
+
+    Raises:
+        SurveyRefusedError: Nothing in the folder describes the survey.
+        OSError: The MCAP cannot be read.
+    """
+    last = sealed_end(folder)
+    try:
+        recovered = recover(folder, last=last)
+        found = recovered.found
+        is_former = found.own is not None and not found.has_log
+        if is_former or (found.has_log and found.agrees and not found.lost):
+            return recovered
+    except SurveyRefusedError:
+        pass  # what the MCAP holds decides
+    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
+    return recover(folder, filter(None, map(recorded_log, messages)), last)
 
 
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
@@ -117,7 +141,7 @@ def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
 
 
 def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
-    """Make the log of a survey whole, and return it; the folder must be locked.
+    """Return the log of a survey, whose folder must be locked; write it unless it is whole.
 
     A file that was damaged is kept in `damaged/`. The log of a survey of an earlier version begins
     with its survey.json. What nothing vouches for is named in the log, for ever.
@@ -131,7 +155,7 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
         OSError: The disk refused; the call may be repeated.
     """
     found = recovered.found
-    log = SurveyLog(folder, found.records, found.is_whole)
+    log = SurveyLog(folder, found.records, found.is_whole, found.lost)
     if found.damage or found.own is None:
         for name in (survey_folder.LOG_FILE, survey_folder.SURVEY_FILE):
             _keep_damaged(folder, name)
@@ -141,14 +165,21 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
             for key, value in recovered.description.items()
             if key not in recovered.left_out
         }
-        log.add(log.next(Kind.PLAN, kept, now))
-    elif not found.is_whole:
-        log.write()
+        log.take(log.next(Kind.PLAN, kept, now))
     if recovered.unconfirmed:
-        lost = lost_entries(found)
-        values = {"entries": recovered.unconfirmed, "lost": lost["lost"]}
-        log.add(log.next(Kind.UNCONFIRMED, values, now))
+        # With the same write: after it nothing else shows that something is missing.
+        values = {"entries": recovered.unconfirmed, "lost": list(found.lost)}
+        log.take(log.next(Kind.UNCONFIRMED, values, now))
     return log
+
+
+def sealed_end(folder: Path) -> int:
+    """Return the number of the last record of the log that a manifest names; -1 if none does."""
+    try:
+        sealed = manifest.read_manifest(folder)
+    except (OSError, ManifestDamagedError):
+        return -1
+    return -1 if sealed.log is None else sealed.log.number
 
 
 def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
@@ -177,24 +208,14 @@ def unconfirmed_message(entries: Dict[str, Any]) -> Message:
 
 def is_vouched(folder: Path) -> Optional[bool]:
     """Return whether survey.json is as its manifest says; None without a manifest that says it."""
-    sealed = _manifest(folder)
-    if sealed is None:
+    try:
+        sealed = manifest.read_manifest(folder)
+        present = file_sums.sum_of_file(folder / survey_folder.SURVEY_FILE)
+    except (OSError, ManifestDamagedError):
         return None
-    present = file_sums.sum_if_readable(folder / survey_folder.SURVEY_FILE)
     if sealed.matches(survey_folder.SURVEY_FILE, present):
         return True
     return None if sealed.reopened is not None else False
-
-
-def _manifest(folder: Path) -> Optional[Manifest]:
-    try:
-        return manifest.read_manifest(folder)
-    except (OSError, ManifestDamagedError):
-        return None  # whoever needs it names what is wrong with it
-
-
-def _last_sealed(sealed: Optional[Manifest]) -> int:
-    return -1 if sealed is None or sealed.log is None else sealed.log.number
 
 
 def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
@@ -209,7 +230,7 @@ def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
     later = {name: {"reason": NO_COPY} for name in _later_entries(own, left_out)}
     sealed = _sealed_for(folder)
     if sealed is None:
-        unconfirmed = {"plan": {"reason": NO_COPY}, **later, **unconfirmed}
+        unconfirmed = {PLAN: {"reason": NO_COPY}, **later, **unconfirmed}
         return RecoveredSurvey(own, found, unconfirmed, left_out)
     best = survey_metadata.with_start_of(own, sealed)
     return RecoveredSurvey(best, found, {**later, **unconfirmed}, left_out)
@@ -222,7 +243,7 @@ def _sealed_for(folder: Path) -> Optional[Dict[str, Any]]:
     return sealed_description(folder)
 
 
-def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord], last: int) -> FoundLog:
+def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord]) -> FoundLog:
     """Return the log with its first record, which survey.mcap holds too.
 
     Raises:
@@ -233,7 +254,7 @@ def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord], last: i
         plan = LogRecord.after(None, Kind.PLAN, sealed, str(sealed.get("started")))
         after = next((one for one in found.records if one.number == 1), None)
         if after is None or after.previous == plan.sha256:
-            return read_log(folder, [*recorded, plan], last)
+            return read_log(folder, [*recorded, plan], max(found.lost, default=-1))
     raise SurveyRefusedError(
         Message(
             "the first entry of the log in {folder}, which describes the survey, is damaged in "
@@ -267,9 +288,9 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
     return [name for name in names if name not in left_out]
 
 
-def _later_lost() -> Dict[str, Any]:
-    reason = {"reason": "survey.json and log.jsonl cannot be read"}
-    return {"everything after the start": reason}
+def _later_lost(last: int = 0) -> Dict[str, Any]:
+    reason = {"reason": "survey.json and the end of log.jsonl cannot be read"}
+    return {f"everything after record {last}": reason}
 
 
 def _keep_damaged(folder: Path, name: str) -> None:

@@ -14,12 +14,16 @@ from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.manifest import MANIFEST_FILE, LogHead, Manifest
+from gpr20_survey.folder.signature import SIGNATURE_FILE
 from gpr20_survey.folder.survey_log import SurveyLog
 
 CONTENT = "content_sha256"
 """Key of survey.json: what `content_sum` gives when the survey ends."""
+DATA = "traces and recordings"
+"""Name of the entry of survey.json that says that they are others than at the end."""
 NO_SUMS: Mapping[str, FileSum] = MappingProxyType({})
-NOT_LISTED = (MANIFEST_FILE, manifest.SIGNATURE_FILE, *manifest.JUDGED_BY_LOG)
+# The manifest and its signature cannot be listed in the manifest itself.
+NOT_LISTED = (MANIFEST_FILE, SIGNATURE_FILE, *manifest.JUDGED_BY_LOG)
 
 
 def write_manifest(
@@ -29,7 +33,7 @@ def write_manifest(
     written: str,
     known: Mapping[str, FileSum] = NO_SUMS,
     rewritten: Tuple[Mapping[str, str], ...] = (),
-) -> str:
+) -> None:
     """Write the checksums of every file of a survey; return when they are durable.
 
     What is not data of the survey and cannot be read, such as a link in `damaged/`, is listed
@@ -43,9 +47,6 @@ def write_manifest(
         known: Files whose content is known because it was just written; they are not read. A
             change since then is found by the next verification.
         rewritten: `time` and `reason` of each time that a lost manifest was written again.
-
-    Returns:
-        What `content_sum` gives for it.
 
     Raises:
         OSError: A file of the survey's data cannot be read, or the disk refused.
@@ -64,8 +65,6 @@ def write_manifest(
         rewritten=rewritten,
     )
     durable_files.replace_file(folder / MANIFEST_FILE, new.encode())
-    data = {name: one for name, one in files.items() if one is not None and manifest.is_data(name)}
-    return content_sum(data)
 
 
 def mark_reopened(folder: Path, sealed: Manifest, now: str) -> None:
@@ -83,15 +82,22 @@ def mark_reopened(folder: Path, sealed: Manifest, now: str) -> None:
     durable_files.replace_file(folder / MANIFEST_FILE, marked.encode())
 
 
-def seal_log(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
+def seal_log(folder: Path, sealed: Manifest, log: SurveyLog, is_adding: bool = False) -> Manifest:
     """Let the manifest of a closed survey name the present log; return it when it is durable.
 
     Damaged forms of the log that were put aside are listed too. The manifest of an earlier
     version, which lists survey.json, becomes one of this version.
 
+    Args:
+        folder: The survey's folder.
+        sealed: Its manifest.
+        log: Its log.
+        is_adding: Whether survey.json may lack the last record until the manifest is written again.
+
     Raises:
         OSError: The disk refused.
     """
+    head = LogHead.of(log.last)
     files = {name: one for name, one in sealed.files.items() if name not in manifest.JUDGED_BY_LOG}
     aside = f"{survey_folder.DAMAGED_FOLDER}/"
     for name in file_names(folder):
@@ -100,14 +106,42 @@ def seal_log(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
     present = replace(
         sealed,
         files=files,
-        log=LogHead.of(log.last),
-        next_log=None,
+        log=head,
+        next_log=head if is_adding else None,
         unconfirmed=_names(log.description),
         replacing={},
         covers_itself=True,
     )
     durable_files.replace_file(folder / MANIFEST_FILE, present.encode())
     return present
+
+
+def name_log(folder: Path, sealed: Manifest, log: SurveyLog) -> None:
+    """Let the manifest name a log of which survey.json may lack the last record; see `seal_log`."""
+    seal_log(folder, sealed, log, is_adding=True)
+
+
+def write_sealed(folder: Path, sealed: Manifest, log: SurveyLog) -> Manifest:
+    """Write both files of the log of a closed survey again, and return its new manifest.
+
+    After a power cut at any moment the manifest vouches for the log as it is then.
+
+    Args:
+        folder: The survey's folder.
+        sealed: Its manifest.
+        log: Its log; it may have more records than the manifest names.
+
+    Raises:
+        OSError: The disk refused; the call may be repeated.
+    """
+    if sealed.log is None:
+        # It lists survey.json, which must not change before it names the log.
+        log.write(lambda: name_log(folder, sealed, log))
+    else:
+        both = replace(sealed, next_log=LogHead.of(log.last))
+        durable_files.replace_file(folder / MANIFEST_FILE, both.encode())
+        log.write()
+    return seal_log(folder, sealed, log)
 
 
 def add_sealed(folder: Path, sealed: Manifest, log: SurveyLog, record: LogRecord) -> None:
@@ -142,6 +176,34 @@ def file_names(folder: Path) -> Iterator[str]:
             yield name
 
 
+def data_sums(folder: Path) -> Dict[str, FileSum]:
+    """Return the checksums of the traces and the recordings of a survey.
+
+    Raises:
+        OSError: One of them cannot be read.
+    """
+    names = filter(_is_content, file_names(folder))
+    return {name: file_sums.sum_of_file(folder / name) for name in names}
+
+
+def has_other_data(
+    description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]
+) -> Optional[bool]:
+    """Return whether traces or recordings are others than when the survey ended.
+
+    Args:
+        description: Content of survey.json.
+        sums: Of each file of the survey, by its name relative to the folder.
+
+    Returns:
+        None if survey.json does not say what they were.
+    """
+    if description.get(CONTENT) is None:
+        return None
+    data = {name: one for name, one in sums.items() if one is not None and _is_content(name)}
+    return bool(content_sum(data) != description[CONTENT])
+
+
 def content_sum(sums: Mapping[str, FileSum]) -> str:
     """Return a checksum of the traces and the recordings of a survey, as its log names it.
 
@@ -150,6 +212,12 @@ def content_sum(sums: Mapping[str, FileSum]) -> str:
     """
     lines = (f"{sums[name].sha256} {sums[name].size} {name}\n" for name in sorted(sums))
     return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _is_content(name: str) -> bool:
+    # What somebody else put into the folder of the traces is none.
+    is_trace = name.startswith(manifest.trace_name("")) and name.endswith(".json")
+    return is_trace or name in manifest.DATA_FILES
 
 
 def _names(description: Mapping[str, Any]) -> Tuple[str, ...]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import enum
 import itertools
 import os
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -41,7 +42,13 @@ class State(enum.Enum):
     DAMAGED = "damaged"
 
 
-MAX_LOG_BYTES = 1 << 30
+MAX_LOG_BYTES = 64 << 20
+# For the records without which a survey cannot be opened and closed.
+RESERVED_BYTES = 1 << 20
+NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
+# How a record begins and ends in log.jsonl.
+_BEGIN = re.compile(rb'\{"number":\d+,"time":"')
+_END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
 Records = Mapping[int, LogRecord]
 
 
@@ -53,9 +60,11 @@ class FoundLog:
         records: Those that are right, in their order.
         lost: Numbers of records that no form holds and that no record names as lost.
         legible: What can be read of the lost ones, by number; nothing vouches for it.
+        contradicting: Records with a right checksum that are not of the log of the others.
         agrees: Whether every entry of both files is right and both have the same.
         has_log: Whether there is a log; a survey of an earlier version has survey.json alone.
         own: The content of survey.json without its records; None if it cannot be read.
+        has_open_end: Whether nothing shows that the last of `records` is the last of the log.
         lines: The lines of log.jsonl; None if it cannot be read.
         view: The bytes of survey.json.
     """
@@ -63,9 +72,11 @@ class FoundLog:
     records: Tuple[LogRecord, ...] = ()
     lost: Tuple[int, ...] = ()
     legible: Mapping[int, Sequence[Any]] = field(default_factory=dict)
+    contradicting: Tuple[LogRecord, ...] = ()
     agrees: bool = True
     has_log: bool = False
     own: Optional[Dict[str, Any]] = None
+    has_open_end: bool = False
     lines: Optional[Sequence[bytes]] = None
     view: bytes = b""
 
@@ -102,7 +113,9 @@ class FoundLog:
 class SurveyLog:
     """Adds records to the log of a survey whose folder is locked."""
 
-    def __init__(self, folder: Path, records: Sequence[LogRecord], whole: bool) -> None:
+    def __init__(
+        self, folder: Path, records: Sequence[LogRecord], whole: bool, lost: Sequence[int] = ()
+    ) -> None:
         """Take the records that are right.
 
         Args:
@@ -110,11 +123,13 @@ class SurveyLog:
             records: The records so far.
             whole: Whether log.jsonl holds exactly these; otherwise the next record that is added
                 writes it again.
+            lost: Numbers of records that were lost; no other record gets them.
         """
         self._path = folder / LOG_FILE
         self._view = folder / survey_folder.SURVEY_FILE
         self._records = list(records)
         self._whole = whole
+        self._lost = max(lost, default=-1)
 
     @property
     def description(self) -> Dict[str, Any]:
@@ -133,32 +148,60 @@ class SurveyLog:
 
     def next(self, kind: Kind, values: Dict[str, Any], time: str) -> LogRecord:
         """Return the record that `add` would add."""
-        return LogRecord.after(self._records[-1] if self._records else None, kind, values, time)
+        last = self._records[-1] if self._records else None
+        return LogRecord.after(last, kind, values, time, self._lost)
 
     def add(self, record: LogRecord) -> LogRecord:
         """Add a record of `next`; return when it is durable in both files.
 
         Raises:
+            SurveyRefusedError: The log would become too large.
             OSError: The disk refused; the log has its former records, and the call may be
                 repeated.
         """
         records = [*self._records, record]
+        view = view_of(records)
+        self._check_room(record, view)
         was_whole, self._whole = self._whole, False
         if was_whole:
             _append(self._path, record.line())
         else:
             durable_files.replace_file(self._path, b"".join(one.line() for one in records))
-        durable_files.replace_file(self._view, view_of(records))
+        durable_files.replace_file(self._view, view)
         self._records, self._whole = records, True
         return record
 
-    def write(self) -> None:
+    def _check_room(self, record: LogRecord, view: bytes) -> None:
+        if record.kind in NEEDED:
+            return
+        size = self._path.stat().st_size if self._whole else 0
+        for path, bytes_, most in (
+            (self._path, size + len(record.line()), MAX_LOG_BYTES),
+            (self._view, len(view), survey_metadata.MAX_FILE_BYTES),
+        ):
+            survey_metadata.check_size(bytes_, path.name, most - RESERVED_BYTES)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether both files hold exactly the records."""
+        return self._whole
+
+    def take(self, record: LogRecord) -> None:
+        """Add a record of `next` that `write`, which must follow, makes durable."""
+        self._records.append(record)
+        self._whole = False
+
+    def write(self, on_log: Callable[[], None] = lambda: None) -> None:
         """Write both files again.
+
+        Args:
+            on_log: Called when log.jsonl is durable, before survey.json is written.
 
         Raises:
             OSError: The disk refused.
         """
         durable_files.replace_file(self._path, b"".join(one.line() for one in self._records))
+        on_log()
         durable_files.replace_file(self._view, view_of(self._records))
         self._whole = True
 
@@ -169,7 +212,7 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
     Args:
         folder: The survey's folder.
         recorded: Records that were found elsewhere, as in a recording.
-        last: Number of a record that was there; -1: not known.
+        last: Number of a record that the log is known to have had.
 
     Raises:
         SurveyRefusedError: Neither file can be read, or survey.json is of another format.
@@ -177,19 +220,34 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
     lines = _read_lines(folder / LOG_FILE)
     content, own, failure = _read_view(folder / survey_folder.SURVEY_FILE)
     shown = own.pop(LOG, None) if own is not None else None
-    in_log = _Form.of(lines or [], record_of_line, json_of_line)
-    in_view = _Form.of(shown if isinstance(shown, list) else [], record_of)
-    found = _merge([in_log.records, in_view.records, {one.number: one for one in recorded}])
+    in_log, damaged_lines = _records_of(lines or [], record_of_line, json_of_line)
+    in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
+    forms = [in_log, in_view, {one.number: one for one in recorded}]
+    found = _merge(forms)
     if not found and own is not None and shown is None:
         return FoundLog(own=own)
     if not found and failure is not None:
         raise failure
-    # What is whole in survey.json was there when the last fact was acknowledged.
-    view_is_whole = isinstance(shown, list) and not in_view.damaged
-    lost = _lost(found, max(last, in_view.last, -1 if view_is_whole else in_log.last))
-    agrees = not in_log.damaged and not in_view.damaged and in_log.last == in_view.last
-    legible = _legible(lost, (*in_log.damaged, *in_view.damaged))
-    return FoundLog(tuple(found), tuple(lost), legible, agrees, True, own, lines, content)
+    behind = (_lines_behind(lines or [], in_log), _entries_behind(shown, in_view))
+    lost = _lost(found, max(last, *behind))
+    damaged = (*damaged_lines, *damaged_entries)
+    return FoundLog(
+        tuple(found),
+        tuple(lost),
+        _legible(lost, damaged),
+        _contradicting(found, forms),
+        agrees=not damaged and in_log.keys() == in_view.keys(),
+        has_log=True,
+        own=own,
+        has_open_end=last < 0 and _has_open_end(own, lines, not in_log and not in_view),
+        lines=lines,
+        view=content,
+    )
+
+
+def _has_open_end(own: Any, lines: Optional[Sequence[bytes]], only_recorded: bool) -> bool:
+    torn = not lines or lines[-1] != b""
+    return only_recorded or (own is None and torn)
 
 
 def _append(path: Path, line: bytes) -> None:
@@ -206,10 +264,11 @@ def _read_lines(path: Path) -> Optional[List[bytes]]:
     """Return the lines of log.jsonl; None if it cannot be read."""
     try:
         with open(open_regular(path), "rb") as stream:
-            content = stream.read(MAX_LOG_BYTES + 1)
-    except OSError:
+            # Before it is read, so that a huge file takes no memory.
+            survey_metadata.check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_LOG_BYTES)
+            return stream.read().split(b"\n")
+    except (OSError, SurveyRefusedError):
         return None
-    return content.split(b"\n") if len(content) <= MAX_LOG_BYTES else None
 
 
 def _read_view(
@@ -223,36 +282,21 @@ def _read_view(
         return b"", None, error
 
 
-@dataclass(frozen=True)
-class _Form:
-    """The entries of one of the two files."""
-
-    records: Records
-    """Those that are right."""
-    damaged: Sequence[Any]
-    """What can be read of the others."""
-    last: int
-    """Number that the last entry must have had, be it right or not; -1 without any."""
-
-    @classmethod
-    def of(
-        cls,
-        entries: Iterable[Any],
-        record_of_entry: Callable[[Any], Optional[LogRecord]],
-        legible: Callable[[Any], Any] = lambda entry: entry,
-    ) -> _Form:
-        """Return what is right in some entries, and what is not."""
-        found: Dict[int, LogRecord] = {}
-        damaged: List[Any] = []
-        last = -1
-        for entry in filter(None, entries):
-            record = record_of_entry(entry)
-            last = last + 1 if record is None else record.number
-            if record is None:
-                damaged.append(legible(entry))
-            else:
-                found.setdefault(record.number, record)
-        return cls(found, damaged, last)
+def _records_of(
+    entries: Iterable[Any],
+    record_of_entry: Callable[[Any], Optional[LogRecord]],
+    legible: Callable[[Any], Any] = lambda entry: entry,
+) -> Tuple[Records, List[Any]]:
+    """Return the records that are right, and what can be read of the others."""
+    found: Dict[int, LogRecord] = {}
+    damaged: List[Any] = []
+    for entry in filter(None, entries):
+        record = record_of_entry(entry)
+        if record is None:
+            damaged.append(legible(entry))
+        else:
+            found.setdefault(record.number, record)
+    return found, damaged
 
 
 def _legible(lost: Sequence[int], damaged: Iterable[Any]) -> Dict[int, List[Any]]:
@@ -279,7 +323,8 @@ def _merge(forms: Sequence[Records]) -> List[LogRecord]:
             for one in candidates
             if one.values is not None or (number, one.sha256) in successors
         ]
-        confirmed.sort(key=lambda one: one.values is None)
+        # Where forms contradict each other, the one that goes on is right.
+        confirmed.sort(key=lambda one: ((number, one.sha256) not in successors, one.values is None))
         fitting = [one for one in confirmed if _follows(found, one)]
         if fitting:
             found.append(fitting[0])
@@ -294,7 +339,42 @@ def _follows(found: Sequence[LogRecord], record: LogRecord) -> bool:
     return last is None or last.number < record.number - 1 or last.sha256 == record.previous
 
 
-def _lost(found: Sequence[LogRecord], last: int) -> List[int]:
+def _lines_behind(lines: Sequence[bytes], records: Records) -> int:
+    """Return the number of the last record of log.jsonl, although it is damaged.
+
+    Of the end of a line that was torn nothing was acknowledged.
+    """
+    damaged: List[bytes] = []
+    for line in filter(None, lines[:-1]):
+        damaged = [] if record_of_line(line) is not None else [*damaged, line]
+    # A changed byte may have made two lines of one, or one of two.
+    begun, ended = (len(one.findall(b"\n".join(damaged))) for one in (_BEGIN, _END))
+    return max(records, default=-1) + max(begun, ended, min(1, len(damaged)))
+
+
+def _entries_behind(shown: Any, records: Records) -> int:
+    """Return the number of the last record in survey.json, although it is damaged."""
+    entries = shown if isinstance(shown, list) else []
+    damaged = list(itertools.takewhile(lambda one: record_of(one) is None, reversed(entries)))
+    return max(records, default=-1) + len(damaged)
+
+
+def _contradicting(found: Sequence[LogRecord], forms: Sequence[Records]) -> Tuple[LogRecord, ...]:
+    used = {(one.number, one.sha256) for one in found}
+    end = found[-1].number if found else -1
+    return tuple(
+        record
+        for form in forms
+        for number, record in sorted(form.items())
+        # The last one may be an addition that failed, and was repeated with other values.
+        if (number, record.sha256) not in used
+        and (number < end or number < max(form))
+        # Nothing vouches for one without values.
+        and record.values is not None
+    )
+
+
+def _lost(found: Sequence[LogRecord], end: int) -> List[int]:
     present = {one.number for one in found}
     named = {
         number
@@ -302,7 +382,7 @@ def _lost(found: Sequence[LogRecord], last: int) -> List[int]:
         if one.kind == Kind.UNCONFIRMED.value and one.values is not None
         for number in one.values.get("lost", [])
     }
-    last = max(last, found[-1].number if found else -1)
+    last = max(end, found[-1].number if found else -1)
     return [number for number in range(last + 1) if number not in present | named]
 
 
@@ -329,14 +409,18 @@ def lost_entries(found: FoundLog) -> Dict[str, Any]:
 
     Whatever can be read of it stands beside it, and is not used.
     """
-    reason = "its checksum is wrong in every copy, or it is missing"
     entries = {
         _name(number, found.legible.get(number, ())): {
-            "reason": reason,
+            "reason": "its checksum is wrong in every copy, or it is missing",
             "found": [json_text(one) for one in found.legible.get(number, ())],
         }
         for number in found.lost
     }
+    for one in found.contradicting:
+        entries[f"record {one.number}, {one.sha256[:8]}"] = {
+            "reason": "it is not of the log of the other records",
+            "found": [json_text(one.as_json())],
+        }
     return {"lost": list(found.lost), "entries": entries}
 
 

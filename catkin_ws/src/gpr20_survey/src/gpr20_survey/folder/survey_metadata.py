@@ -11,8 +11,9 @@ from typing import Any, Dict, NoReturn
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import SurveyRefusedError, printable
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.plan.annotation import ANNOTATION, annotation_of
 from gpr20_survey.plan.markers import MARKERS
@@ -82,7 +83,7 @@ def parse_object(
         SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no
             object.
     """
-    _check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
+    check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
     _check_depth(text, name, max_depth)
     try:
         values = json.loads(text, parse_constant=_refuse_constant)
@@ -160,7 +161,12 @@ def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str
     return {**copy, **later}
 
 
-def _check_size(size: int, name: str, max_bytes: int) -> None:
+def check_size(size: int, name: str, max_bytes: int) -> None:
+    """Check the size of a text or a file [bytes].
+
+    Raises:
+        SurveyRefusedError: It is too large.
+    """
     if size > max_bytes:
         raise SurveyRefusedError(
             Message(
@@ -181,7 +187,7 @@ def read_content(path: Path) -> bytes:
     try:
         with open(open_regular(path), "rb") as stream:
             # Before it is read, so that a huge file takes no memory.
-            _check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
+            check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
             return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise _unreadable(path, os_reason(error)) from error

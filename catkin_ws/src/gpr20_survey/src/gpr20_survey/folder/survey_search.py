@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Callable, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import SurveyRefusedError, printable
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from dataclasses import dataclass, replace
 from typing import Any, Dict, Mapping, Optional, Protocol, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.terminal_text import is_shown
 
 ANNOTATION = "annotation"
 """Key of survey.json."""
@@ -24,9 +24,6 @@ MAX_LONGITUDE_DEG = 180.0
 MAX_HEADING_DEG = 360.0
 
 # Controls, halves of characters, separators of lines and paragraphs.
-_REFUSED_CATEGORIES = frozenset({"Cc", "Cs", "Zl", "Zp"})
-# They reverse the order in which the text after them is shown.
-_DIRECTIONS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 # Exponents too: some floats have no shorter text.
 _DECIMAL = re.compile(r"[-+]?[0-9]{1,20}(\.[0-9]{0,20})?(e[-+]?[0-9]{1,3})?", re.ASCII)
 
@@ -278,7 +275,7 @@ def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:
             )
         )
     for place, character in enumerate(text, 1):
-        if _shown(character) or (lines and character == "\n"):
+        if is_shown(character) or (lines and character == "\n"):
             continue
         raise InvalidValueError(
             Message(
@@ -288,12 +285,6 @@ def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:
                 place=place,
             )
         )
-
-
-def _shown(character: str) -> bool:
-    # Not str.isprintable(), which refuses the joiners that some scripts are written with.
-    category = unicodedata.category(character)
-    return category not in _REFUSED_CATEGORIES and character not in _DIRECTIONS
 
 
 def _object(name: str, values: Any, keys: Any) -> Dict[str, Any]:

@@ -193,6 +193,26 @@ def message_record(number: int, message: RecordedMessage) -> bytes:
     return record(MESSAGE, fields, message.data)
 
 
+def message_of(one: Record, connections: Dict[int, Connection]) -> RecordedMessage:
+    """Return the message of a record.
+
+    Raises:
+        BagFormatError: It belongs to no connection.
+    """
+    connection = connections.get(one.number("conn"))
+    if connection is None:
+        raise BagFormatError("a message belongs to no connection")
+    return RecordedMessage(
+        connection.topic,
+        connection.datatype,
+        connection.md5sum,
+        connection.definition,
+        one.data,
+        one.time_ns("time"),
+        connection.latching,
+    )
+
+
 def chunk_record(data: bytes) -> bytes:
     """Return a chunk without compression: noise does not compress."""
     fields = {"compression": b"none", "size": struct.pack("<I", len(data))}

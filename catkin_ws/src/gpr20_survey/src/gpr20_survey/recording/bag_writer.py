@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Dict, List, Tuple, Union
+from typing import Dict, List, Tuple
 
 from gpr20_survey.files.append_only_file import AppendOnlyFile
 from gpr20_survey.recording import bag_format
@@ -82,7 +82,7 @@ class BagFile(Recording):
         self._file.release()
 
     def _connection_of(self, message: RecordedMessage) -> Connection:
-        key = connection_key(message)
+        key = message.topic, message.md5sum
         if key not in self._connections:
             self._connections[key] = Connection(
                 len(self._connections),
@@ -94,8 +94,3 @@ class BagFile(Recording):
             )
             self._chunk += bag_format.connection_record(self._connections[key])
         return self._connections[key]
-
-
-def connection_key(one: Union[Connection, RecordedMessage]) -> Tuple[str, str]:
-    """Return what messages of the same connection share."""
-    return one.topic, one.md5sum

@@ -35,9 +35,14 @@ _TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, Ove
 
 
 class StoredMcap:
-    """Implements `StoredRecording` for a file written by `McapFile`."""
+    """Reads what is whole in a file written by `McapFile`.
 
-    has_checksums = True
+    A tail that was torn by a crash is no fault: nothing in it was acknowledged.
+
+    Attributes:
+        path: The file; it may be missing.
+        faults: What is damaged before the end, as far as `messages` has come.
+    """
 
     def __init__(self, path: Path) -> None:
         """Take the path; nothing is read yet."""

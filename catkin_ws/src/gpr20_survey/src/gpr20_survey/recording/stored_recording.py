@@ -1,32 +1,13 @@
-"""A recording that is already on the disk, whatever its format and its state."""
+"""The content of a recording that is already on the disk."""
 
 from __future__ import annotations
 
 import mmap
 import os
 from pathlib import Path
-from typing import Iterator, List, Protocol
 
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import open_regular
-from gpr20_survey.recording.recording import RecordedMessage
-
-
-class StoredRecording(Protocol):
-    """Reads what is whole in a recording.
-
-    A tail that was torn by a crash is no fault: nothing in it was acknowledged.
-    """
-
-    path: Path
-    """The file; it may be missing."""
-    faults: List[Message]
-    """What is damaged before the end, as far as `messages` has come."""
-    has_checksums: bool
-    """Whether damage inside a message would be found."""
-
-    def messages(self) -> Iterator[RecordedMessage]:
-        """Yield every message of the whole chunks, in the order of the file."""
 
 
 def damaged(path: Path, details: str) -> Message:

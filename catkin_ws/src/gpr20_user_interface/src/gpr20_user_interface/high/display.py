@@ -11,6 +11,7 @@ from PyQt5.QtCore import QMessageLogContext, QtMsgType, qInstallMessageHandler
 from PyQt5.QtGui import QGuiApplication
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 from gpr20_user_interface.errors import DisplayUnavailableError
 from gpr20_user_interface.low.display_probe import display_problem
 
@@ -93,6 +94,6 @@ def on_display_lost(leave: Callable[[], None]) -> None:
     def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:
         if kind == QtMsgType.QtFatalMsg or LOST in (text or ""):
             leave()
-        print(text, file=sys.stderr, flush=True)
+        say(text or "", file=sys.stderr, flush=True)
 
     qInstallMessageHandler(handle)

@@ -16,6 +16,7 @@ from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
@@ -56,7 +57,7 @@ def main() -> int:
             return _run(options, router, signals, catalogue)
     except SecondStopSignal:
         left = catalogue.tr("Ended at once, without waiting: the robot may still move.")
-        print(f"\n{left}", file=sys.stderr)
+        say("", left, file=sys.stderr)
         leave_now(ExitStatus.STOPPED)
 
 
@@ -77,7 +78,7 @@ def _run(options: Options, router: EventRouter, signals: StopSignals, catalogue:
 
 def _print_refusal(reason: Message, catalogue: Catalogue) -> None:
     lines = [terminal_line(one, catalogue) for one in (reason, first_step(reason))]
-    print(f"run_survey: {lines[0]}", *lines[1:], sep="\n", file=sys.stderr)
+    say(f"run_survey: {lines[0]}", *lines[1:], file=sys.stderr)
 
 
 def _check(options: Options) -> None:
@@ -138,7 +139,7 @@ def _run_session(
     messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
     lines = [terminal_line(message, catalogue) for message in messages]
     is_error = outcome.status in (ExitStatus.REFUSED, ExitStatus.FAILED)
-    print("\n".join(lines), file=sys.stderr if is_error else sys.stdout, flush=True)
+    say(*lines, file=sys.stderr if is_error else sys.stdout, flush=True)
     return outcome
 
 

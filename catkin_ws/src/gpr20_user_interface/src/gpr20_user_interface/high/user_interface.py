@@ -22,6 +22,7 @@ from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 from gpr20_user_interface.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.display import (
@@ -231,7 +232,7 @@ def _run(given: argparse.Namespace) -> Ending:
 
 
 def _say(sentence: str) -> None:
-    print(f"user_interface: {sentence}", file=sys.stderr, flush=True)
+    say(f"user_interface: {sentence}", file=sys.stderr, flush=True)
 
 
 def _quit_soon(_name: str = "") -> None:

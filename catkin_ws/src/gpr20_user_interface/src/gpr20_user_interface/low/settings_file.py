@@ -10,7 +10,7 @@ import yaml
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_survey.files.durable_files import ensure_folder, replace_file
+from gpr20_survey.files.durable_files import ensure_folders, replace_file
 from gpr20_user_interface import faults
 from gpr20_user_interface.errors import SettingsError
 
@@ -63,7 +63,7 @@ class SettingsFile:
         """
         text = yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True)
         try:
-            ensure_folder(self._path.parent, FOLDER_MODE)
+            ensure_folders(self._path.parent, FOLDER_MODE)
             replace_file(self._path, text.encode("utf-8"))
         except OSError as error:
             raise SettingsError(

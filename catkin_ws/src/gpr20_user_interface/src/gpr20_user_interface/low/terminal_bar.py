@@ -7,6 +7,8 @@ from typing import Optional, TextIO
 
 from tqdm import tqdm
 
+from gpr20_common.terminal_text import printable
+
 # Without the remaining time as tqdm estimates it: the main control knows it better.
 BAR_FORMAT = "{desc}{percentage:3.0f}% |{bar}| {n_fmt}/{total_fmt}{postfix}"
 
@@ -20,7 +22,7 @@ class TerminalBar:
 
     def write(self, line: str) -> None:
         """Write a line above the bar."""
-        tqdm.write(line, file=self._stream)
+        tqdm.write(printable(line), file=self._stream)
         self._stream.flush()
 
     def show(self, done: int, total: int, before: str, behind: str) -> None:
@@ -30,8 +32,8 @@ class TerminalBar:
         self._bar.ncols = _columns()
         self._bar.total = total
         self._bar.n = done
-        self._bar.set_description_str(before, refresh=False)
-        self._bar.set_postfix_str(behind, refresh=False)
+        self._bar.set_description_str(printable(before), refresh=False)
+        self._bar.set_postfix_str(printable(behind), refresh=False)
         self._bar.refresh()
 
     def close(self) -> None:

@@ -6,6 +6,8 @@ import select
 import sys
 from typing import Callable
 
+from gpr20_common.terminal_text import printable
+
 POLL_S = 0.2
 # In English and Spanish.
 YES = ("y", "yes", "s", "si", "s\u00ed")
@@ -23,7 +25,7 @@ def is_confirmed(question: str, cancelled: Callable[[], bool]) -> bool:
         question: One line.
         cancelled: Called repeatedly while nothing is entered; true ends the question with no.
     """
-    print(f"{question} ", end="", flush=True)
+    print(f"{printable(question)} ", end="", flush=True)
     while not cancelled():
         ready, _, _ = select.select([sys.stdin], [], [], POLL_S)
         if ready:

@@ -19,6 +19,7 @@ from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import say
 from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent
@@ -46,14 +47,14 @@ def main() -> int:
             return 1  # no right instrument answers: that says nothing of the class
         path = store(folder, parameters, found)
     except Gpr20Error as error:
-        print(f"check_analyzer: {catalogue.text(error.message)}", file=sys.stderr)
+        say(f"check_analyzer: {catalogue.text(error.message)}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"check_analyzer: {folder}: {catalogue.text(os_reason(error))}", file=sys.stderr)
+        say(f"check_analyzer: {folder}: {catalogue.text(os_reason(error))}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 1
-    print(catalogue.text(Message("stored in {file}", file=path)))
+    say(catalogue.text(Message("stored in {file}", file=path)))
     return 0 if passed(found) else 1
 
 
@@ -80,13 +81,13 @@ def check(
         ask: Asks a person to do something and returns when it is done; None: nobody is there.
         relay: Passes on what a class and its instrument say; None: they speak directly.
     """
-    print(catalogue.text(BEGIN), flush=True)
+    say(catalogue.text(BEGIN), flush=True)
     found: List[Result] = []
     for one in results(bench, ask, relay):
-        print(line(one, catalogue), flush=True)
+        say(line(one, catalogue), flush=True)
         found.append(one)
     status = Message("PASSED") if passed(found) else Message("FAILED")
-    print(catalogue.text(status), flush=True)
+    say(catalogue.text(status), flush=True)
     return found
 
 

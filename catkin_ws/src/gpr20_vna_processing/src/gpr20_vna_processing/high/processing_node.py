@@ -25,6 +25,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import message_fields
+from gpr20_common.terminal_text import printable
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
     CloseSurvey,
@@ -38,9 +39,12 @@ from gpr20_msgs.srv import (
     StoreData,
     StoreDataResponse,
 )
-from gpr20_survey.errors import ProcessingError, printable
+from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.files.file_system import existing_folder
+from gpr20_survey.folder.data_folder import DataFolder
+from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
@@ -74,13 +78,17 @@ class ProcessingNode:
     def __init__(self, parameters: ProcessingParameters, sensors: Sensors) -> None:
         """Connect everything; nothing is recorded before `open_survey`."""
         self._data = parameters.data_folder()
+        self._folder = DataFolder(parameters.data_folder_use(), Clock())
         self._limits = parameters.limits()
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
         self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        signer = parameters.signer()
+        self._key_warning = key_warning(signer)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
+                check_data=self._folder.check,
                 open_recordings=open_recordings,
                 topics=SurveyTopics(
                     Trace._full_text,
@@ -94,6 +102,7 @@ class ProcessingNode:
                 clock=Clock(),
                 revision=software_revision(__version__, Path(__file__).resolve().parent),
                 readers=parameters.readable_by,
+                signer=signer,
                 end_status=end_status,
             ),
             self._limits,
@@ -188,6 +197,9 @@ class ProcessingNode:
             survey=closed.survey_id,
             stored=closed.stored_traces,
         )
+        unsigned = self._processing.state().unsigned
+        if unsigned is not None:
+            message = in_a_row([message, unsigned])
         return CloseSurveyResponse(
             success=True,
             **message_fields(message),
@@ -203,6 +215,10 @@ class ProcessingNode:
 
     def _health(self) -> Health:
         state = self._processing.state()
+        problem = self._folder.problem()
+        if problem is not None and not state.failing:
+            # Without a size: it would be that of another disk.
+            return ERROR, problem, {"open survey": state.survey_id, "folder": state.folder}
         try:
             free_mb = self._free_mb()
         except OSError as error:
@@ -232,14 +248,16 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
+        unsigned = state.unsigned or self._key_warning
+        if unsigned is not None:
+            return WARN, unsigned, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values
 
     def _free_mb(self) -> float:
         # The data folder may not be there before the first survey.
-        existing = next(one for one in (self._data, *self._data.parents) if one.is_dir())
-        return free_bytes(existing) / BYTES_PER_MB
+        return free_bytes(existing_folder(self._data)) / BYTES_PER_MB
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:

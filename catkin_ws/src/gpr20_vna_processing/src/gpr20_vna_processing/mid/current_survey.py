@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, printable, storing
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact, add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import recover_with_recording
+from gpr20_survey.folder.signature import try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
@@ -31,7 +34,7 @@ from gpr20_vna_processing.mid.processing_records import (
     Storage,
 )
 from gpr20_vna_processing.mid.publication import Publication
-from gpr20_vna_processing.mid.reopening import Reopening, recover_with_recording
+from gpr20_vna_processing.mid.reopening import Reopening
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
 
@@ -65,6 +68,8 @@ class CurrentSurvey:
         self._survey: Optional[OpenSurvey] = None
         self._lock = ExitStack()  # holds the lock of the open survey's folder
         self._closed: Optional[ClosedSurvey] = None
+        self.unsigned: Optional[Message] = None
+        """Why the survey that was changed last is not signed, although there is a key."""
 
     @property
     def current(self) -> Optional[OpenSurvey]:
@@ -157,7 +162,7 @@ class CurrentSurvey:
                 lock.enter_context(locked(folder))
             # Again, because the process that held the lock may have closed the survey meanwhile.
             folder, _ = find_survey(self._storage.data, name, recover_with_recording)
-            reopening = Reopening(folder, self._storage.topics)
+            reopening = Reopening(folder, self._storage.topics, self._storage.signer)
             repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
             survey = OpenSurvey(
                 folder,
@@ -259,6 +264,7 @@ class CurrentSurvey:
         survey.close(outcome, reason, now_ns)
         # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
         survey.write_manifest(self._storage.revision)
+        self.unsigned = try_to_sign(self._storage.signer, survey.folder)
         self._latched.end()
         self._lock.close()
         self._closed = ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
@@ -341,7 +347,11 @@ class CurrentSurvey:
             return opened.folder, opened.change(change, now_ns)
         folder, _ = find_survey(self._storage.data, survey)
         now = utc_time.iso_text(now_ns // utc_time.NS_PER_US)
-        return folder, add_to_survey(folder, change, now)
+        signer = self._storage.signer
+        return folder, add_to_survey(folder, change, now, signer, self._note_unsigned)
+
+    def _note_unsigned(self, warning: Message) -> None:
+        self.unsigned = warning
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.

@@ -9,11 +9,7 @@ from typing import Any, Callable, Dict, Iterable, Optional, Sequence
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.errors import (
-    ProcessingError,
-    StorageFailedError,
-    SurveyRefusedError,
-)
+from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import NOTES, Kind
@@ -308,6 +304,7 @@ class DataProcessing:
             last_error=last_error,
             failing=failing,
             queues=self._thread.state(),
+            unsigned=self._survey.unsigned,
         )
 
     def _do(self, work: Callable[[], Any], timeout_s: Optional[float] = None) -> Any:

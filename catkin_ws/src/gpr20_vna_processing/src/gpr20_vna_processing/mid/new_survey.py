@@ -7,7 +7,8 @@ from typing import Any, Dict
 
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
-from gpr20_survey.errors import SurveyRefusedError, printable, storing
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.access import Readers
@@ -60,17 +61,17 @@ def check_clock(now_ns: int) -> None:
 
 
 def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None:
-    """Refuse a survey that does not fit on the disk.
+    """Refuse a data folder that is not the right one, and a survey that does not fit on its disk.
 
     Raises:
-        SurveyRefusedError: The disk has too little space.
-        StorageFailedError: The data folder cannot be made or read.
+        SurveyRefusedError: It is another folder, or the disk has too little space.
+        StorageFailedError: The data folder cannot be made, read or written to.
     """
+    storage.check_data()
     data = storage.data
     with storing(
         Message("the data folder {path} could not be written to", path=printable(data)), data
     ):
-        durable_files.ensure_folder(data, storage.readers.folder_mode)
         free = storage.free_bytes(data)
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(

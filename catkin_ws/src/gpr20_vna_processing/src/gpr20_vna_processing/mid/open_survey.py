@@ -19,11 +19,8 @@ from typing import (
 )
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import (
-    SurveyRefusedError,
-    printable,
-    storing,
-)
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import sum_of, sum_of_file
 from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata

@@ -6,14 +6,16 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Tuple
+from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
-from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
+from gpr20_survey.folder.data_folder import DataFolderUse
+from gpr20_survey.folder.signature import Signer
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
 from gpr20_vna_processing.mid.storage_thread import QueueLimits
 
@@ -66,6 +68,8 @@ class ProcessingParameters:
 
     Attributes:
         data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
+        data_disk: Whether that folder is on a disk of its own. With true nothing is stored on the
+            disk of the system, such as while the other one is not mounted.
         disk_reserve_mb: A survey starts only if this much stays free on the disk [MB].
         store_queue: Traces that may wait for the disk.
         message_queue: Messages of other topics that may wait.
@@ -76,9 +80,12 @@ class ProcessingParameters:
         recorded_topics: Topics to record, relative to the robot's namespace.
         extra_recorded_topics: Further topics, such as those of your own nodes.
         readable_by: Who may read new surveys: owner, group or all.
+        signing_key: File of the private key that signs the surveys,
+            such as robot_config key makes it; empty: they are not signed.
     """
 
     data: str = ""
+    data_disk: bool = False
     disk_reserve_mb: float = 500.0
     store_queue: int = 4
     message_queue: int = 5000
@@ -89,6 +96,7 @@ class ProcessingParameters:
     recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
     extra_recorded_topics: Tuple[str, ...] = ()
     readable_by: Readers = Readers.GROUP
+    signing_key: str = ""
 
     def __post_init__(self) -> None:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
@@ -96,6 +104,14 @@ class ProcessingParameters:
             positive_number(name, getattr(self, name))
         for name in ("store_queue", "message_queue"):
             number_between(name, getattr(self, name), 1, MOST_WAITING)
+        if self.signing_key and not Path(self.signing_key).expanduser().is_absolute():
+            raise InvalidValueError(
+                Message(
+                    "signing_key is {path}; it must be an absolute path",
+                    path=repr(self.signing_key),
+                ),
+                fault=CONFIGURATION,
+            )
         for topic in self.all_topics:
             if not TOPIC.fullmatch(topic):
                 raise InvalidValueError(
@@ -116,6 +132,19 @@ class ProcessingParameters:
     def data_folder(self) -> Path:
         """Return where surveys are stored."""
         return data_folder(self.data, os.environ)
+
+    def signer(self) -> Optional[Signer]:
+        """Return what signs the surveys; None if nothing does."""
+        return Signer(Path(self.signing_key)) if self.signing_key else None
+
+    def data_folder_use(self) -> DataFolderUse:
+        """Return how the folder of the surveys is used."""
+        return DataFolderUse(
+            self.data_folder(),
+            state_folder(os.environ),
+            self.data_disk,
+            self.readable_by.folder_mode,
+        )
 
     def limits(self) -> Limits:
         """Return the bounds of the storage."""

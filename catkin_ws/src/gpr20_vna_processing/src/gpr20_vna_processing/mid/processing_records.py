@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
+from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
@@ -23,6 +24,8 @@ class Storage:
     """What the storage uses; passed in so that tests can replace each part."""
 
     data: Path
+    check_data: Callable[[], None]
+    """Refuses a data folder that is not the one that was used before; makes it at first."""
     open_recordings: Callable[[Path, Dict[str, Any]], Sequence[Recording]]
     """Begins the recordings of a new survey in its folder, by its description."""
     topics: SurveyTopics
@@ -35,6 +38,8 @@ class Storage:
     """Makes the last message of `control_status` in the recordings."""
     readers: Readers = Readers.GROUP
     """Who may read a new survey."""
+    signer: Optional[Signer] = None
+    """Signs a survey whenever its manifest was written; None: surveys are not signed."""
 
 
 @dataclass(frozen=True)
@@ -91,3 +96,5 @@ class ProcessingState:
     failing: bool
     """Whether the disk refused what was written last."""
     queues: QueueState
+    unsigned: Optional[Message] = None
+    """Why the survey that was changed last is not signed, although there is a key."""

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.errors import StorageFailedError, TraceRefusedError, printable
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import StorageFailedError, TraceRefusedError
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import survey_folder, trace_files

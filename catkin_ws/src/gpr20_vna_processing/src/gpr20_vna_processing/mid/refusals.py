@@ -6,12 +6,8 @@ from pathlib import Path
 from typing import List
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.errors import (
-    StorageFailedError,
-    SurveyRefusedError,
-    TraceRefusedError,
-    printable,
-)
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
 

@@ -15,10 +15,9 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import (
     ManifestDamagedError,
-    SurveyRefusedError,
-    printable,
     storing,
 )
 from gpr20_survey.faults import REPAIRED
@@ -34,18 +33,19 @@ from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
+    PLAN,
     RecoveredSurvey,
     open_log,
-    recover,
+    recover_with_recording,
     repairs_of,
     start_of,
 )
+from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer, is_signed, try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import Recording
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
@@ -73,37 +73,16 @@ class RepairedSurvey:
     """The checksums of the message types that the recordings hold of each topic."""
 
 
-def recover_with_recording(folder: Path, sealed: Optional[Manifest] = None) -> RecoveredSurvey:
-    """Return what a folder says of its survey, with the records of the log in its MCAP if needed.
-
-    Args:
-        folder: The survey's folder.
-        sealed: Its manifest, if there is a whole one.
-
-    Raises:
-        SurveyRefusedError: Nothing in it describes the survey.
-        OSError: The MCAP cannot be read.
-    """
-    try:
-        recovered = recover(folder, sealed=sealed)
-        if recovered.found.own is not None and not recovered.found.lost:
-            return recovered
-    except SurveyRefusedError:
-        pass  # what the MCAP holds decides
-    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    records = [record for record in map(recorded_log, messages) if record is not None]
-    return recover(folder, records, sealed)
-
-
 class Reopening:
     """Repairs the files of one survey."""
 
-    def __init__(self, folder: Path, topics: SurveyTopics) -> None:
+    def __init__(self, folder: Path, topics: SurveyTopics, signer: Optional[Signer] = None) -> None:
         """Read every file of the survey; nothing is changed.
 
         Args:
             folder: The survey's folder.
             topics: Makes messages of traces.
+            signer: Signed the survey, if its surveys are signed.
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
@@ -114,17 +93,18 @@ class Reopening:
         self._traces = folder / survey_folder.TRACES_FOLDER
         self._damaged = folder / survey_folder.DAMAGED_FOLDER
         self._topics = topics
+        self._signer = signer
+        self._was_signed = signer is not None and signer.has_signed(folder)
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
-            survey_id = recover_with_recording(folder).survey_id
-            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
-            # Again, because the manifest knows how long the log was.
-            self._recovered = recover_with_recording(folder, self._sealed)
+            self._recovered = recover_with_recording(folder)
             description = self._recovered.description
             self._repairs = repairs_of(self._recovered)
             self._start = self._start_copy()
             survey_metadata.started_us(self._start)
+            survey_id = self._recovered.survey_id
+            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
             misfits = _misfits(description)
             mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, misfits)
             self._stored = StoredTraces(folder, mcap, survey_id, self._sealed, misfits)
@@ -147,7 +127,7 @@ class Reopening:
             now = utc_time.iso_text(now_us)
             self._mark_manifest(now)
             self._remove_torn()
-            log = open_log(self._folder, self._with_unproven_traces(), now)
+            log = open_log(self._folder, self._with_unproven(), now)
             log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
             durable_files.ensure_folder(self._traces)
             self._repair_traces()
@@ -157,6 +137,7 @@ class Reopening:
             ).write()
             try:
                 # Last: until now it vouches for files that were not changed yet.
+                durable_files.remove_file(self._folder / SIGNATURE_FILE)
                 durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
             except OSError:
                 for recording in recordings:
@@ -178,17 +159,23 @@ class Reopening:
         copy = sealed_description(self._folder)
         return start if copy is None or differences(copy, start) else copy
 
-    def _with_unproven_traces(self) -> RecoveredSurvey:
-        """Name the traces of an earlier version that only a file without a checksum holds.
+    def _with_unproven(self) -> RecoveredSurvey:
+        """Name what the recordings, the manifest and its signature will vouch for from now on.
 
-        From now on the recordings will vouch for them.
+        These are the traces of an earlier version that only a file without a checksum holds, and
+        all of a survey that was changed since this robot signed it.
         """
         entries = {
             manifest.trace_name(name): {"reason": "only a file without a checksum holds it"}
             for name in self._stored.unproven
         }
+        if self._signer is not None and not self._was_signed and self._has_other_signature():
+            entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
         unconfirmed = {**self._recovered.unconfirmed, **entries}
         return replace(self._recovered, unconfirmed=unconfirmed)
+
+    def _has_other_signature(self) -> bool:
+        return is_signed(self._folder) and (self._folder / manifest.MANIFEST_FILE).exists()
 
     def _refuse(self, description: Dict[str, Any]) -> None:
         """Refuse a survey that cannot or need not continue.
@@ -199,8 +186,12 @@ class Reopening:
         stored = self._stored
         if stored.foreign and not stored.truth:
             raise refusals.only_foreign_traces(self._folder, description["survey_id"])
-        if stored.misfits:
-            raise refusals.traces_not_planned(self._folder, stored.misfits)
+        misfits = stored.misfits
+        if PLAN in self._recovered.all_unconfirmed:
+            # The plan may be what is wrong.
+            misfits = [*misfits, *stored.unplanned]
+        if misfits:
+            raise refusals.traces_not_planned(self._folder, misfits)
         planned = description.get("planned_traces", description.get("stored_traces"))
         finished = description.get("outcome") == "finished" and len(stored.truth) == planned
         if finished and self._recovered.found.is_whole and stored.intact():
@@ -212,6 +203,9 @@ class Reopening:
         elif self._sealed is not None and self._sealed.reopened is None:
             self._repairs += self._stored.changes()
             sealing.mark_reopened(self._folder, self._sealed, now)
+            if self._was_signed:
+                # Without a signature nothing is lost: the manifest is removed at the end.
+                try_to_sign(self._signer, self._folder)
 
     def _remove_torn(self) -> None:
         folders = [one for one in (self._folder, self._traces) if one.is_dir()]

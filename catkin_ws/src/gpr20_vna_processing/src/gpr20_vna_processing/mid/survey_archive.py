@@ -11,12 +11,8 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_survey.errors import (
-    ProcessingError,
-    SurveyRefusedError,
-    TraceRefusedError,
-    printable,
-)
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import read_description

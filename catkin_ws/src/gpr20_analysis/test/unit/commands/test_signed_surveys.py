@@ -1,0 +1,141 @@
+"""gpr20 verify --signers says who vouches for a survey; what changes one can sign it again."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from survey_kit import POINTS, make_survey
+
+from gpr20_analysis import faults
+from gpr20_analysis.commands.main import main
+from gpr20_survey import faults as survey_faults
+from gpr20_survey.files import ssh_keygen
+from gpr20_survey.folder.signature import NAMESPACE, SIGNATURE_FILE, Signer
+
+STOPPED = 7
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("keys")
+    for name in ("robot", "other"):
+        ssh_keygen.make_key(folder / name, name)
+    line = ssh_keygen.public_key(folder / "robot").signers_line("robot", NAMESPACE)
+    (folder / "signers").write_text(f"{line}\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("stopped"), STOPPED, "stopped")
+
+
+@pytest.fixture
+def folder(finished, tmp_path, keys):
+    copy = Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
+    Signer(keys / "robot").sign(copy)
+    return copy
+
+
+@pytest.fixture
+def verify(keys, capsys):
+    """Return what verify finds of a survey: exit status, state of the signature and code."""
+
+    def verified(folder, *more):
+        capsys.readouterr()
+        asked = ["--signers", str(keys / "signers")]
+        status = main(["verify", str(folder), "--json", *asked, *more])
+        record = json.loads(capsys.readouterr().out)
+        assert record["status"] == status
+        found = record["signature"]
+        return status, found["state"], found["fault_code"]
+
+    return verified
+
+
+def test_a_signed_survey_names_its_signer_last(folder, keys, capsys):
+    assert main(["verify", str(folder), "--signers", str(keys / "signers")]) == 0
+    complete, signed = capsys.readouterr().out.splitlines()
+    assert complete.startswith("complete and intact")
+    fingerprint = ssh_keygen.public_key(keys / "robot").fingerprint
+    assert signed == f"signed by robot with the key {fingerprint}"
+    # A word of praise for what is signed is not one for what was measured.
+    (folder / "survey.bag").write_bytes(b"")
+    assert main(["verify", str(folder), "--signers", str(keys / "signers")]) == 2
+
+
+def test_without_signers_a_signature_is_only_noted(folder, capsys):
+    assert main(["verify", str(folder)]) == 0
+    assert "note: signed; by whom was not checked" in capsys.readouterr().out
+    (folder / SIGNATURE_FILE).unlink()
+    assert main(["verify", str(folder)]) == 0
+    assert "note: not signed" in capsys.readouterr().out
+
+
+def test_what_nobody_on_the_list_signed_is_never_complete(folder, keys, verify):
+    assert verify(folder) == (0, "valid", "")
+    manifest = folder / "manifest.json"
+    sealed, signature = manifest.read_bytes(), (folder / SIGNATURE_FILE).read_bytes()
+
+    manifest.write_bytes(sealed.replace(b"finished", b"finishes") + b" ")
+    assert verify(folder) == (2, "wrong", faults.WRONG_SIGNATURE.code)
+    manifest.write_bytes(sealed)
+    (folder / SIGNATURE_FILE).write_bytes(signature[:-9])
+    assert verify(folder) == (2, "wrong", faults.WRONG_SIGNATURE.code)
+    Signer(keys / "other").sign(folder)
+    assert verify(folder) == (2, "unknown key", faults.UNKNOWN_SIGNER.code)
+    (folder / SIGNATURE_FILE).unlink()
+    assert verify(folder) == (1, "unsigned", faults.UNSIGNED.code)
+
+
+def test_a_change_without_the_key_is_said_by_the_command_and_by_verify(folder, verify, capsys):
+    assert main(["annotate", str(folder), "--site", "El Carmen"]) == 0
+    assert "earlier state" in capsys.readouterr().out
+    assert verify(folder) == (2, "stale", faults.STALE_SIGNATURE.code)
+
+
+def test_a_change_with_the_key_is_signed_again(folder, keys, verify, capsys):
+    key = ["--sign", str(keys / "robot")]
+    assert main(["annotate", str(folder), "--site", "El Carmen", *key]) == 0
+    assert "signed again" in capsys.readouterr().out
+    assert verify(folder) == (0, "valid", "")
+    (folder / "manifest.json").unlink()
+    assert verify(folder)[:2] == (2, "unsigned")
+    assert main(["repair", str(folder), *key]) == 0
+    assert verify(folder) == (0, "valid", "")
+
+
+def test_what_is_not_signed_is_not_spoken_of_when_it_is_changed(folder, capsys):
+    (folder / SIGNATURE_FILE).unlink()
+    assert main(["annotate", str(folder), "--site", "El Carmen"]) == 0
+    assert "sign" not in capsys.readouterr().out
+
+
+def test_a_key_that_cannot_be_used_changes_nothing(folder, tmp_path, refusals):
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    none = str(tmp_path / "none")
+    assert main(["annotate", str(folder), "--site", "here", "--sign", none]) == 3
+    (folder / "manifest.json").rename(tmp_path / "manifest.json")
+    assert main(["repair", str(folder), "--sign", none]) == 3
+    (tmp_path / "manifest.json").rename(folder / "manifest.json")
+    assert refusals == [survey_faults.SIGNING_KEY.code] * 2
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_a_signature_does_not_make_a_survey_complete(stopped, tmp_path, keys, verify):
+    folder = Path(shutil.copytree(str(stopped), str(tmp_path / stopped.name)))
+    Signer(keys / "robot").sign(folder)
+    assert verify(folder) == (1, "valid", "")
+
+
+def test_a_signers_file_that_is_not_there_is_refused(folder, tmp_path, refusals):
+    assert main(["verify", str(folder), "--signers", str(tmp_path / "none")]) == 3
+    assert refusals == [survey_faults.SIGNERS_FILE.code]

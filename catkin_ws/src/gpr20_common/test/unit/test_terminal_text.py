@@ -1,0 +1,51 @@
+"""What a file or a device says on a terminal is shown, and controls nothing."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+
+from case_kit import each_case
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.terminal_text import is_shown, printable, say
+
+ANYTHING = st.text(
+    st.one_of(
+        st.characters(),
+        st.characters(whitelist_categories=("Cs", "Cc", "Zl", "Zp")),
+        st.sampled_from("\u202e\u2066\x9b\x1b\n\t\udcff"),
+    )
+)
+
+
+@given(ANYTHING)
+def test_every_text_becomes_one_line_that_is_shown(text):
+    shown = printable(text)
+    assert all(map(is_shown, shown)) and len(shown.splitlines()) <= 1
+    assert shown.encode("utf-8").decode("utf-8") == shown == printable(shown)
+
+
+@each_case(
+    "text, expected",
+    [
+        ("\x1b]0;title\x07 \x1b[2J", r"\x1b]0;title\x07 \x1b[2J"),
+        ("\x9b31m", r"\x9b31m"),
+        ("intact\rDAMAGED\n", r"intact\rDAMAGED\n"),
+        ("a\u202eb\u2028c", r"a\u202eb\u2028c"),
+        ("\ud800", r"\ud800"),
+        (os.fsdecode(b"caf\xe9"), r"caf\xe9"),
+        (Path("/ñ/地雷/می‌خواهم"), "/ñ/地雷/می‌خواهم"),
+    ],
+)
+def test_what_controls_a_terminal_is_spelled_out(text, expected):
+    assert printable(text) == expected
+
+
+@given(st.lists(ANYTHING, min_size=1))
+def test_as_many_lines_are_printed_as_are_said(lines):
+    stream = io.StringIO()
+    say(*lines, file=stream)
+    assert stream.getvalue().split("\n")[:-1] == [printable(one) for one in lines]

@@ -1,0 +1,62 @@
+"""The key that signs a robot's surveys, beside the files of its configuration."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import List
+
+from gpr20_launch.mid.robot_files import Sections
+from gpr20_survey.files import durable_files, ssh_keygen
+from gpr20_survey.folder.signature import NAMESPACE
+from gpr20_survey.plan.site import Site
+
+KEY_FILE = "signing_key"
+"""The private key; it has no ending of YAML, so no reader of the configuration opens it."""
+STORAGE_FILE = "storage.yaml"
+# The parameter, also as the template shows it; a comment has a space behind its "#".
+_PARAMETER = re.compile(r"^#?signing_key:.*$", re.MULTILINE)
+
+
+def ensure_key(folder: Path, sections: Sections) -> List[str]:
+    """Make the key and name it in storage.yaml, where either is missing; change nothing else.
+
+    Args:
+        folder: Of the configuration.
+        sections: What it holds.
+
+    Returns:
+        What to tell the person who asked: what was made, the line for signers files, and the
+        fingerprint.
+
+    Raises:
+        SigningError: The key cannot be made, or the one that is there cannot be used.
+        OSError: The disk refused.
+    """
+    name = str(sections["site"].get("robot", Site().robot))
+    named = str(sections["storage"].get("signing_key", ""))
+    path = Path(named).expanduser() if named else folder / KEY_FILE
+    said = []
+    try:
+        ssh_keygen.make_key(path, name)
+        said.append(f"{path} created: keep it on this computer only")
+    except FileExistsError:
+        said.append(f"{path} exists and stays as it is")
+    key = ssh_keygen.public_key(path)
+    if not named:
+        _name_key(folder / STORAGE_FILE, path)
+        said.append(f"{folder / STORAGE_FILE}: signing_key is {path}, from the next launch on")
+    said += ["for the signers file of those who check surveys:", ""]
+    said += [key.signers_line(name, NAMESPACE), "", f"its fingerprint: {key.fingerprint}"]
+    return said
+
+
+def _name_key(path: Path, key: Path) -> None:
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    line = f"signing_key: {json.dumps(str(key), ensure_ascii=False)}"
+    changed, count = _PARAMETER.subn(lambda _found: line, text, count=1)
+    if not count:
+        changed = "\n".join([*text.splitlines(), line, ""])
+    # The configuration may be a link to where it is kept.
+    durable_files.replace_file(path.resolve(), changed.encode("utf-8"))

@@ -1,0 +1,126 @@
+"""By what a data folder is known: a marker in it, and what this computer remembers of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Dict, Optional
+
+from gpr20_common.terminal_text import printable
+from gpr20_survey.files.durable_files import ensure_folders, replace_file, write_new_file
+from gpr20_survey.files.regular_file import open_regular
+
+MARKER_FILE = ".gpr20_data.json"
+MARKER_FORMAT = "gpr20-data/1"
+MEMORY_FORMAT = "gpr20-data-folder/1"
+MEMORY_MODE = 0o700
+MOST_BYTES = 65536
+
+
+@dataclass(frozen=True)
+class Marker:
+    """What marks a data folder.
+
+    Attributes:
+        identity: UUID of the folder.
+        file_system: Identity of the file system on which it was made; empty: not known.
+        made: When, as the clock was then.
+    """
+
+    identity: str
+    file_system: str
+    made: str
+
+
+class DamagedRecordError(ValueError):
+    """A marker, or what is remembered, is not as it was written."""
+
+
+def read_marker(folder: Path) -> Optional[Marker]:
+    """Return the marker of a data folder; None: it has none.
+
+    Raises:
+        DamagedRecordError: The marker is damaged.
+        OSError: The folder cannot be read.
+    """
+    values = _read(folder / MARKER_FILE, MARKER_FORMAT, "identity", "file_system", "made")
+    if values is None:
+        return None
+    return Marker(values["identity"], values["file_system"], values["made"])
+
+
+def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
+    """Mark a data folder; return when that is durable.
+
+    Args:
+        folder: The data folder.
+        marker: Its marker.
+        replace: Whether it may have one that is to be replaced.
+
+    Raises:
+        FileExistsError: It has one that may not be replaced.
+        OSError: The disk refused.
+    """
+    write = replace_file if replace else write_new_file
+    write(folder / MARKER_FILE, _encoded({"format": MARKER_FORMAT, **asdict(marker)}))
+
+
+class FolderMemory:
+    """Remembers outside of the data folders which one was at a path.
+
+    Args:
+        state: Folder of what is remembered on this computer; made when it is needed.
+    """
+
+    def __init__(self, state: Path) -> None:
+        self._folder = state / "data_folders"
+
+    def file_of(self, path: Path) -> Path:
+        """Return the file that remembers what was at a path."""
+        # One for each, so that two robots never write the same file.
+        return self._folder / f"{hashlib.sha256(os.fsencode(path)).hexdigest()[:32]}.json"
+
+    def identity_at(self, path: Path) -> Optional[str]:
+        """Return the identity of the data folder that was at a path; None: none was.
+
+        Raises:
+            DamagedRecordError: What is remembered is damaged.
+            OSError: It cannot be read.
+        """
+        values = _read(self.file_of(path), MEMORY_FORMAT, "identity")
+        return None if values is None else values["identity"]
+
+    def remember(self, path: Path, identity: str) -> None:
+        """Remember the data folder at a path; return when that is durable.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        ensure_folders(self._folder, MEMORY_MODE)
+        values = {"format": MEMORY_FORMAT, "path": printable(path), "identity": identity}
+        replace_file(self.file_of(path), _encoded(values))
+
+
+def _encoded(values: Dict[str, str]) -> bytes:
+    return (json.dumps(values, indent=2) + "\n").encode("ascii")
+
+
+def _read(path: Path, form: str, *names: str) -> Optional[Dict[str, str]]:
+    try:
+        descriptor = open_regular(path)
+    except FileNotFoundError:
+        return None
+    with open(descriptor, "rb") as file:
+        content = file.read(MOST_BYTES)
+    try:
+        values: Any = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise DamagedRecordError(printable(path)) from error
+    if not isinstance(values, dict) or values.get("format") != form:
+        raise DamagedRecordError(printable(path))
+    if not all(isinstance(values.get(name), str) for name in names) or not values["identity"]:
+        raise DamagedRecordError(printable(path))
+    return values

@@ -1,0 +1,179 @@
+"""The file system of a folder: which one it is, and whether it can hold surveys."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import re
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, Iterator, NamedTuple
+
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
+from gpr20_survey.errors import (
+    SurveyRefusedError,
+)
+
+ROOT = Path("/")
+IN_MEMORY = ("ramfs", "tmpfs")
+# Their number in statvfs comes from their UUID; that of the others can change with each restart.
+STABLE_NUMBER = ("btrfs", "ext2", "ext3", "ext4")
+# What the system answers where something is not supported; a FAT answers EPERM to link().
+UNSUPPORTED = (
+    errno.EBADF,
+    errno.EINVAL,
+    errno.ENOLCK,
+    errno.ENOSYS,
+    errno.EOPNOTSUPP,
+    errno.EPERM,
+)
+
+
+@dataclass(frozen=True)
+class FileSystem:
+    """What is known about a file system.
+
+    Attributes:
+        device: Its number until the next restart.
+        mount_point: Where it begins.
+        kind: Such as ext4; empty: not known.
+        identity: Tells it from every other one, also after a restart; empty: not known.
+        read_only: Whether nothing can be written.
+    """
+
+    device: int
+    mount_point: str
+    kind: str
+    identity: str
+    read_only: bool
+
+    def is_same(self, other: FileSystem) -> bool:
+        """Return whether both are one."""
+        # The subvolumes of a btrfs have different devices.
+        return self.device == other.device or self.identity == other.identity != ""
+
+
+class _Mount(NamedTuple):
+    point: str
+    kind: str
+    source: str
+
+
+def identities_differ(one: str, other: str) -> bool:
+    """Return whether two identities prove that they are of two file systems."""
+    # What was found out in another way, such as before udev ran, cannot be compared.
+    kinds = [identity.partition(":")[0] for identity in (one, other)]
+    return kinds[0] == kinds[1] and one != other
+
+
+def existing_folder(path: Path) -> Path:
+    """Return a folder, or the nearest one above it that exists.
+
+    Raises:
+        OSError: A folder cannot be looked at.
+    """
+    return next(one for one in (path, *path.parents) if one.is_dir())
+
+
+def file_system_of(folder: Path, root: Path = ROOT) -> FileSystem:
+    """Return the file system of a folder that exists.
+
+    Args:
+        folder: The folder.
+        root: Where /proc and /dev are; for tests.
+
+    Raises:
+        OSError: The folder cannot be looked at.
+    """
+    device = folder.stat().st_dev
+    numbers = os.statvfs(str(folder))
+    mount = _mount_of(os.path.realpath(str(folder)), root)
+    identity = _uuid(device, mount.source, root)
+    if not identity and mount.kind in STABLE_NUMBER and numbers.f_fsid:
+        identity = f"fsid:{numbers.f_fsid:x}"
+    read_only = bool(numbers.f_flag & os.ST_RDONLY)
+    return FileSystem(device, mount.point, mount.kind, identity, read_only)
+
+
+def _mount_of(folder: str, root: Path) -> _Mount:
+    found = _Mount("/", "", "")
+    for mount in _mounts(root / "proc/self/mountinfo"):
+        # Of two at the same place the later one hides the other.
+        inside = f"{folder}/".startswith(f"{mount.point.rstrip('/')}/")
+        if inside and len(mount.point) >= len(found.point):
+            found = mount
+    return found
+
+
+def _mounts(table: Path) -> Iterator[_Mount]:
+    if not table.exists():
+        return
+    for line in filter(None, os.fsdecode(table.read_bytes()).split("\n")):
+        # "36 35 98:0 /root /point options optional... - kind source options"
+        before, _, after = line.partition(" - ")
+        kind, source, *_rest = after.split(" ")
+        yield _Mount(_unescaped(before.split(" ")[4]), kind, _unescaped(source))
+
+
+def _unescaped(text: str) -> str:
+    return re.sub(r"\\([0-7]{3})", lambda found: chr(int(found.group(1), 8)), text)
+
+
+def _uuid(device: int, source: str, root: Path) -> str:
+    """Return what udev knows of the device; empty: it is no block device, or nothing is known."""
+    links = root / "dev/disk/by-uuid"
+    if not links.is_dir():
+        return ""
+    wanted = os.path.realpath(source) if source.startswith("/") else ""
+    for link in sorted(links.iterdir()):
+        # A link to a disk that has just been unplugged leads nowhere.
+        if link.exists() and (link.stat().st_rdev == device or os.path.realpath(link) == wanted):
+            return f"uuid:{link.name}"
+    return ""
+
+
+def check_can_store(folder: Path) -> None:
+    """Refuse a file system that lacks what makes surveys durable; leave nothing behind.
+
+    Args:
+        folder: A folder that exists, on the file system.
+
+    Raises:
+        SurveyRefusedError: It has no hard links, no locks, or cannot make names durable.
+        OSError: It cannot be written to.
+    """
+    with tempfile.TemporaryDirectory(prefix=".gpr20-", suffix=".tmp", dir=str(folder)) as place:
+        file = os.path.join(place, "file")
+        with open(file, "xb"):
+            pass
+        descriptor = os.open(place, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            _try(lambda: os.link(file, f"{file}2"), Message("hard links"), folder)
+            lock = fcntl.LOCK_EX | fcntl.LOCK_NB
+            _try(lambda: fcntl.flock(descriptor, lock), Message("locks of folders"), folder)
+            _try(lambda: os.fsync(descriptor), Message("durable folders"), folder)
+        finally:
+            os.close(descriptor)
+
+
+def _try(what: Callable[[], None], name: Message, folder: Path) -> None:
+    try:
+        what()
+    except OSError as error:
+        if error.errno not in UNSUPPORTED:
+            raise
+        raise SurveyRefusedError(
+            Message(
+                "the file system of {folder} ({kind}) has no {ability}, without which a survey is "
+                "not safe; use a disk with ext4 for the data folder",
+                folder=printable(folder),
+                kind=file_system_of(folder).kind or "?",
+                ability=name,
+                details=error,
+            ),
+            fault=faults.FILE_SYSTEM_UNSUITABLE,
+        ) from error

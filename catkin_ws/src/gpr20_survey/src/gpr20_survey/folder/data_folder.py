@@ -1,0 +1,280 @@
+"""The folder of the surveys: whether it is the one that was used before, on the right disk."""
+
+from __future__ import annotations
+
+import errno
+import os
+import uuid
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ContextManager, Optional, Tuple
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
+from gpr20_survey.errors import (
+    ProcessingError,
+    SurveyRefusedError,
+    storing,
+)
+from gpr20_survey.files.access import Readers
+from gpr20_survey.files.data_marker import (
+    MARKER_FILE,
+    DamagedRecordError,
+    FolderMemory,
+    Marker,
+    read_marker,
+    write_marker,
+)
+from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.files.file_system import (
+    IN_MEMORY,
+    ROOT,
+    FileSystem,
+    check_can_store,
+    existing_folder,
+    file_system_of,
+    identities_differ,
+)
+from gpr20_survey.trace.utc_time import iso_text
+
+# A file system that cannot hold surveys is tried again after this time [s].
+RETRY_S = 10.0
+
+
+@dataclass(frozen=True)
+class DataFolderUse:
+    """How a data folder is used.
+
+    Attributes:
+        path: The folder, absolute.
+        state: Folder of what this computer remembers.
+        own_disk: Whether it must be on a disk of its own.
+        mode: Of the folder, if it is made.
+    """
+
+    path: Path
+    state: Path
+    own_disk: bool = False
+    mode: int = Readers.GROUP.folder_mode
+
+
+@dataclass(frozen=True)
+class KnownFolder:
+    """A data folder with which nothing is wrong.
+
+    Attributes:
+        identity: As its marker has it; empty before the first use.
+        remembered: Whether it was used before here.
+    """
+
+    identity: str
+    remembered: bool
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """When a file system was tried, and what it lacks."""
+
+    device: int
+    at_s: float
+    failure: Optional[Message]
+
+
+class DataFolder:
+    """Makes and marks the folder at its first use, and from then on accepts no other.
+
+    What is remembered is outside of the folder, by its path. A path that was never used gets its
+    marker when it is checked; where a folder was used before, one without its marker is refused,
+    and nothing is made in its place.
+    """
+
+    def __init__(self, use: DataFolderUse, clock: Clock) -> None:
+        """Look at nothing yet.
+
+        Args:
+            use: Which folder, and how it is used.
+            clock: Tells when to try the file system again, and the date of a marker.
+        """
+        self._use = use
+        self._clock = clock
+        self._memory = FolderMemory(use.state)
+        self._tried: Optional[_Tried] = None
+
+    def identify(self) -> KnownFolder:
+        """Return what the folder is; write nothing.
+
+        Raises:
+            SurveyRefusedError: It is not the one that was used before, or on the wrong disk.
+            StorageFailedError: It cannot be read, or not be written to.
+        """
+        return self._look()[1]
+
+    def _look(self) -> Tuple[FileSystem, KnownFolder]:
+        with self._using():
+            system = file_system_of(existing_folder(self._use.path))
+            self._check_disk(system)
+            known = self._known(system)
+            if system.read_only:
+                raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+        return system, known
+
+    def check(self) -> None:
+        """Make sure that surveys may be stored in the folder; mark it at its first use.
+
+        Raises:
+            SurveyRefusedError: It is not the one that was used before, or on a wrong disk.
+            StorageFailedError: It cannot be made, read, or written to.
+        """
+        known = self.identify()
+        self.check_file_system()
+        with self._using():
+            identity = known.identity or self._mark()
+            if not known.remembered:
+                self._memory.remember(self._use.path, identity)
+
+    def accept(self) -> str:
+        """Make the folder at this path the one that is used from now on; return its identity.
+
+        Raises:
+            SurveyRefusedError: It is on a wrong disk.
+            StorageFailedError: It cannot be made, read, or written to.
+        """
+        path = self._use.path
+        with self._using():
+            system = file_system_of(existing_folder(path))
+            self._check_disk(system)
+        self.check_file_system()
+        with self._using():
+            ensure_folders(path, self._use.mode)
+            identity = self._own_identity(system)
+            if not identity:
+                marker = self._new_marker(system)
+                write_marker(path, marker, replace=True)
+                identity = marker.identity
+            self._memory.remember(path, identity)
+        return identity
+
+    def problem(self) -> Optional[Message]:
+        """Return why surveys cannot be stored, with its fault; None if they can.
+
+        It is cheap: the file system is tried once, and again only if that failed or if it is
+        another one.
+        """
+        try:
+            system, _ = self._look()
+            tried = self._tried
+            if tried is None or tried.device != system.device or self._is_due(tried):
+                self.check_file_system()
+                return None
+        except ProcessingError as error:
+            return error.message
+        return tried.failure
+
+    def _is_due(self, tried: _Tried) -> bool:
+        return tried.failure is not None and self._clock.now_s() - tried.at_s >= RETRY_S
+
+    def _check_disk(self, system: FileSystem) -> None:
+        if not self._use.own_disk:
+            return
+        if system.kind in IN_MEMORY or system.is_same(file_system_of(ROOT)):
+            raise SurveyRefusedError(
+                Message(
+                    "the data folder {path} is not on a disk of its own, but on the file system of "
+                    "{mount_point}",
+                    path=printable(self._use.path),
+                    mount_point=printable(system.mount_point),
+                    details="storage.yaml: data_disk",
+                ),
+                fault=faults.NO_DATA_DISK,
+            )
+
+    def _known(self, system: FileSystem) -> KnownFolder:
+        path = self._use.path
+        try:
+            expected = self._memory.identity_at(path)
+            marker = read_marker(path)
+        except DamagedRecordError as error:
+            raise self._refused("?", Message("{file} is damaged", file=str(error))) from error
+        if marker is None and expected is None:
+            return KnownFolder("", remembered=False)
+        if marker is None:
+            missing = Message("its marker {file} is missing", file=MARKER_FILE)
+            raise self._refused(expected, missing if path.is_dir() else Message("it is gone"))
+        if expected not in (None, marker.identity):
+            found = Message("its identity is {identity}", identity=marker.identity)
+            raise self._refused(expected, found)
+        if identities_differ(marker.file_system, system.identity):
+            raise self._refused(
+                marker.identity,
+                Message(
+                    "it is a copy on the file system {found}; the original is on {expected}",
+                    found=system.identity,
+                    expected=marker.file_system,
+                ),
+            )
+        return KnownFolder(marker.identity, remembered=expected is not None)
+
+    def _refused(self, expected: Optional[str], found: Message) -> SurveyRefusedError:
+        return SurveyRefusedError(
+            Message(
+                "{path} is not the data folder that was used before (identity {expected}): {found}",
+                path=printable(self._use.path),
+                expected=expected,
+                found=found,
+            ),
+            fault=faults.OTHER_DATA_FOLDER,
+        )
+
+    def check_file_system(self) -> None:
+        """Make sure that the file system can hold surveys; leave nothing behind.
+
+        Raises:
+            SurveyRefusedError: It lacks something.
+            StorageFailedError: It cannot be written to.
+        """
+        with self._using():
+            existing = existing_folder(self._use.path)
+            device = existing.stat().st_dev
+        failure = None
+        try:
+            with self._using():
+                check_can_store(existing)
+        except ProcessingError as error:
+            failure = error.message
+            raise
+        finally:
+            self._tried = _Tried(device, self._clock.now_s(), failure)
+
+    def _mark(self) -> str:
+        path = self._use.path
+        ensure_folders(path, self._use.mode)
+        marker = self._new_marker(file_system_of(path))
+        try:
+            write_marker(path, marker)
+        except FileExistsError:
+            # Another program has used it first at this moment.
+            found = read_marker(path)
+            if found is None:
+                raise
+            return found.identity
+        return marker.identity
+
+    def _own_identity(self, system: FileSystem) -> str:
+        """Return the identity that the folder may keep; empty: it has none, or is a copy."""
+        try:
+            marker = read_marker(self._use.path)
+        except DamagedRecordError:
+            return ""
+        if marker is None or identities_differ(marker.file_system, system.identity):
+            return ""
+        return marker.identity
+
+    def _new_marker(self, system: FileSystem) -> Marker:
+        made = iso_text(self._clock.time_of_day_us())
+        return Marker(str(uuid.uuid4()), system.identity, made)
+
+    def _using(self) -> ContextManager[None]:
+        path = self._use.path
+        return storing(Message("the data folder {path} cannot be used", path=printable(path)), path)

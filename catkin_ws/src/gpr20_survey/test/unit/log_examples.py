@@ -1,0 +1,182 @@
+"""A survey's folder with a log of every kind of fact, for tests; it has no traces."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
+
+from annotation_examples import EXAMPLE
+from trace_examples import STARTED_US, SURVEY
+
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest, sealing, survey_metadata
+from gpr20_survey.folder.annotating import Change, Fact
+from gpr20_survey.folder.log_content import START, description_of
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover
+from gpr20_survey.folder.survey_log import SurveyLog
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import Marker, markers_of, new_marker, removed_marker
+from gpr20_survey.trace import utc_time
+
+NOW = "2026-11-21T05:10:00.000000+00:00"
+EARLIER = ("gpr20-manifest/1", "gpr20-manifest/2")
+FILES = ("log.jsonl", "survey.json")
+PLAN: Dict[str, Any] = {
+    "format": survey_metadata.FORMAT,
+    "survey_id": SURVEY,
+    "started": utc_time.iso_text(STARTED_US),
+    **START,
+    "software_revision": "1.2.3",
+    "simulated": True,
+    "parameters": {"x_points": 3, "polarizations_deg": [0.0, 90.0], "y_stop_mm": 110.5},
+}
+END = {"ended": NOW, "outcome": "stopped", "reason": "by the operator", "stored_traces": 0}
+
+
+def marker(number: int) -> Marker:
+    """Return a marker of which no number occurs twice in a log."""
+    return Marker(
+        f"00000000-0000-4000-8000-{number:012x}", 110.25 + number, 20.0, 80.0, f"ñ {number}", "Ana"
+    )
+
+
+def add_marker(number: int) -> Change:
+    """Return the change that adds a marker."""
+
+    def change(description: Dict[str, Any]) -> Optional[Fact]:
+        values = new_marker(description, marker(number), NOW)
+        return None if values is None else Fact(Kind.MARKER, values)
+
+    return change
+
+
+def facts() -> List[Fact]:
+    """Return what is noted of the survey after its plan, in this order."""
+    made = [Fact(Kind.REPORT, {"verdict": "none"}), Fact(Kind.ANNOTATION, EXAMPLE.values())]
+    described: Dict[str, Any] = {}
+    for number in (1, 2, 3):
+        values = new_marker(described, marker(number), NOW)
+        assert values is not None
+        described["markers"] = [*described.get("markers", []), values]
+        made.append(Fact(Kind.MARKER, values))
+    removed = removed_marker(described, marker(2).marker_id, "Luis", NOW)
+    assert removed is not None
+    return [
+        *made,
+        Fact(Kind.REPORT, {"verdict": "some", "coverage": "m-"}),
+        Fact(Kind.MARKER_REMOVED, removed),
+        Fact(Kind.PAUSE, {"reason": "rain"}),
+        Fact(Kind.REPORT, {"verdict": "all", "coverage": "mm"}),
+        Fact(Kind.END, END),
+    ]
+
+
+def write_log(folder: Path) -> SurveyLog:
+    """Write the log of the survey as the storage does, fact by fact."""
+    plan = LogRecord.after(None, Kind.PLAN, PLAN, PLAN["started"])
+    log = SurveyLog(folder, [plan], whole=False)
+    log.write()
+    for fact in facts():
+        log.add(log.next(fact.kind, fact.values, NOW))
+    return log
+
+
+def make_survey(folder: Path, sealed: bool = True) -> SurveyLog:
+    """Make the folder of a survey that was stopped, or cut off before its manifest was written."""
+    (folder / "traces").mkdir(parents=True)
+    (folder / "traces" / "one.json").write_bytes(b"{}\n")
+    log = write_log(folder)
+    if sealed:
+        sealing.write_manifest(folder, log, "1.2.3", NOW)
+    return log
+
+
+def assert_everything_acknowledged(found: RecoveredSurvey) -> None:
+    """Check that a survey has every fact of `facts`, and no other."""
+    description = found.description
+    assert annotation_of(description) == EXAMPLE
+    first, second, third = markers_of(description)
+    for number, one in zip((1, 3), (first, third)):
+        assert one.is_present and one.same_request(marker(number))
+    assert not second.is_present and second.same_request(marker(2))
+    assert second.removed_by == "Luis"
+    assert description["report"] == {"verdict": "all", "coverage": "mm"}
+    assert {key: description[key] for key in END} == END
+    assert description["parameters"] == PLAN["parameters"]
+    assert not found.all_unconfirmed
+
+
+def both_files(folder: Path) -> Dict[str, bytes]:
+    """Return the content of the two forms of the log."""
+    return {name: (folder / name).read_bytes() for name in FILES}
+
+
+def change_digit(folder: Path, name: str, number: int) -> None:
+    """Change the first digit of the place of a marker in one form of the log."""
+    path = folder / name
+    wanted = str(marker(number).x_mm).encode()
+    content = path.read_bytes()
+    assert wanted in content
+    path.write_bytes(content.replace(wanted, b"9" + wanted[1:]))
+
+
+def entries(folder: Path) -> List[Dict[str, Any]]:
+    """Return the records in survey.json."""
+    shown: List[Dict[str, Any]] = json.loads((folder / "survey.json").read_text())["log"]
+    return shown
+
+
+def recovered(folder: Path) -> RecoveredSurvey:
+    """Return what a folder says of its survey."""
+    return recover(folder)
+
+
+def with_own_sum(values: Dict[str, Any]) -> bytes:
+    """Return the content of a manifest that ends with its checksum."""
+    own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
+    return survey_metadata.encode({**values, "sha256": own_sum})
+
+
+def without_checksum(content: bytes) -> bytes:
+    """Return the content of a trace's file as earlier versions wrote it."""
+    return content[: content.rindex(b', "sha256"')] + b"}\n"
+
+
+def make_former(
+    folder: Path, form: str = EARLIER[1], without: Tuple[str, ...] = ()
+) -> Dict[str, Any]:
+    """Turn a survey into one of an earlier version; return the content of its survey.json.
+
+    It has no log, its traces have no checksums, and its manifest, if any, lists survey.json.
+    """
+    described = description_of(recovered(folder).found.records)
+    for key in without:
+        described.pop(key)
+    (folder / "log.jsonl").unlink()
+    (folder / "survey.json").write_bytes(survey_metadata.encode(described))
+    for path in (folder / "traces").iterdir():
+        if b"sha256" in path.read_bytes():
+            path.write_bytes(without_checksum(path.read_bytes()))
+    if (folder / "manifest.json").exists():
+        _write_former_manifest(folder, form)
+    return described
+
+
+def _write_former_manifest(folder: Path, form: str) -> None:
+    sealed = manifest.read_manifest(folder)
+    names = [*sealed.files, "survey.json"]
+    values = {
+        "format": form,
+        "survey_id": sealed.survey_id,
+        "software_revision": sealed.software_revision,
+        "written": sealed.written,
+        "files": {name: file_sums.sum_of_file(folder / name)._asdict() for name in names},
+    }
+    if form == EARLIER[0]:
+        content = survey_metadata.encode(values)
+    else:
+        content = with_own_sum({**values, "reopened": None, "rewritten": [], "replacing": {}})
+    (folder / "manifest.json").write_bytes(content)
