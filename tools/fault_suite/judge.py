@@ -161,12 +161,14 @@ class Judge:
             self._note_all(differences)
             if differences:
                 self.note(LAUNDERED, f"complete and intact after a repair: {_shown(differences)}")
-        elif self._may_name:
-            texts = _shown(differences) or ", ".join(map(str, verified.faults or verified.notes))
-            self.note(NAMED, texts)
+            return
+        reasons = ", ".join(map(str, verified.faults or verified.notes))
+        # The files of a survey whose opening was cut off do not tell that from a lost log.
+        if self._may_name or not (facts.opened or verified.faults):
+            self.note(NAMED, _shown(differences) or reasons)
         else:
             self._note_all(differences)
-            self.note(STUCK, f"not intact when finished: {list(map(str, verified.faults))}")
+            self.note(STUCK, f"not intact when finished: {reasons}")
 
     def _note_all(self, differences: Iterable[Difference]) -> None:
         for one in dict.fromkeys(differences):
