@@ -21,6 +21,7 @@ EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/u
 # As few as the examples of hypothesis: what is random is drawn under Debian's Python.
 FEW_DRAWS = {
     "GPR20_DAMAGES": "10",
+    "GPR20_FAULT_SUITE": "0.3",
     "GPR20_MARKER_DRAWS": "4",
     "GPR20_NOISE_SURVEYS": "4",
     "GPR20_REPLAY_SEQUENCES": "30",
@@ -54,7 +55,7 @@ CHOSEN = {
         *("test_stop_signals", "test_survey_arguments", "test_trace_events", "test_translations"),
     ],
     "gpr20_vna_processing": [
-        *("test_bag_file", "test_data_processing", "test_kill", "test_mcap_file"),
+        *("test_bag_file", "test_data_processing", "test_fault_suite", "test_mcap_file"),
         *("test_old_surveys", "test_reopening", "test_survey_archive"),
     ],
     "gpr20": [],

@@ -10,14 +10,10 @@ import tempfile
 from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Set, Tuple
 
-from mcap.exceptions import McapError
-from mcap.reader import McapReader, NonSeekingReader, make_reader
-from rosbags.highlevel import AnyReader
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
 
 from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg
 
-TRACE = "gpr20_msgs/msg/Trace"
 # The position probe gives the rotation to 0.4 degrees; a step of the motor is 1.8 degrees.
 ROTATION_TOLERANCE_DEG = 0.9
 VERIFY = Path(__file__).resolve().parents[2] / "scripts/verify.sh"
@@ -50,7 +46,7 @@ def faults_after_a_kill(folder: Path, acknowledged: Iterable[str]) -> List[str]:
         for kind, name, read in (
             ("JSON files", "traces", _whole_json_files),
             ("bag", "survey.bag", _reindexed_bag),
-            ("MCAP", "survey.mcap", _torn_mcap),
+            ("MCAP", "survey.mcap", lambda path: set(_samples_of(torn_mcap_traces(path)))),
         ):
             copy = _copied(folder / name, Path(copies) / name)
             lacking = expected - read(copy)
@@ -72,8 +68,8 @@ def faults_in_the_end(folder: Path, acknowledged: Iterable[str], planned: Set[Pl
     for one in stored:
         faults.extend(_faults_of_place(one))
     for kind, recorded in (
-        ("bag", _bag_samples(folder / "survey.bag")),
-        ("MCAP", _mcap_samples(folder / "survey.mcap")),
+        ("bag", _samples_of(bag_traces(folder / "survey.bag"))),
+        ("MCAP", _samples_of(mcap_traces(folder / "survey.mcap"))),
     ):
         if collections.Counter(recorded) != collections.Counter(samples):
             faults.append(f"the {kind} holds other traces than the JSON files")
@@ -122,44 +118,8 @@ def _reindexed_bag(path: Path) -> Set[str]:
     subprocess.run(
         ["rosbag", "reindex", "--quiet", "--force", str(path)], capture_output=True, check=True
     )
-    return set(_bag_samples(path))
+    return set(_samples_of(bag_traces(path)))
 
 
-def _torn_mcap(path: Path) -> Set[str]:
-    """Read forward, without the index, up to where the file was torn."""
-    found = set()
-    with path.open("rb") as file:
-        try:
-            for sample in _samples_of(NonSeekingReader(file)):
-                found.add(sample)
-        except (McapError, EOFError):
-            # Torn here; what was acknowledged must have come before.
-            return found
-    return found
-
-
-def _bag_samples(path: Path) -> List[str]:
-    with AnyReader([path]) as reader:
-        connections = [one for one in reader.connections if one.topic == "/trace"]
-        # Without any, the reader would return every message.
-        if not connections:
-            return []
-        messages: Iterable[Any] = (
-            reader.deserialize(raw, connection.msgtype)
-            for connection, _time, raw in reader.messages(connections)
-        )
-        return [message.sample_id for message in messages]
-
-
-def _mcap_samples(path: Path) -> List[str]:
-    with path.open("rb") as file:
-        return list(_samples_of(make_reader(file, validate_crcs=True)))
-
-
-def _samples_of(reader: McapReader) -> Iterator[str]:
-    types = get_typestore(Stores.ROS1_NOETIC)
-    for schema, _channel, message in reader.iter_messages(["/trace"], log_time_order=False):
-        if schema is not None and TRACE not in types.types:
-            types.register(get_types_from_msg(schema.data.decode(), TRACE))
-        trace: Any = types.deserialize_ros1(message.data, TRACE)
-        yield trace.sample_id
+def _samples_of(traces: Iterable[Any]) -> Iterator[str]:
+    return (trace.sample_id for trace in traces)

@@ -18,7 +18,7 @@ from gpr20_survey.trace.trace import Trace
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
-MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
+MESSAGES = Path(__file__).resolve().parents[2] / "catkin_ws/src/gpr20_msgs/msg"
 TRACE_TEXT = (MESSAGES / "Trace.msg").read_text()
 
 
@@ -89,7 +89,7 @@ def assert_same_numbers(trace: Trace, values: Any) -> None:
         assert height is None or math.isnan(height)
     else:
         assert height == trace.antennae_height_m
-    assert tuple(get("quality")) == trace.quality
+    assert tuple(get("quality") or ()) == trace.quality
     names = ("if_bandwidth_hz", "averages", "output_power")
     if trace.analyzer.is_known:
         assert tuple(map(get, names)) == astuple(trace.analyzer)

@@ -39,7 +39,9 @@ def recorded(
     return RecordedMessage(topic, datatype, md5sum, definition, data, time_ns, latching)
 
 
-def text_message(topic: str, text: str, time_ns: int = NOW_NS, latching: bool = False):
+def text_message(
+    topic: str, text: str, time_ns: int = NOW_NS, latching: bool = False
+) -> RecordedMessage:
     """Return a std_msgs/String for recording."""
     message = TYPES.types["std_msgs/msg/String"](data=text)
     return recorded(topic, "std_msgs/String", message, time_ns, latching)
@@ -70,37 +72,45 @@ class MemoryRecording:
 
     @property
     def collected_bytes(self) -> int:
+        """How much waits for a commit [bytes]."""
         return sum(len(message.data) for message in self.collected)
 
     def write(self, message: RecordedMessage) -> None:
+        """Collect a message."""
         self.collected.append(message)
 
     def write_alone(self, message: RecordedMessage) -> None:
+        """Collect a message that may stand alone."""
         self.write(message)
 
     def in_place(self) -> bool:
+        """Return whether it is where it was made."""
         return True
 
     def commit(self) -> None:
+        """Make durable what was collected, unless the disk is full."""
         if self.error is not None:
             raise self.error
         self.durable += self.collected
         self.collected = []
 
     def finish(self) -> None:
+        """Make everything durable, and accept nothing more."""
         self.commit()
         self.finished = True
 
     def abandon(self) -> None:
+        """Forget what was collected."""
         self.collected = []
 
     def texts(self, topic: str) -> List[str]:
         """Return the texts of a topic that are durable."""
-        return [
-            TYPES.deserialize_ros1(message.data, "std_msgs/msg/String").data
+        durable: Iterable[Any] = (
+            TYPES.deserialize_ros1(message.data, "std_msgs/msg/String")
             for message in self.durable
             if message.topic == topic
-        ]
+        )
+        return [message.data for message in durable]
 
 
 def open_mcap(folder: Path, description: Dict[str, Any]) -> List[Any]:
@@ -142,10 +152,15 @@ class Kit:
             ),
             limits,
             on_opened=self.opened.append,
-            on_stored=lambda message: self.stored.append(recorded_trace(message)),
+            on_stored=self._note_stored,
             on_logged=self.logged.append,
         )
         self.processing.start()
+
+    def _note_stored(self, message: RecordedMessage) -> None:
+        trace = recorded_trace(message)
+        assert trace is not None
+        self.stored.append(trace)
 
     def open(self, survey_id: str = SURVEY, **changes: Any) -> Path:
         """Open a survey."""

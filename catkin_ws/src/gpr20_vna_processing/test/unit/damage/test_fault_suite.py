@@ -1,0 +1,158 @@
+"""The short form of the fault suite; docs/evidence/reliability.md has figures of the long one.
+
+GPR20_FAULT_SUITE multiplies the counts; the seed that a failure shows repeats a run.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import resource
+import subprocess
+import sys
+
+import pytest
+from case_kit import each_case
+from fault_suite.facts import Facts, Fault, Found
+from fault_suite.script import TRACES, Call, Step, new_annotation, new_marker
+
+from gpr20_survey.trace import trace_json
+
+SCALE = float(os.environ.get("GPR20_FAULT_SUITE", "1"))
+LIMIT_S = 600.0
+NOTHING_LOST, LOST, NOT_POSSIBLE = 0, 1, 77
+WRONG = ("lost", "doubled", "wrong", "laundered", "unseen", "stuck")
+
+
+def run(tmp_path, *options, before=None):
+    """Run the suite with a new seed; `before` is called in its process."""
+    seed = str(random.SystemRandom().randrange(10**9))
+    command = [sys.executable, "-m", "fault_suite", "--data", str(tmp_path), "--seed", seed]
+    ended = subprocess.run(
+        [*command, *options],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        preexec_fn=before,
+    )
+    print(ended.stdout, ended.stderr)
+    return ended
+
+
+def suite(tmp_path, *options):
+    """Return the exit status of the suite and its results."""
+    output = tmp_path / "results"
+    ended = run(tmp_path, "--json", str(output), *options)
+    if ended.returncode == NOT_POSSIBLE:
+        pytest.skip(json.loads(output.read_text())["remark"])
+    return ended.returncode, [json.loads(line) for line in output.read_text().splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("option", "count"),
+    [
+        ("--kills", 8),
+        ("--power-cuts", 8),
+        ("--faults", 12),
+        ("--torn", 12),
+        ("--flips", 32),
+        ("--writers", 3),
+    ],
+)
+def test_nothing_acknowledged_is_lost_doubled_changed_or_laundered_by(option, count, tmp_path):
+    faults = max(1, round(SCALE * count))
+    status, (result,) = suite(tmp_path, option, str(faults))
+    assert status == NOTHING_LOST
+    assert result["times"] >= faults
+    assert SCALE < 1.0 or sum(result["acknowledged"].values()) >= faults
+    assert not any(result["found"].get(name) for name in WRONG)
+    assert list(tmp_path.iterdir()) == [tmp_path / "results"]
+
+
+@pytest.mark.parametrize(
+    ("broken", "option", "count"),
+    [("no-fsync", "--power-cuts", 8), ("no-fsync", "--torn", 8), ("no-markers", "--kills", 6)],
+)
+def test_the_suite_finds_what_a_broken_storage_loses(broken, option, count, tmp_path):
+    status, (result,) = suite(tmp_path, option, str(count), "--broken", broken)
+    assert status == LOST
+    assert result["found"]["lost"] > 0
+
+
+def test_a_disk_that_takes_no_survey_is_named_at_once(tmp_path):
+    ended = run(
+        tmp_path, "--kills", "1",
+        before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)),
+    )  # fmt: skip
+    assert ended.returncode == NOT_POSSIBLE
+    assert "no survey can be stored here" in ended.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+def acknowledged(*steps):
+    facts = Facts()
+    for step in steps:
+        facts.ask(step)
+        facts.acknowledge(step)
+    return facts
+
+
+CHANCE = random.Random(1)
+MARKER, OTHER = new_marker(CHANCE), new_marker(CHANCE)
+NOTE, LATER_NOTE = new_annotation(CHANCE), {**new_annotation(CHANCE), "site": "later"}
+MADE = {**MARKER, "time": "2026-11-21T05:10:00.000000Z"}
+REMOVED = {**MADE, "removed": "2026-11-21T05:11:00.000000Z"}
+MARK, UNMARK = Step(Call.MARK, MARKER), Step(Call.UNMARK, MARKER["marker_id"])
+TRACE = json.loads(trace_json.encode(TRACES[0]))
+STORED = acknowledged(Step(Call.STORE, 0))
+
+
+def asked(facts, step):
+    facts.ask(step)
+    return facts
+
+
+@each_case(
+    "facts, found, fault",
+    [
+        (STORED, Found({"JSON": [TRACE]}), None),
+        (STORED, Found({"JSON": []}), Fault.LOST),
+        (STORED, Found({"JSON": [TRACE], "MCAP": []}), Fault.LOST),
+        (STORED, Found({"JSON": [TRACE, TRACE]}), Fault.DOUBLED),
+        (STORED, Found({"JSON": [{**TRACE, "x_coord_mm": 11.0}]}), Fault.WRONG),
+        (Facts(), Found({"JSON": [TRACE]}), Fault.WRONG),
+        (asked(Facts(), Step(Call.STORE, 0)), Found({"JSON": [TRACE]}), None),
+        (acknowledged(MARK), Found(markers=[MADE]), None),
+        (acknowledged(MARK), Found(), Fault.LOST),
+        (acknowledged(MARK), Found(markers=[MADE, MADE]), Fault.DOUBLED),
+        (acknowledged(MARK), Found(markers=[{**MADE, "x_mm": 910.0}]), Fault.WRONG),
+        (acknowledged(MARK), Found(markers=[REMOVED]), Fault.LOST),
+        (acknowledged(MARK, UNMARK), Found(markers=[REMOVED]), None),
+        (acknowledged(MARK, UNMARK), Found(markers=[MADE]), Fault.LOST),
+        (asked(acknowledged(MARK), UNMARK), Found(markers=[MADE]), None),
+        (asked(acknowledged(MARK), UNMARK), Found(markers=[REMOVED]), None),
+        (asked(Facts(), MARK), Found(), None),
+        (asked(Facts(), MARK), Found(markers=[{**MADE, "text": "?"}]), Fault.WRONG),
+        (Facts(), Found(markers=[OTHER]), Fault.WRONG),
+        (acknowledged(Step(Call.ANNOTATE, NOTE)), Found(annotation=NOTE), None),
+        (acknowledged(Step(Call.ANNOTATE, NOTE)), Found(), Fault.LOST),
+        (acknowledged(Step(Call.ANNOTATE, NOTE)), Found(annotation=LATER_NOTE), Fault.WRONG),
+        (
+            acknowledged(Step(Call.ANNOTATE, NOTE), Step(Call.ANNOTATE, LATER_NOTE)),
+            Found(annotation=NOTE),
+            Fault.WRONG,
+        ),
+        (
+            asked(acknowledged(Step(Call.ANNOTATE, NOTE)), Step(Call.ANNOTATE, LATER_NOTE)),
+            Found(annotation=LATER_NOTE),
+            None,
+        ),
+        (acknowledged(Step(Call.REPORT, {"fault_suite": 1})), Found(), Fault.LOST),
+    ],
+)
+def test_the_evidence_finds_each_kind_of_difference(facts, found, fault):
+    differences = {one.fault for one in facts.differences(found, every_trace=False)}
+    assert differences == ({fault} if fault else set())

@@ -1,0 +1,250 @@
+"""A disk that fails, or loses its power, at any of its calls; it knows what is durable."""
+
+from __future__ import annotations
+
+import _pyio
+import builtins
+import contextlib
+import errno
+import io
+import os
+import random
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+
+CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")
+MORE_CALLS = (*CALLS, "open", "write", "fdatasync", "rename")
+SECTOR_BYTES = 512
+FOR_EVER = 1 << 30
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What happens to the disk within a request, or behind it if the request needs fewer calls.
+
+    Attributes:
+        calls: How many calls of the disk still succeed.
+        power: Whether its power is cut and the process gone; else its calls fail.
+        durable_share: How much of what was not made durable is lost; nothing is, where only the
+            process ends.
+        seed: Of what is lost.
+        by_sector: Whether each sector of a file is lost or kept for itself.
+        error: With which errno calls fail.
+        lasts: How many calls fail.
+        short: Whether the first half of what is to be written is written before the failure.
+    """
+
+    calls: int
+    power: bool
+    durable_share: float = 1.0
+    seed: int = 0
+    by_sector: bool = False
+    error: int = errno.ENOSPC
+    lasts: int = FOR_EVER
+    short: bool = False
+
+
+class FailingDisk:
+    """Stands between this process and the disk, until it is released.
+
+    Args:
+        place: The folder that is on this disk.
+        calls: The functions of `os` that are its calls.
+        on_cut: Called after the power was cut, when what is left was written.
+    """
+
+    def __init__(
+        self,
+        place: Path,
+        calls: Sequence[str] = CALLS,
+        on_cut: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._former: List[Tuple[Any, str, Any]] = []
+        self._failure: Optional[Failure] = None
+        self._left = self._failed = 0
+        self.has_failed = False
+        self.count = 0
+        """How many calls there were while something was to fail."""
+        self.folder = place
+        self._on_cut = on_cut
+        self._after_cut = place
+        self._names: Dict[int, Dict[str, int]] = {}
+        self._contents: Dict[int, bytes] = {}
+        self._open: Dict[int, BinaryIO] = {}
+        self.take_over(place)
+        for name in calls:
+            self._replace(os, name, self._passing_on(name, getattr(os, name)))
+        if "write" in calls:
+            # Python's own files call the kernel past `os`; those written in Python do not.
+            for module in (builtins, io):
+                self._replace(module, "open", _pyio.open)
+
+    def _replace(self, module: Any, name: str, new: Any) -> None:
+        self._former.append((module, name, getattr(module, name)))
+        setattr(module, name, new)
+
+    def release(self) -> None:
+        """Let the calls go to the disk itself."""
+        while self._former:
+            setattr(*self._former.pop())
+        self._forget()
+
+    @contextlib.contextmanager
+    def failing(self, failure: Optional[Failure], after_cut: Path) -> Iterator[None]:
+        """Fail in the middle of what is done, or after it.
+
+        Args:
+            failure: What fails; None: nothing does.
+            after_cut: Where what a power cut leaves is put.
+        """
+        self.begin(failure, after_cut)
+        try:
+            yield
+        except BaseException:
+            self._failure = None
+            raise
+        self.end()
+
+    def begin(self, failure: Optional[Failure], after_cut: Path) -> None:
+        """Count the calls from now on, and fail; see `failing`."""
+        self.has_failed, self._after_cut, self._failed = False, after_cut, 0
+        self._left = failure.calls if failure else 0
+        self._failure = failure
+
+    def end(self) -> None:
+        """Fail no more; a power cut that has not come yet comes now."""
+        failure, self._failure = self._failure, None
+        if failure is not None and failure.power and not self.has_failed:
+            self._cut(failure)
+
+    def _passing_on(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any, **options: Any) -> Any:
+            failure = self._failure
+            if failure is not None and self._meets(failure, name, arguments):
+                self.count += 1
+                if self._left > 0:
+                    self._left -= 1
+                else:
+                    self._fail(failure, name, real, arguments)
+            result = real(*arguments, **options)
+            if name in ("fsync", "fdatasync"):
+                self._note_durable(arguments[0])
+            return result
+
+        return call
+
+    def _meets(self, failure: Failure, name: str, arguments: Sequence[Any]) -> bool:
+        # A disk that is full or read-only can be read.
+        reads = name == "open" and not arguments[1] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
+        return self._is_here(arguments) and not (reads and failure.error != errno.EIO)
+
+    def _is_here(self, arguments: Sequence[Any]) -> bool:
+        place = arguments[0]
+        if isinstance(place, int):
+            with contextlib.suppress(OSError):
+                place = os.readlink(f"/proc/self/fd/{place}")
+        path = os.fsdecode(place) if not isinstance(place, int) else ""
+        return path == str(self.folder) or path.startswith(f"{self.folder}/")
+
+    def _fail(
+        self, failure: Failure, name: str, real: Callable[..., Any], arguments: Sequence[Any]
+    ) -> None:
+        if not failure.power:
+            if self._failed == failure.lasts:
+                return
+            self.has_failed = True
+            self._failed += 1
+            if failure.short and self._failed == 1:
+                _write_half(name, real, arguments)
+            if name != "unlink" or failure.error != errno.ENOSPC:  # which makes space
+                raise OSError(failure.error, os.strerror(failure.error))
+            return
+        if not self.has_failed:
+            _write_half(name, real, arguments)
+            self._failure = None
+            self._cut(failure)
+            self._failure = failure
+        raise OSError(errno.EIO, "the power is off")
+
+    def _note_durable(self, descriptor: int) -> None:
+        status = os.fstat(descriptor)
+        if stat.S_ISDIR(status.st_mode):
+            self._names[status.st_ino] = names_in(descriptor)
+            return
+        if status.st_ino not in self._open:
+            # While a file is open, no other one gets its number.
+            self._open[status.st_ino] = open(f"/proc/self/fd/{descriptor}", "rb")  # noqa: SIM115
+        self._contents[status.st_ino] = self._read(status.st_ino)
+
+    def _read(self, number: int) -> bytes:
+        stream = self._open[number]
+        return os.pread(stream.fileno(), os.fstat(stream.fileno()).st_size, 0)
+
+    def take_over(self, place: Path) -> None:
+        """Begin with everything durable that is in a folder."""
+        self._forget()
+        self.folder = place
+        for path in [place, *place.rglob("*")]:
+            descriptor = os.open(str(path), os.O_RDONLY)
+            self._note_durable(descriptor)
+            os.close(descriptor)
+
+    def _forget(self) -> None:
+        for stream in self._open.values():
+            stream.close()
+        self._names, self._contents, self._open = {}, {}, {}
+
+    def _cut(self, failure: Failure) -> None:
+        """Write what the disk holds after a power cut: each thing as it is now, or was durable."""
+        self.has_failed = True
+        draw = random.Random(failure.seed)
+        paths = {path.lstat().st_ino: path for path in [self.folder, *self.folder.rglob("*")]}
+
+        def restore(number: int, target: Path) -> None:
+            is_lost = draw.random() < failure.durable_share
+            if number in self._names or (number in paths and paths[number].is_dir()):
+                durable = self._names.get(number, {})
+                target.mkdir()
+                for name, inner in sorted(
+                    (durable if is_lost else names_in(paths[number])).items()
+                ):
+                    restore(inner, target / name)
+                return
+            before, now = self._contents.get(number, b""), self._content_now(number, paths)
+            if failure.by_sector:
+                target.write_bytes(_torn(before, now, draw, failure.durable_share))
+            else:
+                target.write_bytes(before if is_lost else now)
+
+        restore(self.folder.stat().st_ino, self._after_cut)
+        self._on_cut()
+
+    def _content_now(self, number: int, paths: Dict[int, Path]) -> bytes:
+        if number in self._open:
+            return self._read(number)
+        return paths[number].read_bytes() if number in paths else b""
+
+
+def names_in(folder: Any) -> Dict[str, int]:
+    """Return the names in a folder (path or descriptor), with the numbers of the files."""
+    with os.scandir(folder) as entries:
+        return {one.name: one.inode() for one in entries}
+
+
+def _write_half(name: str, real: Callable[..., Any], arguments: Sequence[Any]) -> None:
+    if name in ("pwrite", "write"):
+        descriptor, data, *offset = arguments
+        real(descriptor, bytes(data)[: len(data) // 2], *offset)
+
+
+def _torn(before: bytes, now: bytes, draw: random.Random, lost_share: float) -> bytes:
+    """Return a file in which each sector is that of before or that of now, and so is its size."""
+    size = len(before if draw.random() < lost_share else now)
+    content = bytearray()
+    for start in range(0, size, SECTOR_BYTES):
+        source = before if draw.random() < lost_share else now
+        length = min(SECTOR_BYTES, size - start)
+        content += source[start : start + length].ljust(length, b"\0")
+    return bytes(content)
