@@ -88,7 +88,7 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
         if sealed is None:
             # Resuming, which repairs it as long as there is a copy, does not help.
             raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
-        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
+        return RecoveredSurvey(start_of(sealed), FoundLog(), later_lost())
     if not found.has_log:
         return _former(folder, found)
     if not found.records or found.records[0].kind != Kind.PLAN.value:
@@ -96,8 +96,6 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"]
-    if found.only_recorded and last < 0:
-        unconfirmed = {**unconfirmed, **_later_lost()}
     return RecoveredSurvey(description, found, unconfirmed)
 
 
@@ -258,7 +256,8 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
     return [name for name in names if name not in left_out]
 
 
-def _later_lost() -> Dict[str, Any]:
+def later_lost() -> Dict[str, Any]:
+    """Return the name of what was noted behind the last entry that is known, if anything was."""
     reason = {"reason": "survey.json and log.jsonl cannot be read"}
     return {LATER: reason}
 

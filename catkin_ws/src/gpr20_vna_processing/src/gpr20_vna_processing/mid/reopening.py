@@ -36,6 +36,7 @@ from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     PLAN,
     RecoveredSurvey,
+    later_lost,
     open_log,
     recover,
     repairs_of,
@@ -49,7 +50,7 @@ from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
-from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
 from gpr20_vna_processing.mid.recording_repair import RecordingRepair, read_again
@@ -91,9 +92,26 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
-    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    records = [record for record in map(recorded_log, messages) if record is not None]
-    return recover(folder, records, last)
+    records, was_opened = _records_in(StoredMcap(folder / survey_folder.MCAP_FILE))
+    recovered = recover(folder, records, last)
+    if last >= 0 or (recovered.found.has_log and not recovered.found.only_recorded):
+        return recovered
+    # Neither file tells how long the log was.
+    unconfirmed = {**recovered.unconfirmed, **later_lost()} if was_opened else {}
+    return replace(recovered, unconfirmed=unconfirmed)
+
+
+def _records_in(mcap: StoredMcap) -> Tuple[List[LogRecord], bool]:
+    """Return the records of the log, and whether more is there than opening a survey records."""
+    records: List[LogRecord] = []
+    others = has_traces = False
+    for message in mcap.messages():
+        record = recorded_log(message)
+        others = True
+        has_traces = has_traces or message.datatype == trace_message.DATATYPE
+        if record is not None:
+            records.append(record)
+    return records, has_traces or len(records) > 1 or (others and not records)
 
 
 class Reopening:
