@@ -359,6 +359,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, data)
         first = self.start_node("/robot3", data)
         live = self.collect("/robot3/trace", Trace)
+        logged = self.collect("/robot3/survey_log", String)
         opened = self.open()
         self.assertTrue(opened.success, opened.message)
         for index in range(3):
@@ -366,6 +367,8 @@ class StoreSurveyTest(unittest.TestCase):
         report = self.services["report_survey"]
         self.assertTrue(report(self.survey_id, '{"verdict": "INCOMPLETE"}').success)
         self.assertFalse(report(str(uuid.uuid4()), "{}").success)
+        self.wait_until(lambda: logged, "the report is not published")
+        self.assertEqual(json.loads(logged[0].data)["values"], {"verdict": "INCOMPLETE"})
         self.wait_until(lambda: len(live) == 3, "traces are missing on the topic")
         first.kill()
         first.wait(TIME_LIMIT_S)
@@ -396,6 +399,8 @@ class StoreSurveyTest(unittest.TestCase):
         for found in (self.read_bag(opened.path), self.read_mcap(opened.path)):
             indices = [message.index for message in found["/robot3/trace"]]
             self.assertEqual(indices, list(range(TRACES)))
+            kinds = [json.loads(one.data)["kind"] for one in found["/robot3/survey_log"]]
+            self.assertEqual(kinds, ["plan", "report", "resume", "resume"])
         refused = self.services["reopen_survey"](survey=self.survey_id)
         self.assertFalse(refused.success)
         self.assertEqual(refused.fault_code, "survey.complete")

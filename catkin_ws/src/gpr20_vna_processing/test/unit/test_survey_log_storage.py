@@ -14,7 +14,7 @@ from fault_kit import raises_fault
 from log_examples import NOW, add_marker, change_digit, entries, make_former, marker
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit
-from trace_examples import SURVEY
+from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey
@@ -23,10 +23,11 @@ from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import annotating, manifest
 from gpr20_survey.folder.annotating import add_to_survey, annotate
-from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.recovery import LATER, read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_vna_processing.mid.new_survey import describe
 
 FORMS = ("survey.json", "log.jsonl")
 FLIPS = int(os.environ.get("GPR20_DAMAGES", "40"))
@@ -325,6 +326,39 @@ def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path, 
         assert verify_survey(folder).status == COMPLETE, calls
         calls += 1
     assert failed > 8
+
+
+@pytest.mark.parametrize("recorded", [True, False])
+def test_a_survey_whose_opening_was_cut_off_is_resumed_and_nothing_of_it_is_lost(
+    tmp_path, recorded
+):
+    kit = Kit(tmp_path / "open", open_recordings)
+    if not recorded:
+        opened = tmp_path / "open" / "20260921T141320_0f8fad5b"
+        opened.mkdir(parents=True)
+        for recording in open_recordings(opened, describe(SURVEY, STARTED_US, METADATA, "1.2.3")):
+            recording.commit()  # as a write that was torn behind what a recording begins with
+    else:
+        opened = kit.open(metadata_json=METADATA)
+    shutil.copytree(str(tmp_path / "open"), str(tmp_path / "data"))
+    kit.processing.shut_down()
+    folder = tmp_path / "data" / opened.name
+    for name in FORMS:  # the last that an opening makes
+        (folder / name).unlink(missing_ok=True)
+    resume(folder)
+    found = verify_survey(folder)
+    assert (found.status, found.faults, found.unconfirmed) == (COMPLETE, [], ())
+
+
+def test_a_survey_both_forms_of_whose_log_are_gone_is_never_called_intact(copies):
+    """What came while it was recorded is there, but perhaps not all: nothing tells."""
+    folder = copies("stopped")
+    for name in (*FORMS, "manifest.json"):
+        (folder / name).unlink()
+    resume(folder)
+    assert noted(folder) == [marker(1).text]
+    found = verify_survey(folder)
+    assert (found.status, found.faults, found.unconfirmed) == (INCOMPLETE, [], (LATER,))
 
 
 def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(tmp_path):

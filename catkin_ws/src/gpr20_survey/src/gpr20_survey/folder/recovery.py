@@ -93,7 +93,7 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
         if sealed is None:
             # Resuming, which repairs it as long as there is a copy, does not help.
             raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
-        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
+        return RecoveredSurvey(start_of(sealed), FoundLog(), later_lost())
     if not found.has_log:
         return _former(folder, found)
     if not found.records or found.records[0].kind != Kind.PLAN.value:
