@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 from annotation_examples import EXAMPLE
 from trace_examples import STARTED_US, SURVEY
 
-from gpr20_survey.folder import sealing, survey_metadata
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest, sealing, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact
-from gpr20_survey.folder.log_content import START
+from gpr20_survey.folder.log_content import START, description_of
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.folder.survey_log import SurveyLog
@@ -20,6 +22,7 @@ from gpr20_survey.plan.markers import Marker, markers_of, new_marker, removed_ma
 from gpr20_survey.trace import utc_time
 
 NOW = "2026-11-21T05:10:00.000000+00:00"
+EARLIER = ("gpr20-manifest/1", "gpr20-manifest/2")
 FILES = ("log.jsonl", "survey.json")
 PLAN: Dict[str, Any] = {
     "format": survey_metadata.FORMAT,
@@ -129,3 +132,51 @@ def entries(folder: Path) -> List[Dict[str, Any]]:
 def recovered(folder: Path) -> RecoveredSurvey:
     """Return what a folder says of its survey."""
     return recover(folder)
+
+
+def with_own_sum(values: Dict[str, Any]) -> bytes:
+    """Return the content of a manifest that ends with its checksum."""
+    own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
+    return survey_metadata.encode({**values, "sha256": own_sum})
+
+
+def without_checksum(content: bytes) -> bytes:
+    """Return the content of a trace's file as earlier versions wrote it."""
+    return content[: content.rindex(b', "sha256"')] + b"}\n"
+
+
+def make_former(
+    folder: Path, form: str = EARLIER[1], without: Tuple[str, ...] = ()
+) -> Dict[str, Any]:
+    """Turn a survey into one of an earlier version; return the content of its survey.json.
+
+    It has no log, its traces have no checksums, and its manifest, if any, lists survey.json.
+    """
+    described = description_of(recovered(folder).found.records)
+    for key in without:
+        described.pop(key)
+    (folder / "log.jsonl").unlink()
+    (folder / "survey.json").write_bytes(survey_metadata.encode(described))
+    for path in (folder / "traces").iterdir():
+        if b"sha256" in path.read_bytes():
+            path.write_bytes(without_checksum(path.read_bytes()))
+    if (folder / "manifest.json").exists():
+        _write_former_manifest(folder, form)
+    return described
+
+
+def _write_former_manifest(folder: Path, form: str) -> None:
+    sealed = manifest.read_manifest(folder)
+    names = [*sealed.files, "survey.json"]
+    values = {
+        "format": form,
+        "survey_id": sealed.survey_id,
+        "software_revision": sealed.software_revision,
+        "written": sealed.written,
+        "files": {name: file_sums.sum_of_file(folder / name)._asdict() for name in names},
+    }
+    if form == EARLIER[0]:
+        content = survey_metadata.encode(values)
+    else:
+        content = with_own_sum({**values, "reopened": None, "rewritten": [], "replacing": {}})
+    (folder / "manifest.json").write_bytes(content)

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import random
 from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from log_examples import NOW, add_marker, make_survey, recovered
+from log_examples import (
+    EARLIER,
+    NOW,
+    add_marker,
+    make_former,
+    make_survey,
+    recovered,
+    with_own_sum,
+)
 
 from gpr20_survey.files import file_sums
-from gpr20_survey.folder import manifest, survey_metadata
+from gpr20_survey.folder import manifest
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.folder.log_content import description_of
-
-EARLIER = ("gpr20-manifest/1", "gpr20-manifest/2")
 
 
 @pytest.fixture
 def folder(tmp_path):
     make_survey(tmp_path / "survey")
     return tmp_path / "survey"
-
-
-def with_own_sum(values):
-    own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
-    return survey_metadata.encode({**values, "sha256": own_sum})
 
 
 def is_sealed(folder):
@@ -80,38 +79,13 @@ def test_a_manifest_with_entries_of_another_type_is_damaged(folder, key, value):
         manifest.decode(with_own_sum({**values, key: value}))
 
 
-def make_former(folder, form):
-    """Turn a survey into one of an earlier version: no log, and a manifest that lists survey.json.
-
-    Returns the content of its survey.json.
-    """
-    described = description_of(recovered(folder).found.records)
-    (folder / "log.jsonl").unlink()
-    (folder / "survey.json").write_bytes(survey_metadata.encode(described))
-    sealed = manifest.read_manifest(folder)
-    sums = {**sealed.files, "survey.json": file_sums.sum_of_file(folder / "survey.json")}
-    values = {
-        "format": form,
-        "survey_id": sealed.survey_id,
-        "software_revision": sealed.software_revision,
-        "written": sealed.written,
-        "files": {name: one._asdict() for name, one in sums.items()},
-    }
-    if form == EARLIER[0]:
-        content = survey_metadata.encode(values)
-    else:
-        content = with_own_sum({**values, "reopened": None, "rewritten": [], "replacing": {}})
-    (folder / "manifest.json").write_bytes(content)
-    return described
-
-
 @pytest.mark.parametrize("form", EARLIER)
 def test_a_manifest_of_an_earlier_version_is_read_and_replaced_by_the_next_addition(folder, form):
-    described = make_former(folder, form)
+    former = make_former(folder, form)
     sealed = manifest.read_manifest(folder)
     assert sealed.log is None and sealed.covers_itself is (form != EARLIER[0])
     assert sealed.matches("survey.json", file_sums.sum_of_file(folder / "survey.json"))
     add_to_survey(folder, add_marker(7), NOW)
     assert is_sealed(folder) and manifest.read_manifest(folder).covers_itself
-    assert recovered(folder).found.records[0].values == described
+    assert recovered(folder).found.records[0].values == former
     assert recovered(folder).all_unconfirmed == {}

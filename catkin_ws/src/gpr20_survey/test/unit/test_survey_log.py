@@ -9,11 +9,15 @@ import random
 
 import pytest
 from case_kit import each_case
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from log_examples import NOW, PLAN, entries, facts, make_survey, write_log
 
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import survey_log, survey_metadata
 from gpr20_survey.folder.log_content import description_of, view_of
+from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import (
     KEYS,
     MAX_NUMBER,
@@ -22,7 +26,7 @@ from gpr20_survey.folder.log_record import (
     record_of,
     record_of_line,
 )
-from gpr20_survey.folder.survey_log import SurveyLog, read_log
+from gpr20_survey.folder.survey_log import SurveyLog
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)
@@ -173,6 +177,22 @@ def test_a_disk_that_refuses_leaves_the_former_records_and_the_call_may_be_repea
     assert refused
     found = read_log(tmp_path)
     assert found.is_whole and found.records == (*before, record)
+
+
+@pytest.mark.parametrize("limit", ["MAX_LOG_BYTES", "MAX_FILE_BYTES"])
+def test_a_log_that_is_full_takes_no_more_facts_but_the_end_and_stays_readable(
+    tmp_path, monkeypatch, limit
+):
+    log = write_log(tmp_path)
+    module = survey_log if limit == "MAX_LOG_BYTES" else survey_metadata
+    monkeypatch.setattr(module, limit, 200_000)
+    monkeypatch.setattr(survey_log, "RESERVED_BYTES", 50_000)
+    with raises_fault("storage.request_refused", 150_000, error=SurveyRefusedError):
+        for _ in range(1000):
+            log.add(log.next(Kind.PAUSE, {"reason": "x" * 1000}, NOW))
+    assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
+    log.add(log.next(Kind.END, {"outcome": "stopped"}, NOW))
+    assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
 
 
 def test_each_random_log_is_read_as_it_was_written(tmp_path):

@@ -12,6 +12,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
+from log_examples import without_checksum
 from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_json
 
 from gpr20_survey.errors import TraceRefusedError
@@ -149,11 +150,6 @@ def test_the_three_times_are_not_mixed_up():
     assert [values[key] for key in ("timestamp", "sweep_started", "sweep_ended")] == [
         utc_time.iso_text(time_us) for time_us in expected
     ]
-
-
-def without_checksum(content):
-    """Return the content of a file as earlier versions wrote it."""
-    return content[: content.rindex(b', "sha256"')] + b"}\n"
 
 
 def test_a_file_ends_with_the_checksum_of_all_bytes_before_it():

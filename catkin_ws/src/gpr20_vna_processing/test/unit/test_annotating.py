@@ -10,13 +10,16 @@ import pytest
 from annotation_examples import EXAMPLE, annotations
 from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
+from log_examples import NOW, make_former
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
 
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import DAMAGED
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.annotating import annotate_folder
+from gpr20_survey.folder.annotating import add_to_survey, annotate
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -65,11 +68,11 @@ def test_the_annotation_of_the_open_survey_is_changed(kit, folder, name):
 
 @pytest.mark.parametrize("name", [SURVEY, "folder"])
 def test_the_annotation_of_a_closed_survey_is_changed_and_it_stays_intact(kit, closed, name):
-    before = read_json(closed / "survey.json")
+    before = read_description(closed)
     for annotation in (EXAMPLE, EMPTY, replace(EXAMPLE, notes="")):
         annotated = kit.processing.annotate(closed.name if name == "folder" else name, annotation)
         assert (annotated.survey_id, annotated.folder) == (SURVEY, closed)
-        assert read_json(closed / "survey.json") == {**before, "annotation": annotation.values()}
+        assert read_description(closed) == {**before, "annotation": annotation.values()}
         assert_intact(closed)
 
 
@@ -90,11 +93,13 @@ def test_an_annotation_survives_interruption_resumption_and_another_process(tmp_
     assert_intact(folder)
 
 
-def test_a_lost_survey_json_is_written_again_with_the_annotation_of_the_start(kit, closed):
-    (closed / "survey.json").write_bytes(b"")
+@pytest.mark.parametrize("name", ["survey.json", "log.jsonl"])
+def test_a_lost_form_of_the_log_is_written_again_with_the_last_annotation(kit, closed, name):
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    (closed / name).write_bytes(b"")
     shutil.rmtree(str(closed / "traces"))
     kit.processing.reopen_survey(closed.name)
-    assert stored(closed) == AT_START
+    assert stored(closed) == EXAMPLE
 
 
 def test_what_is_no_survey_cannot_be_annotated(kit, closed):
@@ -104,27 +109,53 @@ def test_what_is_no_survey_cannot_be_annotated(kit, closed):
     assert stored(closed) == AT_START
 
 
-@pytest.mark.parametrize("manifest", [True, False])
-def test_annotating_does_not_hide_a_damaged_description(kit, closed, manifest):
-    if not manifest:
-        (closed / "manifest.json").unlink()
-    path = closed / "survey.json"
-    damaged = path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 10.0')
-    path.write_bytes(damaged)
-    with raises_fault("survey.description_damaged", error=SurveyRefusedError):
-        kit.processing.annotate(SURVEY, EXAMPLE)
-    assert path.read_bytes() == damaged
-    assert verify_survey(closed).status != 0
+CHANGES = [
+    (b'"y_stop_mm": 20.0', b'"y_stop_mm": 10.0'),
+    (b'"stored_traces": 9', b'"stored_traces": 8'),
+]
 
 
-def test_annotating_does_not_hide_a_changed_end(kit, closed):
+@pytest.mark.parametrize(("right", "wrong"), CHANGES)
+def test_annotating_corrects_a_damaged_description_and_keeps_it(kit, closed, right, wrong):
     path = closed / "survey.json"
-    damaged = path.read_bytes().replace(b'"stored_traces": 9', b'"stored_traces": 8')
+    before = read_description(closed)
+    damaged = path.read_bytes().replace(right, wrong)
     assert damaged != path.read_bytes()
     path.write_bytes(damaged)
+    assert verify_survey(closed).status == DAMAGED
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    assert read_description(closed) == {**before, "annotation": EXAMPLE.values()}
+    assert (closed / "damaged" / "survey.json").read_bytes() == damaged
+    assert_intact(closed)
+
+
+@pytest.mark.parametrize(("right", "wrong"), CHANGES)
+def test_annotating_does_not_hide_a_damaged_description_of_an_earlier_version(
+    kit, closed, right, wrong
+):
+    make_former(closed)
+    path = closed / "survey.json"
+    damaged = path.read_bytes().replace(right, wrong)
+    path.write_bytes(damaged)
     with raises_fault("survey.description_damaged", error=SurveyRefusedError):
         kit.processing.annotate(SURVEY, EXAMPLE)
     assert path.read_bytes() == damaged
+    assert verify_survey(closed).status == DAMAGED
+
+
+def test_a_closed_survey_of_an_earlier_version_is_annotated_and_stays_intact(kit, closed):
+    before = make_former(closed)
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    assert read_description(closed) == {**before, "annotation": EXAMPLE.values()}
+    assert_intact(closed)
+
+
+def test_a_missing_manifest_is_not_made_again_by_an_annotation(kit, closed):
+    (closed / "manifest.json").unlink()
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    assert stored(closed) == EXAMPLE
+    assert not (closed / "manifest.json").exists()
+    assert verify_survey(closed).status == DAMAGED
 
 
 def test_metadata_with_a_wrong_annotation_are_refused(kit):
@@ -136,5 +167,5 @@ def test_metadata_with_a_wrong_annotation_are_refused(kit):
 @given(annotations)
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_annotation_is_stored_as_it_is(closed, annotation):
-    annotate_folder(closed, annotation)
+    add_to_survey(closed, annotate(annotation), NOW)
     assert repr(stored(closed)) == repr(annotation)

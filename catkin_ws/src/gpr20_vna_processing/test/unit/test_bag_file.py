@@ -12,8 +12,7 @@ from rosbags.rosbag1 import Reader  # noqa: E402
 from storage_kit import TYPES, Kit, text_message  # noqa: E402
 from trace_examples import SURVEY, assert_same_numbers, make_trace  # noqa: E402
 
-from gpr20_survey.recording.bag_reader import StoredBag  # noqa: E402
-from gpr20_survey.recording.bag_writer import EMPTY_CHUNK, BagFile  # noqa: E402
+from gpr20_survey.recording.bag_writer import BagFile  # noqa: E402
 
 HEADER_BYTES = 13 + 4096
 TRACES = [make_trace(index) for index in range(4)]
@@ -145,23 +144,3 @@ def test_a_file_is_never_overwritten(folder):
     with pytest.raises(FileExistsError):
         BagFile(folder / "survey.bag")
     assert (folder / "survey.bag").read_bytes() == before
-
-
-def test_a_topic_that_only_the_cut_tail_knew_is_told_again(tmp_path):
-    path = tmp_path / "survey.bag"
-    bag = BagFile(path)
-    for topic in ("/first", "/late"):
-        bag.write_alone(text_message(topic, "before"))
-        bag.commit()
-    bag.abandon()
-    content = bytearray(path.read_bytes())
-    content[-len(EMPTY_CHUNK) - 1] ^= 1  # the index of the last chunk
-    path.write_bytes(content)
-    stored = StoredBag(path)
-    assert [one.topic for one in stored.messages()] == ["/first"]
-    bag = stored.resume()
-    assert bag is not None
-    bag.write_alone(text_message("/late", "after"))
-    bag.finish()
-    with Reader(str(path)) as reader:
-        assert [one.topic for one, _, _ in reader.messages()] == ["/first", "/late"]

@@ -28,7 +28,7 @@ from gpr20_survey.errors import (
     SurveyRefusedError,
     TraceRefusedError,
 )
-from gpr20_survey.folder import survey_metadata
+from gpr20_survey.folder.recovery import read_description
 from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits
 
@@ -59,7 +59,10 @@ def traces_in(memory):
 def test_a_survey_has_its_folder_and_says_so(kit):
     folder = kit.open(metadata_json='{"parameters": {"x_points": 3}}')
     assert folder.name == "20260921T141320_0f8fad5b"
-    assert read_json(folder / "survey.json") == {
+    survey = read_json(folder / "survey.json")
+    (plan,) = survey.pop("log")
+    assert plan["values"] == survey
+    assert survey == {
         "format": "gpr20-survey/1",
         "survey_id": SURVEY,
         "started": "2026-09-21T14:13:20.123456+00:00",
@@ -72,7 +75,7 @@ def test_a_survey_has_its_folder_and_says_so(kit):
         "software_revision": "1.2.3",
         "parameters": {"x_points": 3},
     }
-    assert kit.opened == [(folder / "survey.json").read_text()]
+    assert [json.loads(one) for one in kit.opened] == [survey]
 
 
 def test_a_stored_trace_is_in_json_and_recording_before_the_answer(kit, memory):
@@ -239,7 +242,7 @@ def nested(levels):
 def test_a_reason_that_strict_json_cannot_hold_is_text_with_its_fault(kit, reason):
     folder = kit.open()
     kit.processing.close_survey(SURVEY, "failed", reason)
-    survey = survey_metadata.read_description(folder / "survey.json")
+    survey = read_description(folder)
     assert (survey["reason"], survey["fault_code"]) == (str(reason), "axis.lost_zero")
     kept = received_message("", json.dumps(survey["reason_message"]))
     assert (str(kept), kept.cause) == (str(reason), LOST_ZERO)
@@ -320,7 +323,7 @@ def test_a_shut_down_finishes_the_recordings_and_says_interrupted(tmp_path):
     assert (survey["outcome"], survey["stored_traces"]) == ("interrupted", 1)
     with open(folder / "survey.mcap", "rb") as stream:
         topics = [channel.topic for _, channel, _ in make_reader(stream).iter_messages()]
-    assert topics == ["/replay", "/survey_metadata", "/trace", "/control_status"]
+    assert topics == ["/replay", "/survey_metadata", "/survey_log", "/trace", "/control_status"]
 
 
 def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(kit, memory):

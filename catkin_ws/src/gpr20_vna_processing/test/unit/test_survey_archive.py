@@ -8,6 +8,7 @@ import pytest
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from log_examples import make_former
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY, make_trace
 
@@ -88,11 +89,9 @@ def test_the_list_has_the_fault_that_ended_a_survey(kit, archive):
     reason = Message("lost").with_fault(Fault("axis.lost_zero"))
     kit.processing.close_survey(SURVEY, "failed", reason)
     assert archive.list("", 10)[0][0].fault_code == "axis.lost_zero"
-    # Of an earlier version.
-    path = folder / "survey.json"
-    values = json.loads(path.read_text())
+    values = make_former(folder)
     del values["fault_code"]
-    path.write_text(json.dumps(values))
+    (folder / "survey.json").write_text(json.dumps(values))
     assert archive.list("", 10)[0][0].fault_code == ""
 
 
@@ -117,17 +116,19 @@ def test_a_report_that_was_changed_gives_no_verdict(kit, archive, coverage):
 def test_half_of_a_character_hides_no_survey(kit, archive):
     folder = fill(kit)
     kit.processing.close_survey(SURVEY, "stopped")
-    path = folder / "survey.json"
-    values = {**json.loads(path.read_text()), "started": "\udcff"}
-    path.write_text(json.dumps(values))
+    values = {**make_former(folder), "started": "\udcff"}
+    (folder / "survey.json").write_text(json.dumps(values))
     (folder / "survey.mcap").unlink()  # its copy would take the place of the damaged start
     (survey,), _more = archive.list("", 10)
     assert survey.started == "\\udcff"
 
 
-def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive):
+@pytest.mark.parametrize("former", [False, True])
+def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive, former):
     folder = fill(kit, range(6))
     kit.processing.close_survey(SURVEY, "finished")
+    if former:
+        make_former(folder)
     path = folder / "survey.json"
     values = json.loads(path.read_text())
     original = values["parameters"]["y_points"]
@@ -166,7 +167,7 @@ def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archi
     (one,), _more = archive.list("", 10)
     assert one.folder == "20260921T141320_0f8fad5b"
     assert "survey.json" in str(one.problem)
-    assert one.problem.fault_code == "survey.description_unreadable"
+    assert one.problem.fault_code == "survey.description_lost"
 
 
 def test_a_data_folder_that_was_not_made_yet_holds_no_surveys(tmp_path):

@@ -13,8 +13,8 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, sealing, survey_folder
+from gpr20_survey.folder.log_reading import FoundLog
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.survey_log import FoundLog
 
 
 class Seal(enum.Enum):

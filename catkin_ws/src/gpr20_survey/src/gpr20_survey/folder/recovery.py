@@ -14,20 +14,17 @@ from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
+from gpr20_survey.folder.log_reading import FoundLog, json_text, lost_entries, read_log
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.survey_log import (
-    FoundLog,
-    SurveyLog,
-    json_text,
-    lost_entries,
-    read_log,
-)
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import recorded_log
 
 NO_COPY = "no copy of survey.json confirms it"
+PLAN = "plan"
+LATER = "everything that was not recorded"
 WRONG_FORM = "it is not as the storage writes it"
 MAX_RESUMPTIONS = 100_000
 # How survey.json begins.
@@ -86,7 +83,8 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
     try:
         found = read_log(folder, recorded, last)
         if found.damage or found.lost:
-            found = read_log(folder, recorded, max(last, sealed_end(folder)))
+            last = max(last, sealed_end(folder))
+            found = read_log(folder, recorded, last)
     except SurveyRefusedError as error:
         sealed = _sealed_for(folder)
         if sealed is None:
@@ -100,8 +98,13 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"]
+<<<<<<< HEAD
     if found.has_open_end:
         unconfirmed.update(_later_lost(found.records[-1].number))
+=======
+    if found.only_recorded and last < 0:
+        unconfirmed = {**unconfirmed, **_later_lost()}
+>>>>>>> w-teststore
     return RecoveredSurvey(description, found, unconfirmed)
 
 
@@ -224,7 +227,7 @@ def _former(folder: Path, found: FoundLog) -> RecoveredSurvey:
     later = {name: {"reason": NO_COPY} for name in _later_entries(own, left_out)}
     sealed = _sealed_for(folder)
     if sealed is None:
-        unconfirmed = {"plan": {"reason": NO_COPY}, **later, **unconfirmed}
+        unconfirmed = {PLAN: {"reason": NO_COPY}, **later, **unconfirmed}
         return RecoveredSurvey(own, found, unconfirmed, left_out)
     best = survey_metadata.with_start_of(own, sealed)
     return RecoveredSurvey(best, found, {**later, **unconfirmed}, left_out)
@@ -282,9 +285,15 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
     return [name for name in names if name not in left_out]
 
 
+<<<<<<< HEAD
 def _later_lost(last: int = 0) -> Dict[str, Any]:
     reason = {"reason": "survey.json and the end of log.jsonl cannot be read"}
     return {f"everything after record {last}": reason}
+=======
+def _later_lost() -> Dict[str, Any]:
+    reason = {"reason": "survey.json and log.jsonl cannot be read"}
+    return {LATER: reason}
+>>>>>>> w-teststore
 
 
 def _keep_damaged(folder: Path, name: str) -> None:

@@ -1,83 +1,23 @@
 """The log of a survey: log.jsonl, and survey.json, which holds the same records.
 
-A fact is acknowledged when both are durable. Each record judges itself by its checksum, so each
-of the two files repairs the other; see `log_record`.
+A fact is acknowledged when both are durable.
 """
 
 from __future__ import annotations
 
-import enum
-import itertools
 import os
-import re
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Sequence, Tuple
 
-from gpr20_common.message import Message
-from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import access, durable_files
-from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import LOG, description_of, view_of
-from gpr20_survey.folder.log_record import (
-    NO_RECORD,
-    Kind,
-    LogRecord,
-    json_of_line,
-    record_of,
-    record_of_line,
-)
+from gpr20_survey.folder.log_content import description_of, view_of
+from gpr20_survey.folder.log_reading import MAX_LOG_BYTES
+from gpr20_survey.folder.log_record import Kind, LogRecord
 
-LOG_FILE = survey_folder.LOG_FILE
-
-
-class State(enum.Enum):
-    """In what state one of the two files is."""
-
-    WHOLE = "whole"
-    BEHIND = "behind"
-    """It is right, but lacks the last record."""
-    DAMAGED = "damaged"
-
-
-MAX_LOG_BYTES = 1 << 30
-# How a record begins and ends in log.jsonl.
-_BEGIN = re.compile(rb'\{"number":\d+,"time":"')
-_END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
-Records = Mapping[int, LogRecord]
-
-
-@dataclass(frozen=True)
-class FoundLog:
-    """What a folder holds of its survey's log.
-
-    Attributes:
-        records: Those that are right, in their order.
-        lost: Numbers of records that no form holds and that no record names as lost.
-        legible: What can be read of the lost ones, by number; nothing vouches for it.
-        contradicting: Records with a right checksum that are not of the log of the others.
-        damage: What is wrong in log.jsonl and survey.json.
-        behind: Whether one of them lacks the last record, as after a power cut while it was added.
-        has_log: Whether there is a log; a survey of an earlier version has survey.json alone.
-        own: The content of survey.json without its records; None if it cannot be read.
-        has_open_end: Whether nothing shows that the last of `records` is the last of the log.
-    """
-
-    records: Tuple[LogRecord, ...] = ()
-    lost: Tuple[int, ...] = ()
-    legible: Mapping[int, Sequence[Any]] = field(default_factory=dict)
-    contradicting: Tuple[LogRecord, ...] = ()
-    damage: Tuple[Message, ...] = ()
-    behind: bool = False
-    has_log: bool = False
-    own: Optional[Dict[str, Any]] = None
-    has_open_end: bool = False
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether both files are as they were written."""
-        return not self.damage and not self.lost and not self.behind
+# For the records without which a survey cannot be opened and closed.
+RESERVED_BYTES = 1 << 20
+NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
 
 
 class SurveyLog:
@@ -95,7 +35,7 @@ class SurveyLog:
                 writes it again.
             lost: Numbers of records that were lost; no other record gets them.
         """
-        self._path = folder / LOG_FILE
+        self._path = folder / survey_folder.LOG_FILE
         self._view = folder / survey_folder.SURVEY_FILE
         self._records = list(records)
         self._whole = whole
@@ -125,18 +65,31 @@ class SurveyLog:
         """Add a record of `next`; return when it is durable in both files.
 
         Raises:
+            SurveyRefusedError: The log would become too large.
             OSError: The disk refused; the log has its former records, and the call may be
                 repeated.
         """
         records = [*self._records, record]
+        view = view_of(records)
+        self._check_room(record, view)
         was_whole, self._whole = self._whole, False
         if was_whole:
             _append(self._path, record.line())
         else:
             durable_files.replace_file(self._path, b"".join(one.line() for one in records))
-        durable_files.replace_file(self._view, view_of(records))
+        durable_files.replace_file(self._view, view)
         self._records, self._whole = records, True
         return record
+
+    def _check_room(self, record: LogRecord, view: bytes) -> None:
+        if record.kind in NEEDED:
+            return
+        size = self._path.stat().st_size if self._whole else 0
+        for path, bytes_, most in (
+            (self._path, size + len(record.line()), MAX_LOG_BYTES),
+            (self._view, len(view), survey_metadata.MAX_FILE_BYTES),
+        ):
+            survey_metadata.check_size(bytes_, path.name, most - RESERVED_BYTES)
 
     @property
     def is_whole(self) -> bool:
@@ -163,51 +116,6 @@ class SurveyLog:
         self._whole = True
 
 
-def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> FoundLog:
-    """Return the log of a survey from log.jsonl and survey.json.
-
-    Args:
-        folder: The survey's folder.
-        recorded: Records that were found elsewhere, as in a recording.
-        last: Number of a record that the log is known to have had.
-
-    Raises:
-        SurveyRefusedError: Neither file can be read, or survey.json is of another format.
-    """
-    lines = _read_lines(folder / LOG_FILE)
-    content, own, failure = _read_view(folder / survey_folder.SURVEY_FILE)
-    shown = own.pop(LOG, None) if own is not None else None
-    in_log, damaged_lines = _records_of(lines or [], record_of_line, json_of_line)
-    in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
-    forms = [in_log, in_view, {one.number: one for one in recorded}]
-    found = _merge(forms)
-    if not found and own is not None and shown is None:
-        return FoundLog(own=own)
-    if not found and failure is not None:
-        raise failure
-    behind = (_lines_behind(lines or [], in_log), _entries_behind(shown, in_view))
-    lost = _lost(found, max(last, *behind))
-    states = {
-        LOG_FILE: _state_of_log(found, lines),
-        survey_folder.SURVEY_FILE: _state_of_view(found, content),
-    }
-    return FoundLog(
-        tuple(found),
-        tuple(lost),
-        _legible(lost, (*damaged_lines, *damaged_entries)),
-        _contradicting(found, forms),
-        tuple(
-            Message("{file} is damaged", file=name)
-            for name, state in states.items()
-            if state is State.DAMAGED
-        ),
-        State.BEHIND in states.values(),
-        True,
-        own,
-        own is None and last < 0 and (not lines or lines[-1] != b""),
-    )
-
-
 def _append(path: Path, line: bytes) -> None:
     descriptor = access.open_new(path, os.O_RDWR | os.O_APPEND)
     try:
@@ -216,172 +124,3 @@ def _append(path: Path, line: bytes) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def _read_lines(path: Path) -> Optional[List[bytes]]:
-    """Return the lines of log.jsonl; None if it cannot be read."""
-    try:
-        with open(open_regular(path), "rb") as stream:
-            content = stream.read(MAX_LOG_BYTES + 1)
-    except OSError:
-        return None
-    return content.split(b"\n") if len(content) <= MAX_LOG_BYTES else None
-
-
-def _read_view(
-    path: Path,
-) -> Tuple[bytes, Optional[Dict[str, Any]], Optional[SurveyRefusedError]]:
-    """Return survey.json and what it holds, or why it cannot be read."""
-    try:
-        content = survey_metadata.read_content(path)
-        return content, survey_metadata.parse_view(content, path), None
-    except SurveyRefusedError as error:
-        return b"", None, error
-
-
-def _records_of(
-    entries: Iterable[Any],
-    record_of_entry: Callable[[Any], Optional[LogRecord]],
-    legible: Callable[[Any], Any] = lambda entry: entry,
-) -> Tuple[Records, List[Any]]:
-    """Return the records that are right, and what can be read of the others."""
-    found: Dict[int, LogRecord] = {}
-    damaged: List[Any] = []
-    for entry in filter(None, entries):
-        record = record_of_entry(entry)
-        if record is None:
-            damaged.append(legible(entry))
-        else:
-            found.setdefault(record.number, record)
-    return found, damaged
-
-
-def _legible(lost: Sequence[int], damaged: Iterable[Any]) -> Dict[int, List[Any]]:
-    found: Dict[int, List[Any]] = {}
-    for one in damaged:
-        number = one.get("number") if isinstance(one, dict) else None
-        if isinstance(number, int) and number in lost:
-            found.setdefault(number, []).append(one)
-    return found
-
-
-def _merge(forms: Sequence[Records]) -> List[LogRecord]:
-    """Return the record of each number that is right, and follows the one before it."""
-    numbers = sorted({number for form in forms for number in form})
-    successors = {
-        (number - 1, record.previous) for form in forms for number, record in form.items()
-    }
-    found: List[LogRecord] = []
-    for number in numbers:
-        candidates = [form[number] for form in forms if number in form]
-        # One whose values were left out counts only if the record behind it names its checksum.
-        confirmed = [
-            one
-            for one in candidates
-            if one.values is not None or (number, one.sha256) in successors
-        ]
-        # Where forms contradict each other, the one that goes on is right.
-        confirmed.sort(key=lambda one: ((number, one.sha256) not in successors, one.values is None))
-        fitting = [one for one in confirmed if _follows(found, one)]
-        if fitting:
-            found.append(fitting[0])
-    return found
-
-
-def _follows(found: Sequence[LogRecord], record: LogRecord) -> bool:
-    if record.number == 0:
-        return record.previous == NO_RECORD
-    last = found[-1] if found else None
-    # Behind a lost record nothing but its own checksum vouches for a record.
-    return last is None or last.number < record.number - 1 or last.sha256 == record.previous
-
-
-def _lines_behind(lines: Sequence[bytes], records: Records) -> int:
-    """Return the number of the last record of log.jsonl, although it is damaged.
-
-    Of the end of a line that was torn nothing was acknowledged.
-    """
-    damaged: List[bytes] = []
-    for line in filter(None, lines[:-1]):
-        damaged = [] if record_of_line(line) is not None else [*damaged, line]
-    # A changed byte may have made two lines of one, or one of two.
-    begun, ended = (len(one.findall(b"\n".join(damaged))) for one in (_BEGIN, _END))
-    return max(records, default=-1) + max(begun, ended, min(1, len(damaged)))
-
-
-def _entries_behind(shown: Any, records: Records) -> int:
-    """Return the number of the last record in survey.json, although it is damaged."""
-    entries = shown if isinstance(shown, list) else []
-    damaged = list(itertools.takewhile(lambda one: record_of(one) is None, reversed(entries)))
-    return max(records, default=-1) + len(damaged)
-
-
-def _contradicting(found: Sequence[LogRecord], forms: Sequence[Records]) -> Tuple[LogRecord, ...]:
-    used = {(one.number, one.sha256) for one in found}
-    end = found[-1].number if found else -1
-    return tuple(
-        record
-        for form in forms
-        for number, record in sorted(form.items())
-        # The last one may be an addition that failed, and was repeated with other values.
-        if (number, record.sha256) not in used
-        and (number < end or number < max(form))
-        # Nothing vouches for one without values.
-        and record.values is not None
-    )
-
-
-def _lost(found: Sequence[LogRecord], end: int) -> List[int]:
-    present = {one.number for one in found}
-    named = {
-        number
-        for one in found
-        if one.kind == Kind.UNCONFIRMED.value and one.values is not None
-        for number in one.values.get("lost", [])
-    }
-    last = max(end, found[-1].number if found else -1)
-    return [number for number in range(last + 1) if number not in present | named]
-
-
-def _state_of_log(found: Sequence[LogRecord], lines: Optional[Sequence[bytes]]) -> State:
-    expected = [one.line()[:-1] for one in found]
-    if lines is None:
-        return State.DAMAGED
-    if lines == [*expected, b""]:
-        return State.WHOLE
-    # The last line may be torn.
-    return State.BEHIND if lines[:-1] == expected[: len(expected) - 1] else State.DAMAGED
-
-
-def _state_of_view(found: Sequence[LogRecord], content: bytes) -> State:
-    if content == view_of(found):
-        return State.WHOLE
-    # The log of a survey of an earlier version is begun before its survey.json is written again.
-    former = (view_of(found[:-1]), survey_metadata.encode(description_of(found[:1])))
-    return State.BEHIND if content in former else State.DAMAGED
-
-
-def lost_entries(found: FoundLog) -> Dict[str, Any]:
-    """Return the values of a record that names what is lost, for ever.
-
-    Whatever can be read of it stands beside it, and is not used.
-    """
-    entries = {
-        f"record {number}": {
-            "reason": "its checksum is wrong in every form, or it is missing",
-            "found": [json_text(one) for one in found.legible.get(number, ())],
-        }
-        for number in found.lost
-    }
-    for one in found.contradicting:
-        entries[f"record {one.number}, {one.sha256[:8]}"] = {
-            "reason": "it is not of the log of the other records",
-            "found": [json_text(one.as_json())],
-        }
-    return {"lost": list(found.lost), "entries": entries}
-
-
-def json_text(value: Any) -> str:
-    """Return a damaged value as text: nothing of it may be taken for an entry."""
-    text = survey_metadata.encode({"value": value}).decode("ascii")
-    return " ".join(itertools.islice(text.split(), 2000))

@@ -82,7 +82,7 @@ def parse_object(
         SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no
             object.
     """
-    _check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
+    check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
     _check_depth(text, name, max_depth)
     try:
         values = json.loads(text, parse_constant=_refuse_constant)
@@ -160,7 +160,12 @@ def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str
     return {**copy, **later}
 
 
-def _check_size(size: int, name: str, max_bytes: int) -> None:
+def check_size(size: int, name: str, max_bytes: int) -> None:
+    """Check the size of a text or a file [bytes].
+
+    Raises:
+        SurveyRefusedError: It is too large.
+    """
     if size > max_bytes:
         raise SurveyRefusedError(
             Message(
@@ -181,7 +186,7 @@ def read_content(path: Path) -> bytes:
     try:
         with open(open_regular(path), "rb") as stream:
             # Before it is read, so that a huge file takes no memory.
-            _check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
+            check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
             return stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise _unreadable(path, os_reason(error)) from error

@@ -120,13 +120,14 @@ class CurrentSurvey:
         now_ns = self._storage.now_ns()
         self._check_can_open(needed_bytes, now_ns)
         failure = Message("the survey's folder {path} could not be made", path=printable(folder))
+        plan = new_survey.plan_record(description)
         with ExitStack() as lock:
             with storing(failure, folder):
-                new_survey.make_folder(folder, self._storage.readers)
+                new_survey.make_folder(folder, plan, self._storage.readers)
                 lock.enter_context(locked(folder))
-                new_survey.make_empty(folder)
+                new_survey.make_empty(folder, plan)
                 recordings = self._storage.open_recordings(folder, description)
-            log = SurveyLog(folder, [new_survey.plan_record(description)], whole=False)
+            log = SurveyLog(folder, [plan], whole=False)
             survey = OpenSurvey(folder, log, recordings, self._storage.topics, self._publication)
             # Last: a folder with a survey.json is whole.
             self._take(survey, log.records, now_ns, log.write)

@@ -13,6 +13,7 @@ from gpr20_survey.files import durable_files
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import START
+from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing import faults
@@ -94,11 +95,12 @@ def plan_record(description: Dict[str, Any]) -> LogRecord:
     return LogRecord.after(None, Kind.PLAN, description, description["started"])
 
 
-def make_folder(folder: Path, readers: Readers) -> None:
+def make_folder(folder: Path, plan: LogRecord, readers: Readers) -> None:
     """Make the folder of a survey, or take one whose survey could not be opened.
 
     Args:
         folder: The survey's folder.
+        plan: The first record of its log.
         readers: Who may read the survey.
 
     Raises:
@@ -108,21 +110,22 @@ def make_folder(folder: Path, readers: Readers) -> None:
     try:
         durable_files.make_new_folder(folder, readers.folder_mode)
     except FileExistsError:
-        if not _is_unopened(folder):
+        if not _is_unopened(folder, plan):
             raise _exists(folder) from None
 
 
-def make_empty(folder: Path) -> None:
+def make_empty(folder: Path, plan: LogRecord) -> None:
     """Remove what an opening that failed has left, and make the folder of the traces.
 
     Args:
         folder: The survey's folder, locked.
+        plan: The first record of its log.
 
     Raises:
         SurveyRefusedError: The folder holds a survey.
         OSError: The disk refused.
     """
-    if not _is_unopened(folder):
+    if not _is_unopened(folder, plan):
         raise _exists(folder)
     durable_files.remove_temporaries(folder)
     for name in _BEGUN:
@@ -130,17 +133,35 @@ def make_empty(folder: Path) -> None:
     durable_files.ensure_folder(folder / survey_folder.TRACES_FOLDER)
 
 
-# What is made before survey.json, with which a survey begins.
-_BEGUN = (survey_folder.LOG_FILE, survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
+# In the order in which they are removed: a folder with a survey.json holds a survey.
+_BEGUN = (
+    survey_folder.SURVEY_FILE,
+    survey_folder.LOG_FILE,
+    survey_folder.BAG_FILE,
+    survey_folder.MCAP_FILE,
+)
 
 
-def _is_unopened(folder: Path) -> bool:
-    """Return whether a folder holds nothing but what is made before a survey was opened."""
+def _is_unopened(folder: Path, plan: LogRecord) -> bool:
+    """Return whether a folder holds nothing but what opening this survey makes.
+
+    The disk may have refused after survey.json, which comes last, had its name.
+    """
     known = {*_BEGUN, survey_folder.TRACES_FOLDER}
     traces = folder / survey_folder.TRACES_FOLDER
     names = {one.name for one in folder.iterdir() if not durable_files.is_temporary(one.name)}
     empty = not traces.exists() or not any(traces.iterdir())
-    return names <= known and empty
+    return names <= known and empty and _holds_only(folder, plan)
+
+
+def _holds_only(folder: Path, plan: LogRecord) -> bool:
+    if not (folder / survey_folder.SURVEY_FILE).exists():
+        return True
+    try:
+        found = read_log(folder)
+    except SurveyRefusedError:
+        return False
+    return found.records == (plan,) and not found.damage and not found.lost
 
 
 def _exists(folder: Path) -> SurveyRefusedError:

@@ -33,6 +33,7 @@ from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
+    PLAN,
     RecoveredSurvey,
     open_log,
     recover_with_recording,
@@ -174,8 +175,12 @@ class Reopening:
         stored = self._stored
         if stored.foreign and not stored.truth:
             raise refusals.only_foreign_traces(self._folder, description["survey_id"])
-        if stored.misfits:
-            raise refusals.traces_not_planned(self._folder, stored.misfits)
+        misfits = stored.misfits
+        if PLAN in self._recovered.all_unconfirmed:
+            # The plan may be what is wrong.
+            misfits = [*misfits, *stored.unplanned]
+        if misfits:
+            raise refusals.traces_not_planned(self._folder, misfits)
         planned = description.get("planned_traces", description.get("stored_traces"))
         finished = description.get("outcome") == "finished" and len(stored.truth) == planned
         if finished and self._recovered.found.is_whole and stored.intact():

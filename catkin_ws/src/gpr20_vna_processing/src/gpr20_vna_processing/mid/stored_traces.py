@@ -132,6 +132,8 @@ class StoredTraces:
         self.files = trace_files.read_all(traces, survey_id, on_trace=self._compare)
         self.unproven: List[str] = []
         """Names of the files without a checksum whose traces nothing else holds."""
+        self.unplanned: List[Message] = []
+        """What of files without a checksum, which therefore are damaged, is not as planned."""
         self.truth: Dict[int, bytes] = {}
         """Fingerprint of each trace that is stored."""
         self._decide(traces)
@@ -184,6 +186,7 @@ class StoredTraces:
             elif recorded is not None:
                 self._refuse(traces, index, Message("survey.mcap holds other numbers"))
             elif index in self._wrong:
+                self.unplanned += self._wrong[index]
                 self._refuse(traces, index, self._wrong[index][0])
             else:
                 self.truth[index] = file.fingerprint

@@ -8,13 +8,14 @@ import stat
 
 import pytest
 from fault_kit import raises_fault
+from log_examples import NOW, add_marker
 from storage_kit import Kit
 from trace_examples import SURVEY, make_trace
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
 from gpr20_survey.files.access import Readers
-from gpr20_survey.folder import sealing, survey_metadata
+from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
@@ -42,9 +43,12 @@ def modes(top):
 def damage_everything(folder):
     """Damage one file of each kind, so that each is kept and written again."""
     trace = next((folder / "traces").glob("000000_*"))
-    for path in (trace, folder / "survey.bag", folder / "survey.mcap", folder / "survey.json"):
+    names = ("survey.bag", "survey.mcap", "survey.json", "log.jsonl")
+    for path in (trace, *(folder / name for name in names)):
         content = path.read_bytes()
-        path.write_bytes(content[:-300] + bytes(100))
+        # In a recording behind what it begins with.
+        place = max(content.find(b"zstd"), content.find(b"op=\x05"), len(content) // 4)
+        path.write_bytes(content[:place] + bytes(100) + content[place + 100 :])
 
 
 def use(kit):
@@ -56,10 +60,12 @@ def use(kit):
     kit.processing.reopen_survey(SURVEY)
     kit.processing.store(make_trace(1))
     kit.processing.close_survey(SURVEY, "stopped")
-    description = survey_metadata.read_description(folder / "survey.json")
-    sealing.reseal_description(folder, {**description, "reason": "changed"})
+    (folder / "log.jsonl").unlink()
+    add_to_survey(folder, add_marker(1), NOW)
     names = {one.name for one in folder.rglob("*")}
-    assert {"manifest.json", "damaged", "survey.json", "survey.bag", "survey.mcap"} <= names
+    files = {"survey.json", "log.jsonl", "survey.bag", "survey.mcap"}
+    assert {"manifest.json", "damaged", *files} <= names
+    assert files <= {one.name for one in (folder / "damaged").iterdir()}
     return folder
 
 

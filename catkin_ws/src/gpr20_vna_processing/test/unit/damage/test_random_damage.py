@@ -1,4 +1,4 @@
-"""Random damage to a survey's files: no trace is lost that an intact form holds, none is wrong,
+"""Random damage to a survey's files: nothing is lost that an intact form holds, nothing is wrong,
 and nothing is called complete that is not.
 
 GPR20_DAMAGES sets how many damages are tried, GPR20_DAMAGE_SEED repeats those of a run.
@@ -11,6 +11,8 @@ import random
 import shutil
 
 import pytest
+from annotation_examples import EXAMPLE
+from log_examples import marker
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
 from storage_kit import Kit, text_message
@@ -19,17 +21,21 @@ from trace_examples import SURVEY, assert_same_numbers, read_json
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 
 DAMAGES = int(os.environ.get("GPR20_DAMAGES", "60"))
 SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
 STORED = {"finished": len(POINTS), "stopped": 6, "cut off": 6}
-FORMS = ("json", "bag", "mcap", "survey.json", "manifest")
+FORMS = ("json", "bag", "mcap", "survey.json", "log", "manifest")
 SINGLE = {
     "bag": "survey.bag",
     "mcap": "survey.mcap",
     "survey.json": "survey.json",
+    "log": "log.jsonl",
     "manifest": "manifest.json",
 }
 
@@ -42,11 +48,15 @@ def surveys(tmp_path_factory):
         place = tmp_path_factory.mktemp("whole")
         kit = Kit(place / "open", open_recordings)
         folder = kit.open(metadata_json=METADATA)
+        kit.processing.add_marker(SURVEY, marker(1))
+        kit.processing.annotate(SURVEY, EXAMPLE)
         for trace in TRACES[:count]:
             kit.processing.record(text_message("/control_status", f"measuring {trace.index}"))
             kit.processing.store(trace)
         if ending != "cut off":
             kit.processing.close_survey(SURVEY, ending)
+        kit.processing.add_marker(SURVEY, marker(2))
+        kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
         shutil.copytree(str(place / "open"), str(place / "data"))
         kit.processing.shut_down()
         made[ending] = place / "data" / folder.name
@@ -107,17 +117,28 @@ def data_of(files):
 def intact_forms(before, after, index):
     """Return the files that hold a trace and were not damaged."""
     name = next(one for one in before if one.startswith(f"traces/{index:06d}_"))
-    return [one for one in (name, "survey.bag", "survey.mcap") if after.get(one) == before[one]]
+    return [one for one in (name, "survey.mcap") if after.get(one) == before[one]]
 
 
-def check_not_stored(folder, before, after, index) -> None:
-    """A trace on which JSON and bag contradict each other, with nothing to decide between them,
-    is measured again; what the intact one holds of it is kept."""
-    assert after.get("survey.mcap") != before["survey.mcap"]
-    assert after.get("manifest.json") != before.get("manifest.json") or "manifest.json" not in after
-    kept = [path.read_bytes() for path in (folder / "damaged").iterdir()]
-    for name in intact_forms(before, after, index):
-        assert before[name] in kept
+def is_noted(before, after) -> bool:
+    """Return whether a form of the log was not damaged."""
+    return any(after.get(one) == before[one] for one in ("survey.json", "log.jsonl"))
+
+
+def check_facts(folder, before, after) -> None:
+    """What was noted is all there, or what is missing is named; none of it is another."""
+    description = read_description(folder)
+    found = {one.marker_id: one for one in markers_of(description)}
+    for number in (1, 2):
+        one = found.pop(marker(number).marker_id, None)
+        assert one is not None or description["unconfirmed"]
+        if one is not None:
+            assert one.same_request(marker(number))
+            assert one.is_present is (number == 2) or description["unconfirmed"]
+    assert not found
+    assert annotation_of(description) == EXAMPLE or description["unconfirmed"]
+    if is_noted(before, after):
+        assert "unconfirmed" not in description
 
 
 def reopen(kit, folder, before, after):
@@ -129,12 +150,7 @@ def reopen(kit, folder, before, after):
         if data_of(before) == data_of(after):
             assert error.message.fault_code == "survey.complete"
             return None
-        if error.message.fault_code == "survey.other_description":
-            # A flipped digit of the survey's id, and no trace is intact in any form.
-            traces = [name for name in before if name.startswith("traces/")]
-            assert not any(intact_forms(before, after, index) for index in range(len(traces)))
-            return None
-        for name in ("survey.json", "survey.mcap"):
+        for name in ("survey.json", "log.jsonl", "survey.mcap"):
             assert after.get(name) != before[name], str(error)
         return None
 
@@ -159,15 +175,15 @@ def check(number, whole, place) -> None:
     finally:
         kit.processing.shut_down()
     assert_whole(folder, TRACES)
-    damaged = [name for name in SINGLE.values() if after.get(name) != before.get(name)]
-    if not {"survey.json", "survey.mcap"} <= set(damaged):
-        assert verify_survey(folder).status == COMPLETE, verify_survey(folder).faults
+    check_facts(folder, before, after)
+    found = verify_survey(folder)
+    assert found.status == COMPLETE or (not found.faults and found.unconfirmed), found.faults
+    assert found.status == COMPLETE or not is_noted(before, after), found.unconfirmed
 
 
 def check_reopened(folder, before, after, count, stored) -> None:
     for index in range(count):
-        if index not in stored and intact_forms(before, after, index):
-            check_not_stored(folder, before, after, index)
+        assert index in stored or not intact_forms(before, after, index)
     for path in (folder / "traces").iterdir():
         values = read_json(path)
         assert_same_numbers(TRACES[values["index"]], values)

@@ -1,7 +1,8 @@
 """Random requests to the storage while its disk is full, loses its power or its process is killed.
 
-Whatever happens: each trace that was acknowledged is in each of the three forms, each that is
-stored is published once by a process, nothing else is stored, and every survey can be finished.
+Whatever happens: each trace that was acknowledged is in its JSON file and in the MCAP, each that is
+stored is published once by a process, nothing else is stored, each marker and report that was
+acknowledged is in the log, and every survey can be finished.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ from trace_examples import STARTED_US, SURVEY, read_json
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import ProcessingError, StorageFailedError
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE, SURVEY_FILE, survey_folder
 from gpr20_survey.plan.markers import Marker, markers_of
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import recorded_trace
@@ -53,7 +54,6 @@ class Known:
 
     is_open: bool = False
     """Whether its opening was acknowledged, ever."""
-    was_tried: bool = False
     stored: Dict[int, object] = field(default_factory=dict)
     uncertain: Set[int] = field(default_factory=set)
     """Traces that were sent and not acknowledged."""
@@ -64,6 +64,12 @@ class Known:
     """Whether a close was begun that was not acknowledged."""
     spoiled: bool = False
     """Whether somebody removed a recording, and it was not reopened since."""
+
+    @property
+    def has_content(self) -> bool:
+        """Whether anything was stored or noted since it was opened."""
+        added = self.stored or self.uncertain or self.reports or self.markers
+        return bool(added or self.outcome or self.may_have_ended)
 
 
 class StorageMachine(RuleBasedStateMachine):
@@ -136,11 +142,10 @@ class StorageMachine(RuleBasedStateMachine):
         self.data = place
         for survey, known in self.known.items():
             if known.is_open and not known.spoiled:
-                folder = self.folder_of(survey)
-                for stored in (StoredBag(folder / BAG_FILE), StoredMcap(folder / MCAP_FILE)):
-                    found = [recorded_trace(message) for message in stored.messages()]
-                    prints = {one.fingerprint() for one in found if one is not None}
-                    assert {one.fingerprint() for one in known.stored.values()} <= prints
+                mcap = StoredMcap(self.folder_of(survey) / MCAP_FILE)
+                found = [recorded_trace(message) for message in mcap.messages()]
+                prints = {one.fingerprint() for one in found if one is not None}
+                assert {one.fingerprint() for one in known.stored.values()} <= prints
         self.begin_process()
 
     def note_published(self):
@@ -162,11 +167,11 @@ class StorageMachine(RuleBasedStateMachine):
         if self.current:
             again = self.current == survey and self.opened_new
             allowed = [""] if again else ["survey.other_open"]
-        elif known.is_open:
+        elif known.is_open and known.has_content:
             allowed = ["survey.folder_exists"]
         else:
-            allowed = ["", "survey.folder_exists"] if known.was_tried else [""]
-        known.was_tried = True
+            # A failed opening can be repeated.
+            allowed = ["", "survey.folder_exists"] if known.is_open else [""]
         folder = self.request(
             lambda: self.kit.open(survey, metadata_json=METADATA), allowed, failure
         )
@@ -335,7 +340,7 @@ class StorageMachine(RuleBasedStateMachine):
                 folder = self.folder_of(survey)
                 files = {int(one.name[:6]) for one in folder.glob("traces/*.json")}
                 assert known.stored.keys() <= files <= known.stored.keys() | known.uncertain
-                description = read_json(folder / SURVEY_FILE)
+                description = recover(folder).description
                 assert known.markers <= {one.marker_id for one in markers_of(description)}
                 assert description.get("report", {"number": 0})["number"] >= known.reports
 

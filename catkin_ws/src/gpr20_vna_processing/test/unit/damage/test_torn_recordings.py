@@ -8,9 +8,9 @@ import pytest
 from storage_kit import Kit, text_message
 from trace_examples import STARTED_US, SURVEY, make_trace
 
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import recorded_trace
@@ -37,10 +37,13 @@ def snapshots(tmp_path_factory):
 
 
 def read(kind, path):
-    """Return the prints of the traces that a file holds, and whether it is whole to its end."""
-    stored = StoredBag(path) if kind == "bag" else StoredMcap(path)
+    """Return the prints of the traces that a file holds, and what is wrong in it.
+
+    Nobody says of a bag whether it is whole to its end.
+    """
+    mcap = StoredMcap(path)
     prints, wrong = {}, 0
-    for message in stored.messages():
+    for message in complete_messages(path) if kind == "bag" else mcap.messages():
         try:
             trace = recorded_trace(message)
         except TraceRefusedError:
@@ -52,7 +55,7 @@ def read(kind, path):
             wrong += 1
         elif trace is not None:
             prints[trace.index] = trace.fingerprint()
-    return prints, [*stored.faults, *["damaged trace"] * wrong]
+    return prints, [*mcap.faults, *["damaged trace"] * wrong]
 
 
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
@@ -104,32 +107,17 @@ def test_an_mcap_changed_in_any_byte_holds_no_wrong_trace(snapshots, tmp_path, w
         assert prints.items() <= PRINTS.items()
 
 
-@pytest.mark.parametrize("kind", ["bag", "mcap"])
-def test_two_damaged_traces_are_passed_over_and_the_next_is_read(kind, snapshots, tmp_path):
-    changed = bytearray((snapshots / "end" / f"survey.{kind}").read_bytes())
-    lengths = [len((snapshots / f"{index}" / f"survey.{kind}").read_bytes()) for index in range(4)]
+def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_path):
+    changed = bytearray((snapshots / "end" / "survey.mcap").read_bytes())
+    lengths = [len((snapshots / f"{index}" / "survey.mcap").read_bytes()) for index in range(4)]
     for middle in ((lengths[0] + lengths[1]) // 2, (lengths[1] + lengths[2]) // 2):
         changed[middle : middle + 40] = bytes(40)
     (tmp_path / "changed").write_bytes(changed)
-    prints, faults = read(kind, tmp_path / "changed")
+    prints, faults = read("mcap", tmp_path / "changed")
     assert faults
     assert prints == {index: PRINTS[index] for index in prints}
     assert {0, 3} <= prints.keys()
     assert not {1, 2} <= prints.keys()
-
-
-@pytest.mark.parametrize("when", ["3", "end"])
-def test_a_bag_changed_in_any_byte_is_read_without_failing(snapshots, tmp_path, when):
-    content = (snapshots / when / "survey.bag").read_bytes()
-    start = content.index(b"op=\x05")
-    for place in range(start, len(content), 11):
-        changed = bytearray(content)
-        changed[place] ^= 1 << (place % 8)
-        (tmp_path / "changed").write_bytes(changed)
-        prints, faults = read("bag", tmp_path / "changed")
-        # A bag has no checksums: a trace may be another, which its JSON and the MCAP tell.
-        wrong = sum(prints.get(index) != PRINTS[index] for index in PRINTS)
-        assert wrong <= 1 or faults
 
 
 def test_a_json_file_cut_at_any_byte_is_no_trace(tmp_path):
@@ -141,20 +129,3 @@ def test_a_json_file_cut_at_any_byte_is_no_trace(tmp_path):
             trace_files.read_trace(path, SURVEY)
     path.write_bytes(content)
     assert trace_files.read_trace(path, SURVEY).fingerprint() == PRINTS[0]
-
-
-def test_a_json_file_changed_in_any_byte_is_no_trace_or_the_fingerprint_tells(tmp_path):
-    content = trace_json.encode(TRACES[0])
-    path = tmp_path / "000000_X0050.00_Y0012.35_Z+090.00.json"
-    same = 0
-    for place in range(len(content)):
-        changed = bytearray(content)
-        changed[place] ^= 0x01
-        path.write_bytes(changed)
-        try:
-            trace = trace_files.read_trace(path, SURVEY)
-        except TraceRefusedError:
-            continue
-        # Some digits lie beyond what a float64 holds.
-        same += trace.fingerprint() == PRINTS[0]
-    assert same < 5

@@ -1,4 +1,4 @@
-"""Every key of survey.json changed in turn: the survey continues with its own plan, or is refused.
+"""Every key of survey.json changed in turn: it is noticed, and the log corrects it.
 
 GPR20_DAMAGES sets how many random bits are flipped, and that every key is changed with every way
 in which a survey ends; GPR20_DAMAGE_SEED repeats those of a run.
@@ -14,6 +14,8 @@ import random
 import shutil
 
 import pytest
+from annotation_examples import EXAMPLE
+from log_examples import marker
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit, text_message
@@ -24,6 +26,7 @@ from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.description_differences import differences
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.recording.recordings import open_recordings
 
 FLIPS = int(os.environ.get("GPR20_DAMAGES", "20"))
@@ -46,6 +49,8 @@ def surveys(tmp_path_factory):
         kit = Kit(place / "open", open_recordings)
         folder = kit.open(metadata_json=DESCRIBED)
         kit.processing.report(SURVEY, json.dumps(REPORT))
+        kit.processing.add_marker(SURVEY, marker(1))
+        kit.processing.annotate(SURVEY, EXAMPLE)
         for trace in TRACES[:count]:
             kit.processing.record(text_message("/control_status", f"measuring {trace.index}"))
             kit.processing.store(trace)
@@ -120,29 +125,17 @@ def check(whole, folder, content, ending):
     original = json.loads((folder / "survey.json").read_text())
     (folder / "survey.json").write_bytes(content)
     found = verify_survey(folder)
-    if ending != "cut off":
-        assert found.status == DAMAGED
-    assert found.status != COMPLETE
-    try:
-        own = survey_metadata.read_description(folder / "survey.json")
-    except SurveyRefusedError:
-        own = None
-    if own is not None:
-        named = " ".join(map(str, found.faults))
-        for one in differences(own, original):
-            if one.key not in ("survey_id",):
-                assert one.key.split("/")[0] in named, (one, named)
+    assert found.status == DAMAGED
+    assert "survey.json" in " ".join(map(str, found.faults))
     resumed = resume_and_finish(folder)
     assert not isinstance(resumed, str), resumed
-    shown = " ".join(map(str, resumed.repairs))
-    changes = differences(own, original) if own is not None else []
-    for one in changes[:10]:
-        assert one.key in shown, (one, shown)
-    if own is None or changes:
-        kept = [path.read_bytes() for path in (folder / "damaged").glob("survey.json*")]
-        assert content in kept
-    final = json.loads((folder / "survey.json").read_text())
+    assert "survey.json" in " ".join(map(str, resumed.repairs))
+    kept = [path.read_bytes() for path in (folder / "damaged").glob("survey.json*")]
+    assert content in kept
+    final = read_description(folder)
     assert differences(final, original) == []
+    assert (final["report"], final["markers"]) == (original["report"], original["markers"])
+    assert final["annotation"] == original["annotation"]
     assert_whole(folder, TRACES)
     assert verify_survey(folder).status == COMPLETE, verify_survey(folder).faults
 

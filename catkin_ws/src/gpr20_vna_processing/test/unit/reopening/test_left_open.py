@@ -80,13 +80,13 @@ def test_a_survey_that_could_not_be_reopened_can_be_reopened_by_another_process(
     first, second = (Kit(tmp_path / "data", open_recordings) for _ in range(2))
     folder = first.open(metadata_json=METADATA)
     first.processing.close_survey(SURVEY, "interrupted")
-    whole = (folder / "survey.json").read_bytes()
-    (folder / "survey.json").unlink()
-    (folder / "survey.json").mkdir()
+    whole = (folder / "survey.mcap").read_bytes()
+    (folder / "survey.mcap").unlink()
+    (folder / "survey.mcap").mkdir()
     with pytest.raises((SurveyRefusedError, StorageFailedError)):
         first.processing.reopen_survey(SURVEY)
-    (folder / "survey.json").rmdir()
-    (folder / "survey.json").write_bytes(whole)
+    (folder / "survey.mcap").rmdir()
+    (folder / "survey.mcap").write_bytes(whole)
     assert second.processing.reopen_survey(SURVEY).stored_indices == ()
     for kit in (first, second):
         kit.processing.shut_down()

@@ -1,16 +1,21 @@
-"""survey.json gone or damaged: the survey continues with the copy in survey.mcap, or is refused."""
+"""survey.json gone or damaged: the log or survey.mcap says what it was, or it is refused."""
 
 from __future__ import annotations
 
 import json
 
 import pytest
+from annotation_examples import EXAMPLE
 from fault_kit import raises_fault
+from log_examples import make_former, marker
 from reopening_kit import assert_whole
-from trace_examples import STARTED_US, SURVEY, make_trace
+from trace_examples import STARTED_US, SURVEY, make_trace, read_json
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.recovery import LATER, read_description
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import markers_of
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 METADATA = {"simulated": True, "parameters": {"x_points": 2}, "planned_traces": 4}
@@ -42,7 +47,7 @@ def flip(path):
 
 @pytest.mark.parametrize("damage", [empty, cut, flip, lambda path: path.unlink()])
 @pytest.mark.parametrize("by_folder", [False, True])
-def test_a_survey_goes_on_with_the_copy_of_its_description(kit, folder, damage, by_folder):
+def test_a_survey_goes_on_with_what_its_log_says(kit, folder, damage, by_folder):
     path = folder / "survey.json"
     damage(path)
     left = path.read_bytes() if path.exists() else None
@@ -64,7 +69,7 @@ def damage_sealed_copy(folder):
     (folder / "survey.mcap").write_bytes(content[:place] + b'"y' + content[place + 2 :])
 
 
-def test_two_other_copies_that_agree_replace_a_sealed_one_that_is_damaged(kit, folder):
+def test_the_log_replaces_a_sealed_copy_that_is_damaged(kit, folder):
     empty(folder / "survey.json")
     damage_sealed_copy(folder)
     reopened = kit.processing.reopen_survey(SURVEY)
@@ -72,27 +77,62 @@ def test_two_other_copies_that_agree_replace_a_sealed_one_that_is_damaged(kit, f
     assert json.loads(reopened.metadata_json) == METADATA
 
 
+@pytest.mark.parametrize("attachment", [True, False])
+def test_without_the_log_the_mcap_holds_what_was_noted_while_it_was_recorded(
+    kit, folder, attachment
+):
+    """Only how the survey ended is lost, and named for ever."""
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    kit.processing.add_marker(SURVEY, marker(1))
+    kit.processing.report(SURVEY, '{"verdict": "some"}')
+    kit.processing.close_survey(SURVEY, "stopped")
+    log = read_json(folder / "survey.json")["log"]
+    ends = [one["number"] for one in log if one["kind"] == "end"]
+    assert len(ends) == 2
+    empty(folder / "survey.json")
+    (folder / "log.jsonl").unlink()
+    if not attachment:
+        damage_sealed_copy(folder)
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices == (0, 1, 2)
+    assert json.loads(reopened.report_json) == {"verdict": "some"}
+    for _ in range(2):
+        description = read_description(folder)
+        assert annotation_of(description) == EXAMPLE
+        (found,) = markers_of(description)
+        assert found.same_request(marker(1))
+        assert set(description["unconfirmed"]) == {f"record {number}" for number in ends}
+        kit.processing.close_survey(SURVEY, "stopped")
+        kit.processing.reopen_survey(SURVEY)
+
+
 def test_a_copy_that_is_damaged_too_is_not_believed(kit, folder):
     empty(folder / "survey.json")
-    (folder / "survey.bag").unlink()
-    damage_sealed_copy(folder)
+    (folder / "log.jsonl").unlink()
+    empty(folder / "survey.mcap")
     with raises_fault("survey.description_lost", "survey.json", error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
 
-def test_a_single_copy_without_a_plan_is_not_believed(kit, folder):
+@pytest.mark.parametrize("with_bag", [True, False])
+def test_without_any_copy_the_survey_is_refused(kit, folder, with_bag):
     empty(folder / "survey.json")
+    (folder / "log.jsonl").unlink()
     (folder / "survey.mcap").unlink()
-    with raises_fault("survey.description_lost", error=SurveyRefusedError):
-        kit.processing.reopen_survey(SURVEY)
-
-
-def test_without_a_recording_the_survey_is_refused(kit, folder):
-    empty(folder / "survey.json")
-    (folder / "survey.mcap").unlink()
-    (folder / "survey.bag").unlink()
+    if not with_bag:
+        (folder / "survey.bag").unlink()
     with raises_fault("survey.description_lost", "survey.json", error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
+
+
+def test_a_survey_of_an_earlier_version_goes_on_with_the_copy_in_the_mcap(kit, folder):
+    make_former(folder)
+    empty(folder / "survey.json")
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices == (0, 1, 2)
+    assert json.loads(reopened.metadata_json) == METADATA
+    assert list(read_description(folder)["unconfirmed"]) == [LATER]
 
 
 def test_the_description_of_another_survey_is_not_taken_for_this_ones(kit, folder):
@@ -125,6 +165,7 @@ def test_a_description_with_another_id_is_corrected(kit, folder):
 
 
 def test_without_a_copy_a_description_with_another_id_does_not_cost_the_traces(kit, folder):
+    make_former(folder)
     with_another_id(folder)
     (folder / "survey.mcap").unlink()
     before = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}

@@ -14,6 +14,7 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 from gpr20_analysis.read.manifest_check import Seal, check_manifest
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files import durable_files
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.recording.recordings import open_recordings
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
@@ -70,8 +71,12 @@ def put_pipe(path):
     os.mkfifo(str(path))
 
 
+def checked(folder):
+    return check_manifest(folder, SURVEY, recover(folder).found.records)
+
+
 def differences(folder):
-    found = check_manifest(folder, SURVEY)
+    found = checked(folder)
     assert found.seal is Seal.VALID
     return found.differences
 
@@ -156,7 +161,7 @@ def test_a_strange_thing_beside_the_data_does_not_keep_a_survey_open_but_is_told
 def test_a_check_does_not_wait_for_what_stands_in_the_place_of_the_manifest(folder, put):
     (folder / "manifest.json").unlink()
     put(folder / "manifest.json")
-    assert check_manifest(folder, SURVEY).damage.fault_code == "storage.not_a_file"
+    assert checked(folder).damage.fault_code == "storage.not_a_file"
 
 
 def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(kit, folder):

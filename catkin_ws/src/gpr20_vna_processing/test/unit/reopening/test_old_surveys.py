@@ -13,12 +13,11 @@ from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
 
-from gpr20_analysis.read.recording_check import RecordingComparison
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.recording.bag_reader import StoredBag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
@@ -73,6 +72,10 @@ def old_trace(version, index, survey_id=SURVEY):
     return planned_trace(index, survey_id, analyzer=VERSIONS[version][1], aux=(), zeros=())
 
 
+def mcap_messages(folder):
+    return StoredMcap(folder / "survey.mcap").messages()
+
+
 def store_the_rest(kit, traces):
     for trace in traces[CUT_OFF_AFTER:]:
         kit.processing.store(trace)
@@ -124,9 +127,9 @@ def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data, traces,
         "/trace": {VERSIONS[version][0]},
         f"/trace_{trace_message.MD5SUM[:8]}": {trace_message.MD5SUM},
     }
-    for stored in (StoredBag(folder / "survey.bag"), StoredMcap(folder / "survey.mcap")):
+    for messages in (complete_messages(folder / "survey.bag"), mcap_messages(folder)):
         types = {}
-        for message in stored.messages():
+        for message in messages:
             if message.datatype == trace_message.DATATYPE:
                 types.setdefault(message.topic, set()).add(message.md5sum)
         assert types == expected
@@ -156,7 +159,29 @@ def test_the_recordings_of_a_resumed_survey_agree_without_a_manifest(kit, data, 
     store_the_rest(kit, traces)
     kit.processing.close_survey(OTHER_SURVEY, "finished")
     (folder / "manifest.json").unlink()
-    assert RecordingComparison(folder).faults == []
+    (fault,) = verify_survey(folder).faults
+    assert fault.fault_code == "analysis.manifest"
+
+
+@pytest.mark.parametrize("ended", [True, False])
+def test_a_survey_whose_description_is_lost_goes_on_with_the_copy_of_its_start(
+    kit, data, finished, traces, ended
+):
+    survey_id = SURVEY if ended else OTHER_SURVEY
+    folder = folder_of(data, survey_id)
+    kit.processing.annotate(survey_id, EXAMPLE)
+    for name in ("survey.json", "log.jsonl"):
+        (folder / name).unlink()
+    stored = kit.processing.reopen_survey(survey_id).stored_indices
+    assert stored == tuple(range(len(POINTS) if ended else CUT_OFF_AFTER))
+    if not ended:
+        store_the_rest(kit, traces)
+    kit.processing.close_survey(survey_id, "finished")
+    assert_whole(folder, finished if ended else traces)
+    # Whatever was noted of it is lost, and it is never called intact again.
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (INCOMPLETE, [])
+    assert found.unconfirmed
 
 
 @pytest.mark.parametrize(("survey_id", "status"), [(SURVEY, COMPLETE), (OTHER_SURVEY, INCOMPLETE)])

@@ -1,15 +1,22 @@
-"""Every trace that is stored is published once, whatever failed between storing and publishing."""
+"""Every trace and every record of the log is published once, whatever failed before that."""
 
 from __future__ import annotations
 
 import contextlib
 
 import pytest
+from annotation_examples import EXAMPLE
+from log_examples import marker
+from planned_survey import METADATA
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY, make_trace
 
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.folder.recovery import recover
+from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import recorded_log
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(6)]
 
@@ -64,9 +71,44 @@ def test_a_trace_that_is_not_stored_any_more_is_not_published(kit, folder, tmp_p
     with pytest.raises(StorageFailedError):
         kit.processing.store(TRACES[3])
     next((folder / "traces").glob("000003_*")).unlink()
-    (folder / "survey.bag").unlink()
     kit.processing.reopen_survey(SURVEY)
     assert published(kit) == [0, 1, 2]
+
+
+def test_every_record_of_the_log_is_recorded_and_published_when_it_is_durable(kit, tmp_path):
+    folder = kit.open(metadata_json=METADATA)
+    kit.processing.annotate("", EXAMPLE)
+    kit.processing.add_marker("", marker(1))
+    kit.processing.add_marker("", marker(1))  # a repeated request says nothing new
+    kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
+    kit.processing.report(SURVEY, '{"verdict": "none"}')
+    kit.processing.close_survey(SURVEY, "stopped")
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.close_survey(SURVEY, "stopped")
+    kinds = ["annotation", "marker", "marker_removed", "report"]
+    assert [record.kind for record in map(recorded_log, kit.logged)] == kinds
+    added = recover(folder).found.records
+    assert [one.kind for one in added] == ["plan", *kinds, "end", "resume", "end"]
+    expected = [one for one in added if one.kind != "end"]  # written when nothing records any more
+    mcap = [recorded_log(one) for one in StoredMcap(folder / "survey.mcap").messages()]
+    bag = [recorded_log(one) for one in complete_messages(folder / "survey.bag")]
+    assert [one for one in mcap if one] == [one for one in bag if one] == expected
+
+
+def test_a_record_that_is_not_durable_is_not_published(kit, monkeypatch):
+    kit.open(metadata_json=METADATA)
+
+    def refuse(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", refuse)
+        with pytest.raises(StorageFailedError):
+            kit.processing.add_marker("", marker(1))
+    assert kit.logged == []
+    kit.processing.add_marker("", marker(2))
+    (message,) = kit.logged
+    assert recorded_log(message).values["marker_id"] == marker(2).marker_id
 
 
 def test_a_clock_that_was_set_back_makes_no_trace_be_published_twice(kit):
