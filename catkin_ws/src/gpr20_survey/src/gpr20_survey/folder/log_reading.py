@@ -59,7 +59,7 @@ class FoundLog:
         behind: Whether one of them lacks the last record, as after a power cut while it was added.
         has_log: Whether there is a log; a survey of an earlier version has survey.json alone.
         own: The content of survey.json without its records; None if it cannot be read.
-        only_recorded: Whether neither file holds a record, but a recording does.
+        has_open_end: Whether neither file shows that the last of `records` is the last of the log.
     """
 
     records: Tuple[LogRecord, ...] = ()
@@ -70,7 +70,7 @@ class FoundLog:
     behind: bool = False
     has_log: bool = False
     own: Optional[Dict[str, Any]] = None
-    only_recorded: bool = False
+    has_open_end: bool = False
 
     @property
     def is_whole(self) -> bool:
@@ -119,7 +119,7 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
         State.BEHIND in states.values(),
         True,
         own,
-        not in_log and not in_view,
+        (own is None and (not lines or lines[-1] != b"")) or not (in_log or in_view),
     )
 
 

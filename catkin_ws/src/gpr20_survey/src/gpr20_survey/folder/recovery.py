@@ -68,22 +68,21 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> RecoveredSurvey:
+def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:
         folder: The survey's folder.
         recorded: Records of its log that were found in a recording.
-        last: Number of a record that its log is known to have had.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
-    recorded = list(recorded)
+    recorded, last = list(recorded), -1
     try:
-        found = read_log(folder, recorded, last)
+        found = read_log(folder, recorded)
         if found.damage or found.lost:
-            last = max(last, sealed_end(folder))
+            last = _sealed_end(folder)
             found = read_log(folder, recorded, last)
     except SurveyRefusedError as error:
         sealed = _sealed_for(folder)
@@ -98,13 +97,8 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"]
-<<<<<<< HEAD
-    if found.has_open_end:
-        unconfirmed.update(_later_lost(found.records[-1].number))
-=======
-    if found.only_recorded and last < 0:
+    if found.has_open_end and last < 0:
         unconfirmed = {**unconfirmed, **_later_lost()}
->>>>>>> w-teststore
     return RecoveredSurvey(description, found, unconfirmed)
 
 
@@ -115,9 +109,8 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
         SurveyRefusedError: Nothing in the folder describes the survey.
         OSError: The MCAP cannot be read.
     """
-    last = sealed_end(folder)
     try:
-        recovered = recover(folder, last=last)
+        recovered = recover(folder)
         found = recovered.found
         is_former = found.own is not None and not found.has_log
         if is_former or (found.has_log and not found.damage and not found.lost):
@@ -125,7 +118,7 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
     messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    return recover(folder, filter(None, map(recorded_log, messages)), last)
+    return recover(folder, filter(None, map(recorded_log, messages)))
 
 
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
@@ -170,7 +163,7 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     return log
 
 
-def sealed_end(folder: Path) -> int:
+def _sealed_end(folder: Path) -> int:
     """Return the number of the last record of the log that a manifest names; -1 if none does."""
     try:
         sealed = manifest.read_manifest(folder)
@@ -285,15 +278,9 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
     return [name for name in names if name not in left_out]
 
 
-<<<<<<< HEAD
-def _later_lost(last: int = 0) -> Dict[str, Any]:
-    reason = {"reason": "survey.json and the end of log.jsonl cannot be read"}
-    return {f"everything after record {last}": reason}
-=======
 def _later_lost() -> Dict[str, Any]:
-    reason = {"reason": "survey.json and log.jsonl cannot be read"}
+    reason = {"reason": "survey.json and the end of log.jsonl cannot be read"}
     return {LATER: reason}
->>>>>>> w-teststore
 
 
 def _keep_damaged(folder: Path, name: str) -> None:
