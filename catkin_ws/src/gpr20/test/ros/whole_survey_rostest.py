@@ -57,6 +57,7 @@ GRAPH_TOPICS = {
     *(f"/{axis}_axis/{topic}" for axis in "xyz" for topic in AXIS_TOPICS),
     "/measured_height",
     "/trace",
+    "/survey_log",
     "/survey_metadata",
     "/control_status",
     "/control_target_coordinate",

@@ -13,6 +13,7 @@ import time
 import numpy as np
 import psutil
 import pytest
+import xarray as xr
 from distributed import LocalCluster
 from survey_kit import POINTS, make_survey
 
@@ -116,7 +117,9 @@ def test_the_survey_of_a_killed_worker_is_computed_by_another(surveys, tmp_path)
     assert sorted(one.name for one in into.glob("[!.]*")) == names
     for survey, name in zip(surveys, names):
         assert main([*IMAGE.split(), survey, "-o", str(alone / name)]) == 0
-        assert load_survey(into / name).identical(load_survey(alone / name))
+        # Another number of threads adds the same numbers in another order.
+        made, expected = load_survey(into / name), load_survey(alone / name)
+        xr.testing.assert_allclose(made, expected, rtol=1e-6, atol=1e-6)
 
 
 def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(tmp_path, batch):

@@ -59,7 +59,7 @@ class FoundLog:
         agrees: Whether every entry of both files is right and both have the same.
         has_log: Whether there is a log; a survey of an earlier version has survey.json alone.
         own: The content of survey.json without its records; None if it cannot be read.
-        has_open_end: Whether nothing shows that the last of `records` is the last of the log.
+        has_open_end: Whether neither file shows that the last of `records` is the last of the log.
         lines: The lines of log.jsonl; None if it cannot be read.
         view: The bytes of survey.json.
     """
@@ -138,15 +138,14 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
         agrees=not damaged and in_log.keys() == in_view.keys(),
         has_log=True,
         own=own,
-        has_open_end=last < 0 and _has_open_end(own, lines, not in_log and not in_view),
+        has_open_end=not (in_log or in_view) or (own is None and _is_torn(lines)),
         lines=lines,
         view=content,
     )
 
 
-def _has_open_end(own: Any, lines: Optional[Sequence[bytes]], only_recorded: bool) -> bool:
-    torn = not lines or lines[-1] != b""
-    return only_recorded or (own is None and torn)
+def _is_torn(lines: Optional[Sequence[bytes]]) -> bool:
+    return not lines or lines[-1] != b""
 
 
 def _read_lines(path: Path) -> Optional[List[bytes]]:

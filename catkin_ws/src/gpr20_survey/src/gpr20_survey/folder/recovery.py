@@ -28,6 +28,7 @@ from gpr20_survey.recording.survey_topics import recorded_log
 
 NO_COPY = "no copy of survey.json confirms it"
 PLAN = "plan"
+LATER = "everything that was not recorded"
 WRONG_FORM = "it is not as the storage writes it"
 MAX_RESUMPTIONS = 100_000
 # How survey.json begins.
@@ -71,29 +72,28 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> RecoveredSurvey:
+def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:
         folder: The survey's folder.
         recorded: Records of its log that were found in a recording.
-        last: Number of a record that its log is known to have had.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
-    recorded = list(recorded)
+    recorded, last = list(recorded), -1
     try:
-        found = read_log(folder, recorded, last)
+        found = read_log(folder, recorded)
         if not found.agrees or found.lost:
-            last = max(last, sealed_end(folder))
+            last = _sealed_end(folder)
             found = read_log(folder, recorded, last)
     except SurveyRefusedError as error:
         sealed = _sealed_for(folder)
         if sealed is None:
             # Resuming, which repairs it as long as there is a copy, does not help.
             raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
-        return RecoveredSurvey(start_of(sealed), FoundLog(), later_lost())
+        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
     if not found.has_log:
         return _former(folder, found)
     if not found.records or found.records[0].kind != Kind.PLAN.value:
@@ -101,8 +101,8 @@ def recover(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) ->
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"]
-    if found.has_open_end:
-        unconfirmed.update(_later_lost(found.records[-1].number))
+    if found.has_open_end and last < 0:
+        unconfirmed = {**unconfirmed, **_later_lost()}
     return RecoveredSurvey(description, found, unconfirmed)
 
 
@@ -113,9 +113,8 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
         SurveyRefusedError: Nothing in the folder describes the survey.
         OSError: The MCAP cannot be read.
     """
-    last = sealed_end(folder)
     try:
-        recovered = recover(folder, last=last)
+        recovered = recover(folder)
         found = recovered.found
         is_former = found.own is not None and not found.has_log
         if is_former or (found.has_log and found.agrees and not found.lost):
@@ -123,7 +122,7 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
     messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    return recover(folder, filter(None, map(recorded_log, messages)), last)
+    return recover(folder, filter(None, map(recorded_log, messages)))
 
 
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:
@@ -168,7 +167,7 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     return log
 
 
-def sealed_end(folder: Path) -> int:
+def _sealed_end(folder: Path) -> int:
     """Return the number of the last record of the log that a manifest names; -1 if none does."""
     try:
         sealed = manifest.read_manifest(folder)
@@ -283,9 +282,9 @@ def _later_entries(own: Dict[str, Any], left_out: Tuple[str, ...]) -> List[str]:
     return [name for name in names if name not in left_out]
 
 
-def _later_lost(last: int = 0) -> Dict[str, Any]:
+def _later_lost() -> Dict[str, Any]:
     reason = {"reason": "survey.json and the end of log.jsonl cannot be read"}
-    return {f"everything after record {last}": reason}
+    return {LATER: reason}
 
 
 def _keep_damaged(folder: Path, name: str) -> None:

@@ -13,7 +13,7 @@ from trace_examples import STARTED_US, SURVEY, make_trace, read_json
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import LATER, read_description
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import markers_of
 
@@ -132,7 +132,7 @@ def test_a_survey_of_an_earlier_version_goes_on_with_the_copy_in_the_mcap(kit, f
     reopened = kit.processing.reopen_survey(SURVEY)
     assert reopened.stored_indices == (0, 1, 2)
     assert json.loads(reopened.metadata_json) == METADATA
-    assert list(read_description(folder)["unconfirmed"]) == ["everything after record 0"]
+    assert list(read_description(folder)["unconfirmed"]) == [LATER]
 
 
 def test_the_description_of_another_survey_is_not_taken_for_this_ones(kit, folder):
