@@ -60,7 +60,7 @@ class RepairedSurvey:
 
     log: SurveyLog
     added: Tuple[LogRecord, ...]
-    """The records of the log that were added now."""
+    """The records of the log that the recordings lack."""
     recordings: List[Recording]
     """Open at their ends."""
     stored: Dict[int, TraceFile]
@@ -145,13 +145,19 @@ class Reopening:
                 raise
         return RepairedSurvey(
             log,
-            log.records[len(self._recovered.found.records) :],
+            self._not_recorded(log),
             recordings,
             self._files,
             recent,
             tuple(self._repairs),
             self._stored.mcap.types,
         )
+
+    def _not_recorded(self, log: SurveyLog) -> Tuple[LogRecord, ...]:
+        """Return those added now, and those that came after the last commit or the end."""
+        recorded = self._stored.mcap.log
+        missing = (one for one in log.records if one.sha256 not in recorded)
+        return tuple(one for one in missing if one.values is not None)
 
     def _start_copy(self) -> Dict[str, Any]:
         """Return the MCAP's copy: it stays as it is when the file is written again."""

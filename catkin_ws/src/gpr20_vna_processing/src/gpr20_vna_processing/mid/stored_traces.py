@@ -13,7 +13,7 @@ from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import recorded_trace
+from gpr20_survey.recording.survey_topics import recorded_log, recorded_trace
 from gpr20_survey.trace.trace import Trace
 
 Misfits = Callable[[Trace], List[Message]]
@@ -41,6 +41,8 @@ class RecordedTraces:
         """What of each trace is not as it was planned."""
         self.types: Dict[str, Set[str]] = {}
         """The checksums of the message types of each topic."""
+        self.log: Set[str] = set()
+        """The checksums of the records of the survey's log."""
         self.foreign = 0
         """How many whole traces of another survey it holds."""
         self._survey_id = survey_id
@@ -49,6 +51,9 @@ class RecordedTraces:
         found: List[Message] = []
         for place, message in enumerate(self.stored.messages()):
             self.types.setdefault(message.topic, set()).add(message.md5sum)
+            record = recorded_log(message)
+            if record is not None:
+                self.log.add(record.sha256)
             try:
                 self._note(place, message)
             except TraceRefusedError as error:
