@@ -13,12 +13,16 @@ from trace_examples import STARTED_US, SURVEY
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, sealing, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact
+from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.log_content import START, description_of
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import RecoveredSurvey, recover
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover, start_of
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import Marker, markers_of, new_marker, removed_marker
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recordings import new_mcap
+from gpr20_survey.recording.survey_topics import recorded_log
 from gpr20_survey.trace import utc_time
 
 NOW = "2026-11-21T05:10:00.000000+00:00"
@@ -160,9 +164,26 @@ def make_former(
     for path in (folder / "traces").iterdir():
         if b"sha256" in path.read_bytes():
             path.write_bytes(without_checksum(path.read_bytes()))
+    if (folder / "survey.mcap").exists():
+        _write_former_mcap(folder, described)
     if (folder / "manifest.json").exists():
         _write_former_manifest(folder, form)
     return described
+
+
+def _write_former_mcap(folder: Path, described: Dict[str, Any]) -> None:
+    path = folder / "survey.mcap"
+    copy = sealed_description(folder) or start_of(described)
+    new = new_mcap(folder / "former.mcap", copy)
+    for message in StoredMcap(path).messages():
+        if recorded_log(message) is None:
+            new.write_alone(message)
+    if described.get("ended"):
+        new.finish()
+    else:
+        new.commit()
+        new.abandon()
+    (folder / "former.mcap").replace(path)
 
 
 def _write_former_manifest(folder: Path, form: str) -> None:

@@ -318,7 +318,7 @@ def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path, 
                 failed += 1
         if calls % 2 and not opened:  # the process ends
             kit.processing.shut_down()
-        kit = Kit(data, open_recordings, check_data=lambda: None)
+            kit = Kit(data, open_recordings, check_data=lambda: None)
         folder = kit.open(metadata_json=METADATA)
         assert not any(map(durable_files.is_temporary, os.listdir(folder)))
         kit.finish(TRACES, ())

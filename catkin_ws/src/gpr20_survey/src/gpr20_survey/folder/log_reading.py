@@ -135,7 +135,7 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
         tuple(lost),
         _legible(lost, damaged),
         _contradicting(found, forms),
-        agrees=not damaged and in_log.keys() == in_view.keys(),
+        agrees=bool(in_log) and not damaged and in_log.keys() == in_view.keys(),
         has_log=True,
         own=own,
         has_open_end=not (in_log or in_view) or (own is None and _is_torn(lines)),

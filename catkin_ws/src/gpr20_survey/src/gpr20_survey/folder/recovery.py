@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
@@ -25,6 +25,7 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import recorded_log
+from gpr20_survey.trace import trace_message
 
 NO_COPY = "no copy of survey.json confirms it"
 PLAN = "plan"
@@ -121,8 +122,26 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
-    messages = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    return recover(folder, filter(None, map(recorded_log, messages)))
+    records, was_opened = _records_in(StoredMcap(folder / survey_folder.MCAP_FILE))
+    recovered = recover(folder, records)
+    if was_opened or recovered.found.agrees:
+        return recovered
+    # Nothing was acknowledged before the opening of the survey was.
+    unconfirmed = {key: one for key, one in recovered.unconfirmed.items() if key != LATER}
+    return replace(recovered, unconfirmed=unconfirmed)
+
+
+def _records_in(mcap: StoredMcap) -> Tuple[List[LogRecord], bool]:
+    """Return the records of the log, and whether more is there than opening a survey records."""
+    records: List[LogRecord] = []
+    others = has_traces = False
+    for message in mcap.messages():
+        others = True
+        has_traces = has_traces or message.datatype == trace_message.DATATYPE
+        record = recorded_log(message)
+        if record is not None:
+            records.append(record)
+    return records, has_traces or len(records) > 1 or (others and not records)
 
 
 def start_of(description: Dict[str, Any]) -> Dict[str, Any]:

@@ -178,9 +178,9 @@ class Reopening:
         if self._signer is not None and not self._was_signed and self._has_other_signature():
             entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
         sealed, log = self._sealed, self._recovered.found
-        if sealed is not None and sealed.log is not None and not log.lost:
-            if not any(sealed.covers([one]) for one in log.records):
-                entries["log"] = {"reason": "it did not end as the manifest said"}
+        covered = sealed is None or any(sealed.covers([one]) for one in log.records)
+        if sealed is not None and sealed.log is not None and not log.lost and not covered:
+            entries["log"] = {"reason": "it did not end as the manifest said"}
         unconfirmed = {**self._recovered.unconfirmed, **entries}
         return replace(self._recovered, unconfirmed=unconfirmed)
 
