@@ -124,7 +124,7 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
         pass  # what the MCAP holds decides
     records, was_opened = _records_in(StoredMcap(folder / survey_folder.MCAP_FILE))
     recovered = recover(folder, records)
-    if was_opened or recovered.found.agrees:
+    if was_opened or (recovered.found.has_log and recovered.found.agrees):
         return recovered
     # Nothing was acknowledged before the opening of the survey was.
     unconfirmed = {key: one for key, one in recovered.unconfirmed.items() if key != LATER}
