@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Optional, Sequence
+from typing import Any, Callable, Collection, Dict, Optional, Sequence
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
@@ -177,9 +177,7 @@ class DataProcessing:
             SurveyRefusedError: A value is not allowed, or there is no such survey.
             StorageFailedError: The disk refused; the call may be repeated.
         """
-        allowed = [one.value for one in NOTES]
-        if kind not in allowed:
-            raise SurveyRefusedError(not_one_of("kind", kind, allowed))
+        _check_one_of("kind", kind, [one.value for one in NOTES])
         fact = Fact(Kind(kind), survey_metadata.parse_object(values_json, "values_json"))
         return self._do(lambda: self._survey.note(survey, fact), self._limits.long_timeout_s)
 
@@ -263,8 +261,7 @@ class DataProcessing:
             SurveyRefusedError: A value is not allowed or the survey is not open.
             StorageFailedError: The disk refused; the survey is still open.
         """
-        if outcome not in OUTCOMES:
-            raise SurveyRefusedError(not_one_of("outcome", outcome, OUTCOMES))
+        _check_one_of("outcome", outcome, OUTCOMES)
         characters = len(str(reason))
         if characters > MAX_REASON_CHARACTERS:
             raise SurveyRefusedError(
@@ -340,14 +337,16 @@ class DataProcessing:
             self._note(error.message, failing=True)
 
 
-def not_one_of(place: str, value: str, allowed: Iterable[str]) -> Message:
-    """Return the refusal of a word that is none of those that are allowed."""
-    return Message(
-        "{place} is {value}; it must be one of {allowed}",
-        place=place,
-        value=repr(value[:64]),
-        allowed=", ".join(allowed),
-    )
+def _check_one_of(place: str, value: str, allowed: Collection[str]) -> None:
+    if value not in allowed:
+        raise SurveyRefusedError(
+            Message(
+                "{place} is {value}; it must be one of {allowed}",
+                place=place,
+                value=repr(value[:64]),
+                allowed=", ".join(allowed),
+            )
+        )
 
 
 def _reason(error: Exception) -> Message:
