@@ -202,4 +202,4 @@ def test_a_refused_parameter_is_told_and_the_status_says_so(tmp_path):
     ended = run_survey(tmp_path, "--x-stop", "700")
     assert ended.returncode == 1, ended.stdout + ended.stderr
     assert "x stop is 700 mm; it must lie between 0 and 650 mm" in ended.stdout + ended.stderr
-    assert not any(tmp_path.glob("*"))
+    assert not any(tmp_path.glob("[!.]*"))

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 from fault_kit import raises_fault
-from test_data_folder import content, problem_code
+from test_data_identity import content, problem_code
 
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.clock import Clock
