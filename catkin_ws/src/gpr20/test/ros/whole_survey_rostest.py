@@ -84,6 +84,7 @@ GRAPH_SERVICES = {
     "/reopen_survey",
     "/annotate_survey",
     "/mark_survey",
+    "/note_survey",
     "/report_survey",
     "/list_surveys",
     "/read_survey",
