@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import random
 import shutil
+from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE
@@ -288,6 +289,24 @@ def test_a_power_cut_at_any_call_adds_a_fact_whole_or_not_and_leaves_it_intact(
         assert (found.status, found.faults) == (COMPLETE, []), (SEED, calls)
         calls += 1
     assert seen == {2, 3} and calls > 8
+
+
+def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact(copies):
+    folder = copies("finished")
+    before, former = (folder / "log.jsonl").read_bytes(), (folder / "survey.json").read_bytes()
+    sealed = manifest.read_manifest(folder)
+    add_to_survey(folder, add_marker(3), NOW)
+    line = (folder / "log.jsonl").read_bytes()[len(before) :]
+    adding = replace(sealed, next_log=manifest.read_manifest(folder).log)
+    for size in (1, len(line) // 2, len(line) - 2):
+        (folder / "log.jsonl").write_bytes(before + line[:size])
+        (folder / "survey.json").write_bytes(former)
+        (folder / "manifest.json").write_bytes(adding.encode())
+        found = verify_survey(folder)
+        assert (found.status, found.faults) == (COMPLETE, []), size
+        add_to_survey(folder, add_marker(4), NOW)
+        assert noted(folder) == [marker(number).text for number in (1, 2, 4)]
+        assert verify_survey(folder).status == COMPLETE
 
 
 def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path, monkeypatch):

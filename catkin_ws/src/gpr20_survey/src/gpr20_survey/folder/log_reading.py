@@ -280,8 +280,8 @@ def _state_of_log(found: Sequence[LogRecord], lines: Optional[Sequence[bytes]]) 
         return State.DAMAGED
     if lines == [*expected, b""]:
         return State.WHOLE
-    # The last line may be torn.
-    return State.BEHIND if lines[:-1] == expected[: len(expected) - 1] else State.DAMAGED
+    # The last line, or one that was being added, may be torn.
+    return State.BEHIND if lines[:-1] in (expected, expected[:-1]) else State.DAMAGED
 
 
 def _state_of_view(found: Sequence[LogRecord], content: bytes) -> State:
