@@ -50,7 +50,12 @@ def log_of(folder: Path) -> Optional[Found]:
         return None
     found, last = Found(), (-1, "")
     markers: Dict[str, Dict[str, Any]] = {}
-    for line in path.read_text("ascii").splitlines():
+    # What is behind the last line feed was being added, and is not acknowledged; of a line that
+    # was torn, its last sector may be there alone.
+    *lines, _rest = path.read_bytes().split(b"\n")
+    if lines and not _is_json(lines[-1]):
+        lines.pop()
+    for line in lines:
         record = json.loads(line)
         number, kind, values = record["number"], record["kind"], record["values"]
         hashed = [number, record["time"], kind, values, record["previous"]]
@@ -60,7 +65,7 @@ def log_of(folder: Path) -> Optional[Found]:
         # values of a report that was replaced may have been left out.
         follows = number > last[0] + 1 or (number - 1, record["previous"]) == last
         if not follows or (values is not None and record["sha256"] != own_sum):
-            raise ValueError(f"log.jsonl: not as it was written: {line}")
+            raise ValueError(f"log.jsonl: not as it was written: {line!r}")
         last = number, record["sha256"]
         if kind in ("marker", "marker_removed"):
             markers.setdefault(values["marker_id"], {}).update(values)
@@ -68,6 +73,13 @@ def log_of(folder: Path) -> Optional[Found]:
             setattr(found, kind, values)
     found.markers = list(markers.values())
     return found
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        return isinstance(json.loads(line), dict)
+    except ValueError:
+        return False
 
 
 def _json_traces(folder: Path) -> List[Any]:

@@ -127,8 +127,11 @@ def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -
         return FoundLog(own=own)
     if not found and failure is not None:
         raise failure
-    behind = (_lines_behind(lines or [], in_log), _entries_behind(shown, in_view))
-    lost = _lost(found, max(last, *behind))
+    # A fact is acknowledged when it is in survey.json too: if that is whole, a line that it lacks
+    # was torn while it was added.
+    is_whole = isinstance(shown, list) and not damaged_entries
+    ends = (last, -1 if is_whole else _lines_behind(lines or [], in_log))
+    lost = _lost(found, max(*ends, _entries_behind(shown, in_view)))
     damaged = (*damaged_lines, *damaged_entries)
     return FoundLog(
         tuple(found),
@@ -281,7 +284,10 @@ def _state_of_log(found: Sequence[LogRecord], lines: Optional[Sequence[bytes]]) 
     if lines == [*expected, b""]:
         return State.WHOLE
     # The last line, or one that was being added, may be torn.
-    return State.BEHIND if lines[:-1] in (expected, expected[:-1]) else State.DAMAGED
+    added = [one for one in lines[len(expected) :] if one]
+    if lines[: len(expected)] == expected and len(added) <= 1:
+        return State.BEHIND
+    return State.BEHIND if lines[:-1] == expected[:-1] else State.DAMAGED
 
 
 def _state_of_view(found: Sequence[LogRecord], content: bytes) -> State:
