@@ -186,7 +186,7 @@ def run(data: Path, parameters: SurveyParameters) -> bool:
     with start_node(data):
         reopen = service("reopen_survey", ReopenSurvey)
         reopening_s = seconds(lambda: reopen(survey=survey_id))
-        print(f"Reopening, with every trace read three times: {reopening_s:.1f} s.")
+        print(f"Reopening, with every trace read from JSON and MCAP: {reopening_s:.1f} s.")
         finish = service("close_survey", CloseSurvey)
         seconds(lambda: finish(survey_id=survey_id, outcome="finished", reason="end"))
     verifying_s = seconds(lambda: subprocess.run([str(VERIFY), str(folder)], check=True))
