@@ -214,7 +214,7 @@ def _merge(forms: Sequence[Records]) -> List[LogRecord]:
             for one in candidates
             if one.values is not None or (number, one.sha256) in successors
         ]
-        # Where forms contradict each other, the one that goes on is right.
+        # Where forms contradict each other, the one that has a successor is right.
         confirmed.sort(key=lambda one: ((number, one.sha256) not in successors, one.values is None))
         fitting = [one for one in confirmed if _follows(found, one)]
         if fitting:

@@ -1,7 +1,7 @@
 """The signature of a survey: who vouches for its manifest, and so for every file of it.
 
 `manifest.json.sig` is a signature of the bytes of `manifest.json`, as `ssh-keygen -Y sign` makes
-it. Whatever else of the survey changes, the manifest tells; whoever changes the manifest as well
+it. Whatever else of the survey changes, the manifest shows; whoever changes the manifest as well
 cannot sign it without the robot's key.
 """
 
