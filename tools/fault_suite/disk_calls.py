@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import collections
 import errno
 import random
 import shutil
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Dict, List, Sequence
 
 from failing_disk import FOR_EVER, Failure
 
+from fault_suite.campaign import Campaign
 from fault_suite.child import Child
 from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import STUCK, Judge, Result
 from fault_suite.script import Call, Step, end_of_script, some_step, whole_script
-from fault_suite.worker import Broken, Conduct, Event
+from fault_suite.worker import Conduct, Event
 
 CALLS, TORN = "n-th call", "torn sectors"
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EROFS, errno.EDQUOT)
@@ -30,19 +29,8 @@ DRY_RUNS = 3
 LOST_SHARES = (0.3, 0.5, 0.8, 1.0)
 
 
-@dataclass(frozen=True)
-class DiskCalls:
-    """Surveys of which a call of the disk fails or is the last one.
-
-    Attributes:
-        place: Where the surveys are made.
-        seed: Of everything that is random.
-        broken: What the storage does wrong on purpose.
-    """
-
-    place: Path
-    seed: str
-    broken: Broken = Broken.NOTHING
+class DiskCalls(Campaign):
+    """Surveys of which a call of the disk fails or is the last one."""
 
     def failing(self, count: int) -> Result:
         """Let calls fail, with and without half of the bytes written."""
@@ -54,16 +42,11 @@ class DiskCalls:
 
     def _run(self, result: Result, count: int) -> Result:
         usual = self._usual_calls(result.name)
-        phases: List[str] = []
-        number = 0
-        while result.times < count:
-            what = f"{result.name} {number}"
-            chance = random.Random(f"{self.seed} {what}")
-            phases += self._one_survey(result, chance, what, usual)
-            number += 1
-        counted = collections.Counter(phases).most_common()
-        result.remark = ", ".join(f"{times} while {phase}" for phase, times in counted)
-        return result
+
+        def survey(chance: random.Random, what: str) -> List[str]:
+            return self._one_survey(result, chance, what, usual)
+
+        return self.until(result, count, survey)
 
     def _usual_calls(self, name: str) -> Dict[str, int]:
         """Return how many calls of the disk each phase of a script needs."""
@@ -71,7 +54,7 @@ class DiskCalls:
         for number in range(DRY_RUNS):
             data = self.place / f"{name} usual {number}"
             data.mkdir(parents=True)
-            steps = whole_script(random.Random(f"{self.seed} usual {number}"))
+            steps = whole_script(self.chance(f"usual {number}"))
             child = Child(data, steps, Conduct(Failure(FOR_EVER, power=False)))
             child.end()
             shutil.rmtree(str(data))

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Counter, Dict, List, Sequence, Tuple
 
+from fault_suite.campaign import Campaign
 from fault_suite.child import Child
 from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import UNSEEN, Judge, Result
 from fault_suite.script import Call, Step, new_marker, whole_script
-from fault_suite.worker import Broken, Conduct
+from fault_suite.worker import Conduct
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey
@@ -46,26 +47,15 @@ class State:
     facts: Facts
 
 
-@dataclass(frozen=True)
-class Flips:
-    """Flips bits.
-
-    Attributes:
-        place: Where the surveys are made.
-        seed: Of everything that is random.
-        broken: What the storage does wrong on purpose.
-    """
-
-    place: Path
-    seed: str
-    broken: Broken = Broken.NOTHING
+class Flips(Campaign):
+    """Flips bits."""
 
     def run(self, count: int) -> Result:
         """Flip bits of so many surveys, each in a copy."""
         result, states = Result(FLIPS), {}
         counted: Counter[str] = collections.Counter()
         for number in range(count):
-            chance = random.Random(f"{self.seed} flip {number}")
+            chance = self.chance(f"flip {number}")
             if number % (FLIPS_PER_SURVEY * len(STATES)) == 0:
                 states = self._new_states(number, chance)
             name = STATES[number % len(STATES)]

@@ -7,18 +7,18 @@ import random
 import shutil
 import statistics
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from power_cut_disk import PowerCutDisk, PowerCutError, check, hide_mounts
 
+from fault_suite.campaign import Campaign
 from fault_suite.child import Child, durations_s
 from fault_suite.evidence import survey_in
 from fault_suite.facts import Facts
 from fault_suite.judge import STUCK, Judge, Result
 from fault_suite.script import Step, end_of_script, some_step, whole_script
-from fault_suite.worker import Broken, Conduct, Event
+from fault_suite.worker import Conduct, Event
 
 KILLS, POWER_CUTS = "kills", "power cuts"
 MOST_TURNS = 3
@@ -88,19 +88,8 @@ class PoweredPlace(Place):
         super().remove()
 
 
-@dataclass(frozen=True)
-class Interruptions:
-    """Kills, or power cuts.
-
-    Attributes:
-        place: Where the surveys are made.
-        seed: Of everything that is random.
-        broken: What the storage does wrong on purpose.
-    """
-
-    place: Path
-    seed: str
-    broken: Broken = Broken.NOTHING
+class Interruptions(Campaign):
+    """Kills, or power cuts."""
 
     def kills(self, count: int) -> Result:
         """Kill processes."""
@@ -119,16 +108,11 @@ class Interruptions:
 
     def _run(self, result: Result, count: int, kind: Callable[[Path], Place]) -> Result:
         usual_s = self._usual_s(result.name, kind)
-        phases: List[str] = []
-        number = 0
-        while result.times < count:
-            what = f"{result.name} {number}"
-            chance = random.Random(f"{self.seed} {what}")
-            phases += self._one_survey(result, kind, chance, what, usual_s)
-            number += 1
-        counted = collections.Counter(phases).most_common()
-        result.remark = ", ".join(f"{times} while {phase}" for phase, times in counted)
-        return result
+
+        def survey(chance: random.Random, what: str) -> List[str]:
+            return self._one_survey(result, kind, chance, what, usual_s)
+
+        return self.until(result, count, survey)
 
     def _usual_s(self, name: str, kind: Callable[[Path], Place]) -> Dict[str, float]:
         places: List[Place] = []
@@ -136,7 +120,7 @@ class Interruptions:
         def make() -> Tuple[Path, Sequence[Step]]:
             number = len(places)
             places.append(kind(self.place / f"{name} usual {number}"))
-            return places[-1].data, whole_script(random.Random(f"{self.seed} usual {number}"))
+            return places[-1].data, whole_script(self.chance(f"usual {number}"))
 
         by_phase = collections.defaultdict(list)
         for phase, duration_s in durations_s(make, DRY_RUNS):

@@ -67,7 +67,7 @@ class Conduct:
         start: It begins together with the others that wait there.
         by_library: Whether it changes a survey that has ended by the functions that the command
             `gpr20 annotate` calls, not through a storage.
-        continues: Whether it goes on with the next step when one is refused.
+        continues: Whether it continues with the next step when one is refused.
     """
 
     failure: Optional[Failure] = None

@@ -4,40 +4,28 @@ from __future__ import annotations
 
 import random
 import shutil
-from dataclasses import dataclass
-from pathlib import Path
 from typing import List, Tuple
 
+from fault_suite.campaign import Campaign
 from fault_suite.child import Child, fork
 from fault_suite.facts import Facts
 from fault_suite.judge import STUCK, Judge, Result
 from fault_suite.script import Call, Step, new_annotation, new_marker, whole_script
-from fault_suite.worker import Broken, Conduct, Event
+from fault_suite.worker import Conduct, Event
 
 WRITERS = "two writers"
 MOST_CALLS = 25
 
 
-@dataclass(frozen=True)
-class Writers:
-    """Lets two processes write.
-
-    Attributes:
-        place: Where the surveys are made.
-        seed: Of everything that is random.
-        broken: What the storage does wrong on purpose.
-    """
-
-    place: Path
-    seed: str
-    broken: Broken = Broken.NOTHING
+class Writers(Campaign):
+    """Lets two processes write."""
 
     def run(self, count: int) -> Result:
         """Make so many surveys, each with two writers."""
         result = Result(WRITERS)
         refused = asked = 0
         for number in range(count):
-            one = self._one_survey(result, random.Random(f"{self.seed} writers {number}"), number)
+            one = self._one_survey(result, self.chance(f"writers {number}"), number)
             refused, asked = refused + one[0], asked + one[1]
             result.times += 1
         result.remark = f"{refused} of {asked} calls were refused, and so not acknowledged"

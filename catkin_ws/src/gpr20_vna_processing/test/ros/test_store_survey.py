@@ -305,7 +305,7 @@ class StoreSurveyTest(unittest.TestCase):
             last = found["/robot1/control_status"][-1]
             self.assertEqual((last.code, last.fault_code), (ControlStatus.FAILED, "axis.lost_zero"))
 
-    def test_3_the_health_of_the_storage_is_told(self) -> None:
+    def test_3_the_health_of_the_storage_is_reported(self) -> None:
         opened = self.open()
         self.assertTrue(opened.success, opened.message)
         self.assertTrue(self.store(0).success)
@@ -338,23 +338,23 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertTrue(close(survey_id=self.survey_id, outcome="stopped").success)
         found = self.collect("/diagnostics", DiagnosticArray)
 
-        def told(code: str) -> bool:
+        def reports(code: str) -> bool:
             own = [one for array in found for one in array.status if "robot4/" in one.name]
             values = {pair.key: pair.value for one in own[-1:] for pair in one.values}
             return values.get("fault_code") == code
 
-        self.wait_until(lambda: told(""), "a good data folder is not told")
+        self.wait_until(lambda: reports(""), "a good data folder is not reported")
         os.rename(data, data + "_moved")
-        self.wait_until(lambda: told("storage.other_data_folder"), "nobody says that it is gone")
+        self.wait_until(lambda: reports("storage.other_data_folder"), "nobody says that it is gone")
         self.survey_id = str(uuid.uuid4())
         refused = self.open()
         self.assertFalse(refused.success)
         self.assertIn(data, refused.message)
         self.assertFalse(os.path.exists(data))
         os.rename(data + "_moved", data)
-        self.wait_until(lambda: told(""), "it is not told that the folder is back")
+        self.wait_until(lambda: reports(""), "nobody says that the folder is back")
 
-    def test_5_a_node_that_was_killed_goes_on_with_the_survey(self) -> None:
+    def test_5_a_node_that_was_killed_continues_the_survey(self) -> None:
         data = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, data)
         first = self.start_node("/robot3", data)

@@ -372,7 +372,7 @@ def test_a_survey_whose_opening_was_cut_off_is_resumed_and_nothing_of_it_is_lost
 
 
 def test_a_survey_both_forms_of_whose_log_are_gone_is_never_called_intact(copies):
-    """What came while it was recorded is there, but perhaps not all: nothing tells."""
+    """What came while it was recorded is there, but perhaps not all: nothing says it."""
     folder = copies("stopped")
     for name in (*FORMS, "manifest.json"):
         (folder / name).unlink()

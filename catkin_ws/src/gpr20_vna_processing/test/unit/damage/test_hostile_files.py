@@ -203,7 +203,7 @@ def test_no_description_writes_outside_its_folder_or_ends_the_storage(
     shutil.copytree(str(folder.parent), str(top / "data"))
     folder = top / "data" / folder.name
     kit = Kit(top / "data", open_recordings)
-    # Of a survey of this version the log tells that it was changed.
+    # Of a survey of this version the log shows that it was changed.
     values = make_former(folder)
     (folder / "survey.json").write_text(json.dumps({**values, **description}))
     try:
