@@ -145,7 +145,7 @@ class _Verifier:
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
         recordings.check(files.prints, times.note)
-        self._check_description(len(files.prints))
+        self._check_description(len(files.prints), with_log)
         self._found.notes += times.notes()
         return self._found
 
@@ -311,13 +311,13 @@ class _Verifier:
         else:
             self._found.note(behind)
 
-    def _check_description(self, readable: int) -> None:
+    def _check_description(self, readable: int, with_log: bool) -> None:
         recorded = self._description
         if self._found.writer:
             return
-        self._found.faults += description_check.compare_copy(
-            self._folder, self._recovered.found.own or recorded
-        )
+        is_written_again = self._found.has_log and not with_log
+        own = None if is_written_again else self._recovered.found.own
+        self._found.faults += description_check.compare_copy(self._folder, own or recorded)
         self._found.faults += description_check.contradictions(recorded)
         if self._indexed and recorded.get("stored_traces") != readable:
             self._found.fault(

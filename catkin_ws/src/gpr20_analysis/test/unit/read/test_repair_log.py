@@ -11,6 +11,7 @@ import os
 import random
 import re
 import shutil
+import string
 from pathlib import Path
 
 import pytest
@@ -70,10 +71,18 @@ def flip(content, chance):
     return bytes(changed)
 
 
+def retype(content, chance):
+    """Change a character of a text to another letter or digit, so that it may stay readable."""
+    changed = bytearray(content)
+    places = [place for place, one in enumerate(content) if bytes([one]).isalnum()]
+    changed[chance.choice(places)] = ord(chance.choice(string.ascii_letters + string.digits))
+    return bytes(changed)
+
+
 def spoil(path, chance):
     """Damage a file in one of several ways; a manifest may be lost as well."""
     content = path.read_bytes()
-    kind = chance.choice(["flip", "flip", "flips", "cut", "lost", "empty", "noise"])
+    kind = chance.choice(["flip", "flips", "retyped", "cut", "lost", "empty", "noise"])
     if kind == "lost":
         path.unlink()
     elif kind == "cut":
@@ -81,8 +90,9 @@ def spoil(path, chance):
     elif kind in ("empty", "noise"):
         path.write_bytes(b"" if kind == "empty" else chance.getrandbits(800).to_bytes(100, "big"))
     else:
-        for _ in range(1 if kind == "flip" else 5):
-            content = flip(content, chance)
+        change = retype if kind == "retyped" else flip
+        for _ in range(5 if kind == "flips" else 1):
+            content = change(content, chance)
         path.write_bytes(content)
     return f"{path.name} {kind}"
 
@@ -112,6 +122,15 @@ def test_damage_of_one_form_of_the_log_and_of_the_manifest_loses_nothing(noted, 
         for name in ("survey.json", "log.jsonl"):
             assert (folder / name).read_bytes() == (noted / name).read_bytes(), where
         shutil.rmtree(str(folder))
+
+
+@pytest.mark.parametrize("name", ["survey_id", "started", "parameters", "outcome", "fault_code"])
+def test_a_changed_key_of_survey_json_is_repaired_without_a_manifest(noted, copy, name):
+    path = copy / "survey.json"
+    (copy / "manifest.json").unlink()
+    path.write_text(path.read_text("ascii").replace(f'"{name}"', f'"{name[:-1]}0"', 1))
+    assert main(["repair", str(copy)]) == DONE
+    assert path.read_bytes() == (noted / path.name).read_bytes()
 
 
 BOTH_FORMS = (("survey.json", "log.jsonl"), ("survey.json", "log.jsonl", "manifest.json"))
