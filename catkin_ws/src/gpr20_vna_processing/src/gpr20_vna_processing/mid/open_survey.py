@@ -150,6 +150,8 @@ class OpenSurvey:
     def resume(self, time_ns: int) -> None:
         """Note that the survey is resumed, and record what a recording still lacks.
 
+        A call that is repeated adds nothing: the client asks again before its first trace.
+
         Args:
             time_ns: When that is [ns since 1970, UTC].
 
@@ -157,7 +159,10 @@ class OpenSurvey:
             SurveyRefusedError: The survey is being closed.
             StorageFailedError: The disk refused.
         """
-        self.add(Kind.RESUME, {"stored_traces": self.stored_traces}, time_ns)
+        self._check_not_closing()
+        values, last = {"stored_traces": self.stored_traces}, self._log.last
+        if last.kind != Kind.RESUME.value or last.values != values:
+            self.add(Kind.RESUME, values, time_ns)
         self.commit()
 
     def reopened(self, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
@@ -231,8 +236,7 @@ class OpenSurvey:
             SurveyRefusedError: The survey is being closed.
             StorageFailedError: The disk refused; the log has its former records.
         """
-        if self._ending:
-            raise SurveyRefusedError(refusals.CLOSING)
+        self._check_not_closing()
         message = self._topics.log(self._add(kind, values, time_ns), time_ns)
         self.record([message])
         self._publication.logged(message)
@@ -330,6 +334,10 @@ class OpenSurvey:
         # Memory must not grow while the disk is full.
         if any(one.collected_bytes > COMMIT_BYTES for one in self._recordings):
             self.commit()
+
+    def _check_not_closing(self) -> None:
+        if self._ending:
+            raise SurveyRefusedError(refusals.CLOSING)
 
     def _check_survey(self, trace: Trace) -> None:
         if self._ending:

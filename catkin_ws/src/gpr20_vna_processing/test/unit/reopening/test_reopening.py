@@ -131,7 +131,10 @@ def test_a_link_out_of_the_data_folder_is_no_survey(kit, data, folder, tmp_path)
 
 
 def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
-    kit.processing.reopen_survey(SURVEY)
+    for _ in range(3):
+        kit.processing.reopen_survey(SURVEY)
+        # A repeated request is one resumption.
+        assert len(read_json(folder / "survey.json")["resumed"]) == 1
     fill(kit, TRACES[FIRST:6])
     kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE"}')
     reopened = kit.processing.reopen_survey(SURVEY)
