@@ -400,7 +400,8 @@ class StoreSurveyTest(unittest.TestCase):
             indices = [message.index for message in found["/robot3/trace"]]
             self.assertEqual(indices, list(range(TRACES)))
             kinds = [json.loads(one.data)["kind"] for one in found["/robot3/survey_log"]]
-            self.assertEqual(kinds, ["plan", "report", "resume", "resume"])
+            # The second request came before anything was stored: it is the same resumption.
+            self.assertEqual(kinds, ["plan", "report", "resume"])
         refused = self.services["reopen_survey"](survey=self.survey_id)
         self.assertFalse(refused.success)
         self.assertEqual(refused.fault_code, "survey.complete")

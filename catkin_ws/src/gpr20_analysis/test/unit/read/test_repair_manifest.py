@@ -77,15 +77,26 @@ def test_a_manifest_that_is_missing_is_written_again(copy):
     assert files(copy) == before
 
 
-@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "survey.json", "trace"])
+@pytest.mark.parametrize("keep", [True, False])
+def test_a_changed_plan_in_survey_json_is_written_again_from_the_log(copy, keep):
+    before, path = files(copy), copy / "survey.json"
+    changed = path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 21.0', 1)
+    path.write_bytes(changed)
+    if not keep:
+        (copy / "manifest.json").unlink()
+    assert main(["repair", str(copy)]) == 0
+    after = files(copy)
+    assert after["damaged/survey.json"] == changed
+    assert {name: after[name] for name in before} == before
+    assert verify_survey(copy).status == 0
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "trace"])
 @pytest.mark.parametrize("keep", [True, False])
 def test_nothing_is_sealed_that_disagrees(copy, capsys, name, keep):
     path = sorted((copy / "traces").iterdir())[4] if name == "trace" else copy / name
     content = path.read_bytes()
-    wanted = (
-        b'"y_stop_mm": 20.0' if name == "survey.json" else b"s21_real" if name == "trace" else b""
-    )
-    place = content.index(wanted) + len(wanted) - 1 if wanted else len(content) // 2
+    place = content.index(b"s21_real") + 7 if name == "trace" else len(content) // 2
     path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
     if not keep:
         (copy / "manifest.json").unlink()
