@@ -13,7 +13,7 @@ from pathlib import Path
 import psutil
 import pytest
 import rosbag
-from robot_kit import LaunchedRobot, free_port
+from robot_kit import WATCHDOG, LaunchedRobot, free_port
 from user_shell import ROOT
 
 from gpr20_survey.files.data_marker import FolderMemory, read_marker
@@ -57,17 +57,6 @@ def launch(*arguments):
     return ended.stdout
 
 
-def named(roslaunch):
-    """Return the nodes that a roslaunch has started, by their names."""
-    mark = "__name:="
-    return {
-        word[len(mark) :]: child
-        for child in roslaunch.children()
-        for word in child.cmdline()
-        if word.startswith(mark)
-    }
-
-
 def survey_of(data: Path):
     (path,) = data.glob("*/survey.json")
     return path.parent, json.loads(path.read_text())
@@ -100,11 +89,9 @@ def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
 def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends_them(robot):
     robot.start()
     roslaunch = psutil.Process(next(iter(robot.processes().values())).ppid())
-    # roslaunch starts them last.
-    wait_for(lambda: {"watchdog", "visualization"} <= named(roslaunch).keys(), "watchdog")
     children = roslaunch.children()
     # The watchdog is no node, and ends with its roslaunch.
-    nodes = [one for one in children if one != named(roslaunch)["watchdog"]]
+    nodes = [one for one in children if one != robot.processes()[WATCHDOG]]
     roslaunch.kill()
     roslaunch.wait(LIMIT_S)
     master = os.environ["ROS_MASTER_URI"]

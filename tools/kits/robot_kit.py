@@ -19,6 +19,8 @@ from typing import Any, Dict, Iterator, List, Optional
 import psutil
 
 MASTER = "rosmaster"
+# roslaunch starts it last: once it is there, a signal ends the whole launch.
+WATCHDOG = "watchdog"
 # As roslaunch names the log files of the nodes, which stand in their command lines.
 NODES = (
     "x_axis-axis_driver",
@@ -85,7 +87,7 @@ class LaunchedRobot:
         )
         self._launch = self.run(["roslaunch", "-p", str(port), *self._command], {MARK: self._mark})
         deadline_s = time.monotonic() + START_LIMIT_S
-        while not {*NODES, MASTER} <= set(self.processes()):
+        while not {*NODES, MASTER, WATCHDOG} <= set(self.processes()):
             if time.monotonic() > deadline_s:
                 self.stop()
                 raise RuntimeError(f"the robot does not start; see {self._log.name}")
@@ -113,12 +115,12 @@ class LaunchedRobot:
         )
 
     def processes(self) -> Dict[str, psutil.Process]:
-        """Return the processes that run now, by the names of `NODES` and `MASTER`."""
+        """Return the processes that run now, by the names of `NODES`, `MASTER` and `WATCHDOG`."""
         found = {}
         for child in self._children():
             with contextlib.suppress(psutil.NoSuchProcess):  # ended meanwhile
                 line = " ".join(child.cmdline())
-                words = {MASTER: MASTER, **{name: f"/{name}-" for name in NODES}}
+                words = {MASTER: MASTER, **{name: f"/{name}-" for name in (*NODES, WATCHDOG)}}
                 found.update({name: child for name, word in words.items() if word in line})
         return found
 
