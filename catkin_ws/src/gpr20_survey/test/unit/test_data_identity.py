@@ -23,7 +23,7 @@ from gpr20_survey.faults import (
 )
 from gpr20_survey.files.data_marker import MARKER_FILE, FolderMemory, read_marker, write_marker
 from gpr20_survey.files.durable_files import keep_aside
-from gpr20_survey.files.file_system import ROOT, file_system_of
+from gpr20_survey.files.file_system import ROOT, FileSystem, file_system_of
 from gpr20_survey.files.json_lines import add_line
 from gpr20_survey.folder.data_folder import RETRY_S, DataFolder, DataFolderUse
 
@@ -278,3 +278,19 @@ def test_a_folder_that_this_user_may_not_write_to_is_refused(use, folder):
     with raises_fault(NOT_PERMITTED, error=StorageFailedError):
         folder.check()
     use.path.chmod(0o700)
+
+
+@each_case(
+    "kind, identity, marked, other",
+    [
+        ("ext4", "uuid:a", "uuid:a", False),
+        ("ext4", "uuid:a", "uuid:b", True),
+        ("ext4", "uuid:a", "fsid:b", False),  # found out in another way
+        ("ext4", "uuid:a", "", False),
+        ("tmpfs", "", "", False),
+        ("tmpfs", "", "uuid:a", True),  # a copy in memory
+    ],
+)
+def test_an_identity_of_another_file_system_is_recognized(kind, identity, marked, other):
+    system = FileSystem(1, "/data", kind, identity, read_only=False)
+    assert system.is_other_than(marked) is other

@@ -56,18 +56,19 @@ class FileSystem:
         # The subvolumes of a btrfs have different devices.
         return self.device == other.device or self.identity == other.identity != ""
 
+    def is_other_than(self, identity: str) -> bool:
+        """Return whether an identity proves to be that of another file system."""
+        if self.kind in IN_MEMORY:
+            return identity != ""  # it has none, and a disk has one
+        # What was found out in another way, such as before udev ran, cannot be compared.
+        kinds = [one.partition(":")[0] for one in (identity, self.identity)]
+        return kinds[0] == kinds[1] and identity != self.identity
+
 
 class _Mount(NamedTuple):
     point: str
     kind: str
     source: str
-
-
-def identities_differ(one: str, other: str) -> bool:
-    """Return whether two identities prove that they are of two file systems."""
-    # What was found out in another way, such as before udev ran, cannot be compared.
-    kinds = [identity.partition(":")[0] for identity in (one, other)]
-    return kinds[0] == kinds[1] and one != other
 
 
 def existing_folder(path: Path) -> Path:

@@ -35,7 +35,6 @@ from gpr20_survey.files.file_system import (
     check_can_store,
     existing_folder,
     file_system_of,
-    identities_differ,
 )
 from gpr20_survey.trace.utc_time import iso_text
 
@@ -203,15 +202,15 @@ class DataFolder:
             missing = Message("its marker {file} is missing", file=MARKER_FILE)
             raise self._refused(expected, missing if path.is_dir() else Message("it is gone"))
         if expected not in (None, marker.identity):
-            found = Message("its identity is {identity}", identity=marker.identity)
+            found = Message("its identity is {identity}", identity=printable(marker.identity))
             raise self._refused(expected, found)
-        if identities_differ(marker.file_system, system.identity):
+        if system.is_other_than(marker.file_system):
             raise self._refused(
                 marker.identity,
                 Message(
                     "it is a copy on the file system {found}; the original is on {expected}",
-                    found=system.identity,
-                    expected=marker.file_system,
+                    found=system.identity or system.kind,
+                    expected=printable(marker.file_system),
                 ),
             )
         return KnownFolder(marker.identity, remembered=expected is not None)
@@ -221,7 +220,7 @@ class DataFolder:
             Message(
                 "{path} is not the data folder that was used before (identity {expected}): {found}",
                 path=printable(self._use.path),
-                expected=expected,
+                expected=expected and printable(expected),
                 found=found,
             ),
             fault=faults.OTHER_DATA_FOLDER,
@@ -267,7 +266,7 @@ class DataFolder:
             marker = read_marker(self._use.path)
         except DamagedRecordError:
             return ""
-        if marker is None or identities_differ(marker.file_system, system.identity):
+        if marker is None or system.is_other_than(marker.file_system):
             return ""
         return marker.identity
 
