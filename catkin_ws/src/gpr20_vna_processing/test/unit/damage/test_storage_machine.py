@@ -178,6 +178,9 @@ class StorageMachine(RuleBasedStateMachine):
         if folder == self.folder_of(survey):
             known.is_open = True
             self.opened_new = self.current == survey
+        elif folder is None and not self.current and not known.has_content:
+            # It removes what an opening that nothing followed has left, and begins again.
+            known.is_open = False
 
     @rule(survey=SURVEYS, back=st.integers(0, 2), other=st.booleans(), failure=FAILURES)
     def store(self, survey, back, other, failure):
