@@ -10,8 +10,11 @@ from storage_kit import Kit
 from trace_examples import SURVEY
 
 from gpr20_survey.folder.annotating import add_to_survey, annotate
-from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.folder.signature import Signature, Signer, check_signature
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.manifest import MANIFEST_FILE as SEAL
+from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.signature import SIGNATURE_FILE, Signature, Signer, check_signature
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.recordings import open_recordings
 
@@ -81,3 +84,21 @@ def test_a_key_that_is_gone_does_not_keep_a_survey_open(kit, tmp_path, signers):
     folder = stopped(kit)
     assert check_signature(folder, signers).signature is Signature.UNSIGNED
     assert kit.processing.state().unsigned.fault_code == "survey.signing_key"
+
+
+@pytest.mark.parametrize("lost", [(), (SEAL,), (SIGNATURE_FILE,), (SEAL, SIGNATURE_FILE), "{}"])
+def test_what_somebody_added_without_the_key_is_named_for_ever(kit, signers, lost):
+    folder = stopped(kit)
+    records = recover(folder).found.records
+    log = SurveyLog(folder, records, whole=True)
+    log.add(log.next(Kind.ANNOTATION, {"name": "not by the robot"}, NOW))
+    if lost == "{}":
+        (folder / SEAL).write_bytes(b"{}")
+    else:
+        for name in lost:
+            (folder / name).unlink()
+    finish(kit)
+    assert check_signature(folder, signers).signature is Signature.VALID
+    named = {"log"} if SEAL not in lost and lost != "{}" else set()
+    named |= {"signature"} if lost else set()
+    assert set(read_description(folder)["unconfirmed"]) == named

@@ -92,8 +92,8 @@ def _other_log(sealed: Manifest, log: FoundLog) -> List[Message]:
         return []
     return [
         Message(
-            "the log of the survey ends with entry {last}, but with entry {sealed} in the "
-            "manifest, or with another one of this number",
+            "the manifest names another end of the survey's log: entry {sealed}; the last one is "
+            "entry {last}",
             last=records[-1].number if records else "-",
             sealed=sealed.log.number,
         )

@@ -218,7 +218,7 @@ def test_a_record_of_the_time_of_measurement_is_found_in_the_mcap(copy):
 
 def test_markers_that_nothing_vouches_for_are_marked_as_such(copy, tmp_path, capsys):
     """A survey of an earlier version, which has no log, was cut off, and has no manifest."""
-    for name in ("manifest.json", "log.jsonl"):
+    for name in ("manifest.json", "log.jsonl", "survey.mcap"):
         (copy / name).unlink()
     path = copy / "survey.json"
     values = json.loads(path.read_text("ascii"))

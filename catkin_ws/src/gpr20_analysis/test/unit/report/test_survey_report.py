@@ -8,7 +8,7 @@ import math
 import re
 
 import pytest
-from survey_kit import POINTS, describe_again, make_survey
+from survey_kit import POINTS, SURVEY, describe_again, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -64,8 +64,12 @@ def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path,
     }
     warning = {"time": "2026-09-21T14:13:20+00:00", "warning": "set back", "warning_message": None}
     recorded = {"warnings": [warning, {**warning, "warning_message": message}, 7]}
-    folder = make_survey(tmp_path, ALL, "finished")
-    describe_again(folder, report=recorded)
+    folder = make_survey(
+        tmp_path,
+        ALL,
+        "finished",
+        at_end=lambda storage: storage.report(SURVEY, json.dumps(recorded)),
+    )
     output = tmp_path / "report.html"
     main(["report", str(folder), "--output", str(output), *OPTIONS, *LOW])
     text = output.read_text(encoding="utf-8")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import enum
 import itertools
+import json
 import os
 import re
 from dataclasses import dataclass, field
@@ -27,12 +28,15 @@ from gpr20_survey.folder.log_record import (
     record_of,
     record_of_line,
 )
+from gpr20_survey.folder.manifest import LogHead, Manifest
 
 LOG_FILE = survey_folder.LOG_FILE
 MAX_LOG_BYTES = 64 << 20
 # How a record begins and ends in log.jsonl.
 _BEGIN = re.compile(rb'\{"number":\d+,"time":"')
 _END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
+# How a record begins in survey.json.
+_SHOWN = re.compile(r'(?P<before>\n    )\{\n      "number": ')
 
 
 class State(enum.Enum):
@@ -105,40 +109,47 @@ class FoundLog:
         return not self.damage and not self.lost and not self.behind
 
 
-def read_log(folder: Path, recorded: Iterable[LogRecord] = (), last: int = -1) -> FoundLog:
+def read_log(
+    folder: Path, recorded: Iterable[LogRecord] = (), sealed: Optional[Manifest] = None
+) -> FoundLog:
     """Return the log of a survey from log.jsonl and survey.json.
 
     Args:
         folder: The survey's folder.
         recorded: Records that were found elsewhere, as in a recording.
-        last: Number of a record that the log is known to have had.
+        sealed: The survey's manifest, which names a record that the log had.
 
     Raises:
         SurveyRefusedError: Neither file can be read, or survey.json is of another format.
     """
     lines = _read_lines(folder / LOG_FILE)
     content, own, failure = _read_view(folder / survey_folder.SURVEY_FILE)
-    shown = own.pop(LOG, None) if own is not None else None
+    shown = own.pop(LOG, None) if own is not None else _salvaged(content)
     in_log, damaged_lines = _records_of(lines or [], record_of_line, json_of_line)
     in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
     forms = [in_log, in_view, {one.number: one for one in recorded}]
-    found = _merge(forms)
+    heads = () if sealed is None else tuple(filter(None, (sealed.log, sealed.next_log)))
+    found = _merge(forms, heads)
     if not found and own is not None and shown is None:
         return FoundLog(own=own)
     if not found and failure is not None:
         raise failure
     # A fact is acknowledged when it is in survey.json too: if that is whole, a line that it lacks
     # was torn while it was added.
-    is_whole = isinstance(shown, list) and not damaged_entries
-    ends = (last, -1 if is_whole else _lines_behind(lines or [], in_log))
-    lost = _lost(found, max(*ends, _entries_behind(shown, in_view)))
+    is_whole = own is not None and isinstance(shown, list) and not damaged_entries
+    ends = (
+        -1 if sealed is None or sealed.log is None else sealed.log.number,
+        -1 if is_whole else _lines_behind(lines or [], in_log),
+        _entries_behind(shown, in_view),
+    )
+    lost = _lost(found, max(ends))
     damaged = (*damaged_lines, *damaged_entries)
     return FoundLog(
         tuple(found),
         tuple(lost),
         _legible(lost, damaged),
         _contradicting(found, forms),
-        agrees=bool(in_log) and not damaged and in_log.keys() == in_view.keys(),
+        agrees=own is not None and bool(in_log) and not damaged and _sums(in_log) == _sums(in_view),
         has_log=True,
         own=own,
         has_open_end=not (in_log or in_view) or (own is None and _is_torn(lines)),
@@ -166,11 +177,28 @@ def _read_view(
     path: Path,
 ) -> Tuple[bytes, Optional[Dict[str, Any]], Optional[SurveyRefusedError]]:
     """Return survey.json and what it holds, or why it cannot be read."""
+    content = b""
     try:
         content = survey_metadata.read_content(path)
         return content, survey_metadata.parse_view(content, path), None
     except SurveyRefusedError as error:
-        return b"", None, error
+        return content, None, error
+
+
+def _salvaged(content: bytes) -> Optional[List[Any]]:
+    """Return the records in a survey.json that is no JSON as a whole; "?" for a damaged one."""
+    text = content.decode("ascii", "replace")
+    found: List[Any] = []
+    end = 0
+    for begin in _SHOWN.finditer(text):
+        if begin.start() < end:
+            continue
+        try:
+            record, end = json.JSONDecoder().raw_decode(text, begin.end("before"))
+        except (ValueError, RecursionError):
+            record = "?"
+        found.append(record)
+    return found or None
 
 
 def _records_of(
@@ -199,8 +227,17 @@ def _legible(lost: Sequence[int], damaged: Iterable[Any]) -> Dict[int, List[Any]
     return found
 
 
-def _merge(forms: Sequence[Records]) -> List[LogRecord]:
-    """Return the record of each number that is right, and follows the one before it."""
+def _sums(records: Records) -> Dict[int, str]:
+    return {number: one.sha256 for number, one in records.items()}
+
+
+def _merge(forms: Sequence[Records], heads: Sequence[LogHead]) -> List[LogRecord]:
+    """Return the record of each number that is right, and follows the one before it.
+
+    Args:
+        forms: The records of log.jsonl, of survey.json and of a recording.
+        heads: Those that a manifest names.
+    """
     numbers = sorted({number for form in forms for number in form})
     successors = {
         (number - 1, record.previous) for form in forms for number, record in form.items()
@@ -214,8 +251,16 @@ def _merge(forms: Sequence[Records]) -> List[LogRecord]:
             for one in candidates
             if one.values is not None or (number, one.sha256) in successors
         ]
-        # Where forms contradict each other, the one that has a successor is right.
-        confirmed.sort(key=lambda one: ((number, one.sha256) not in successors, one.values is None))
+        # Where forms contradict each other, the one that something else names is right.
+        recorded = forms[-1].get(number)
+        confirmed.sort(
+            key=lambda one: (
+                LogHead.of(one) not in heads,
+                (number, one.sha256) not in successors,
+                recorded is None or one.sha256 != recorded.sha256,
+                one.values is None,
+            )
+        )
         fitting = [one for one in confirmed if _follows(found, one)]
         if fitting:
             found.append(fitting[0])
@@ -252,17 +297,14 @@ def _entries_behind(shown: Any, records: Records) -> int:
 
 def _contradicting(found: Sequence[LogRecord], forms: Sequence[Records]) -> Tuple[LogRecord, ...]:
     used = {(one.number, one.sha256) for one in found}
-    end = found[-1].number if found else -1
-    return tuple(
-        record
+    others = {
+        (number, record.sha256): record
         for form in forms
-        for number, record in sorted(form.items())
-        # The last one may be an addition that failed, and was repeated with other values.
-        if (number, record.sha256) not in used
-        and (number < end or number < max(form))
+        for number, record in form.items()
         # Nothing vouches for one without values.
-        and record.values is not None
-    )
+        if (number, record.sha256) not in used and record.values is not None
+    }
+    return tuple(others[key] for key in sorted(others))
 
 
 def _lost(found: Sequence[LogRecord], end: int) -> List[int]:

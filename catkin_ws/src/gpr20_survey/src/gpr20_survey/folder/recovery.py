@@ -11,6 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import (
+    IrregularFileError,
     ManifestDamagedError,
     SurveyRefusedError,
 )
@@ -20,6 +21,7 @@ from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
 from gpr20_survey.folder.log_reading import FoundLog, json_text, lost_entries, read_log
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS, markers_of
@@ -73,57 +75,61 @@ def read_description(folder: Path) -> Dict[str, Any]:
     return recover(folder).description
 
 
-def recover(folder: Path, recorded: Iterable[LogRecord] = ()) -> RecoveredSurvey:
+def recover(
+    folder: Path, recorded: Iterable[LogRecord] = (), sealed: Optional[Manifest] = None
+) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
     Args:
         folder: The survey's folder.
         recorded: Records of its log that were found in a recording.
+        sealed: Its manifest; None: it is read where the log is damaged.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
-    recorded, last = list(recorded), -1
+    recorded = list(recorded)
     try:
-        found = read_log(folder, recorded)
-        if not found.agrees or found.lost:
-            last = _sealed_end(folder)
-            found = read_log(folder, recorded, last)
+        found = read_log(folder, recorded, sealed)
+        if sealed is None and (not found.agrees or found.lost):
+            sealed = _seal_of(folder)
+            found = read_log(folder, recorded, sealed)
     except SurveyRefusedError as error:
-        sealed = _sealed_for(folder)
-        if sealed is None:
+        copy = _sealed_for(folder)
+        if copy is None:
             # Resuming, which repairs it as long as there is a copy, does not help.
             raise SurveyRefusedError(error.message, fault=faults.DESCRIPTION_LOST) from error
-        return RecoveredSurvey(start_of(sealed), FoundLog(), _later_lost())
+        return RecoveredSurvey(start_of(copy), FoundLog(), _later_lost())
     if not found.has_log:
         return _former(folder, found)
     if not found.records or found.records[0].kind != Kind.PLAN.value:
-        found = _with_plan(folder, found, recorded)
+        found = _with_plan(folder, found, recorded, sealed)
     description = description_of(found.records)
     survey_metadata.check_format(description, folder / survey_folder.LOG_FILE)
     unconfirmed = lost_entries(found)["entries"]
-    if found.has_open_end and last < 0:
+    if found.has_open_end and (sealed is None or sealed.log is None):
         unconfirmed = {**unconfirmed, **_later_lost()}
     return RecoveredSurvey(description, found, unconfirmed)
 
 
 def recover_with_recording(folder: Path) -> RecoveredSurvey:
-    """Return what `recover` does, with the records of the log in the MCAP if others are damaged.
+    """Return what `recover` does, with the records of the log in the MCAP.
+
+    They are not read if both forms of the log are as the manifest says.
 
     Raises:
         SurveyRefusedError: Nothing in the folder describes the survey.
         OSError: The MCAP cannot be read.
     """
+    sealed = _seal_of(folder)
     try:
-        recovered = recover(folder)
-        found = recovered.found
-        is_former = found.own is not None and not found.has_log
-        if is_former or (found.has_log and found.agrees and not found.lost):
+        recovered = recover(folder, sealed=sealed)
+        if sealed is not None and _is_as_sealed(recovered.found, sealed):
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
     records, was_opened = _records_in(StoredMcap(folder / survey_folder.MCAP_FILE))
-    recovered = recover(folder, records)
+    recovered = recover(folder, records, sealed)
     if was_opened or (recovered.found.has_log and recovered.found.agrees):
         return recovered
     # Nothing was acknowledged before the opening of the survey was.
@@ -131,16 +137,25 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
     return replace(recovered, unconfirmed=unconfirmed)
 
 
+def _is_as_sealed(found: FoundLog, sealed: Manifest) -> bool:
+    if not found.has_log:
+        return sealed.log is None
+    return found.agrees and not found.lost and sealed.covers(found.records)
+
+
 def _records_in(mcap: StoredMcap) -> Tuple[List[LogRecord], bool]:
     """Return the records of the log, and whether more is there than opening a survey records."""
     records: List[LogRecord] = []
     others = has_traces = False
-    for message in mcap.messages():
-        others = True
-        has_traces = has_traces or message.datatype == trace_message.DATATYPE
-        record = recorded_log(message)
-        if record is not None:
-            records.append(record)
+    try:
+        for message in mcap.messages():
+            others = True
+            has_traces = has_traces or message.datatype == trace_message.DATATYPE
+            record = recorded_log(message)
+            if record is not None:
+                records.append(record)
+    except IrregularFileError:
+        pass  # whoever reads the traces says so
     return records, has_traces or len(records) > 1 or (others and not records)
 
 
@@ -186,13 +201,11 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     return log
 
 
-def _sealed_end(folder: Path) -> int:
-    """Return the number of the last record of the log that a manifest names; -1 if none does."""
+def _seal_of(folder: Path) -> Optional[Manifest]:
     try:
-        sealed = manifest.read_manifest(folder)
+        return manifest.read_manifest(folder)
     except (OSError, ManifestDamagedError):
-        return -1
-    return -1 if sealed.log is None else sealed.log.number
+        return None
 
 
 def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
@@ -221,10 +234,12 @@ def unconfirmed_message(entries: Mapping[str, Any]) -> Message:
 
 def is_vouched(folder: Path) -> Optional[bool]:
     """Return whether survey.json is as its manifest says; None without a manifest that says it."""
+    sealed = _seal_of(folder)
+    if sealed is None:
+        return None
     try:
-        sealed = manifest.read_manifest(folder)
         present = file_sums.sum_of_file(folder / survey_folder.SURVEY_FILE)
-    except (OSError, ManifestDamagedError):
+    except OSError:
         return None
     if sealed.matches(survey_folder.SURVEY_FILE, present):
         return True
@@ -256,18 +271,20 @@ def _sealed_for(folder: Path) -> Optional[Dict[str, Any]]:
     return sealed_description(folder)
 
 
-def _with_plan(folder: Path, found: FoundLog, recorded: List[LogRecord]) -> FoundLog:
+def _with_plan(
+    folder: Path, found: FoundLog, recorded: List[LogRecord], sealed: Optional[Manifest]
+) -> FoundLog:
     """Return the log with its first record, which survey.mcap holds too.
 
     Raises:
         SurveyRefusedError: It does not.
     """
-    sealed = _sealed_for(folder)
-    if sealed is not None:
-        plan = LogRecord.after(None, Kind.PLAN, sealed, str(sealed.get("started")))
+    copy = _sealed_for(folder)
+    if copy is not None:
+        plan = LogRecord.after(None, Kind.PLAN, copy, str(copy.get("started")))
         after = next((one for one in found.records if one.number == 1), None)
         if after is None or after.previous == plan.sha256:
-            return read_log(folder, [*recorded, plan], max(found.lost, default=-1))
+            return read_log(folder, [*recorded, plan], sealed)
     raise SurveyRefusedError(
         Message(
             "the first entry of the log in {folder}, which describes the survey, is damaged in "

@@ -13,7 +13,6 @@ from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact, add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import recover_with_recording
 from gpr20_survey.folder.signature import try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
@@ -155,14 +154,14 @@ class CurrentSurvey:
             survey.resume(now_ns)
             return survey.reopened(())
         self._check_can_open(0, now_ns)
-        folder, _ = find_survey(self._storage.data, name, recover_with_recording)
+        folder, _ = find_survey(self._storage.data, name)
         new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
         with ExitStack() as lock:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
                 lock.enter_context(locked(folder))
             # Again, because the process that held the lock may have closed the survey meanwhile.
-            folder, _ = find_survey(self._storage.data, name, recover_with_recording)
+            folder, _ = find_survey(self._storage.data, name)
             reopening = Reopening(folder, self._storage.topics, self._storage.signer)
             repaired = reopening.repair(now_ns // utc_time.NS_PER_US)
             survey = OpenSurvey(

@@ -95,6 +95,7 @@ class Reopening:
         self._topics = topics
         self._signer = signer
         self._was_signed = signer is not None and signer.has_signed(folder)
+        self._is_signed = is_signed(folder)
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
@@ -168,24 +169,39 @@ class Reopening:
     def _with_unproven(self) -> RecoveredSurvey:
         """Name what the recordings, the manifest and its signature will vouch for from now on.
 
-        These are the traces of an earlier version that only a file without a checksum holds, and
-        all of a survey that was changed since this robot signed it.
+        These are the traces of an earlier version that only a file without a checksum holds, those
+        of which two forms contradict each other, and all of a survey that was changed since this
+        robot signed it, or that it never signed.
         """
         entries = {
-            manifest.trace_name(name): {"reason": "only a file without a checksum holds it"}
-            for name in self._stored.unproven
+            manifest.trace_name(name): {"reason": reason}
+            for names, reason in (
+                (self._stored.unproven, "only a file without a checksum holds it"),
+                (self._stored.contradicted, "survey.mcap held another one with a right checksum"),
+            )
+            for name in names
         }
-        if self._signer is not None and not self._was_signed and self._has_other_signature():
+        if self._signer is not None and not self._was_signed and self._should_be_signed():
             entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
-        sealed, log = self._sealed, self._recovered.found
-        covered = sealed is None or any(sealed.covers([one]) for one in log.records)
-        if sealed is not None and sealed.log is not None and not log.lost and not covered:
+        if not self._is_covered() and not self._recovered.found.lost:
             entries["log"] = {"reason": "it did not end as the manifest said"}
         unconfirmed = {**self._recovered.unconfirmed, **entries}
         return replace(self._recovered, unconfirmed=unconfirmed)
 
-    def _has_other_signature(self) -> bool:
-        return is_signed(self._folder) and (self._folder / manifest.MANIFEST_FILE).exists()
+    def _should_be_signed(self) -> bool:
+        """Return whether a robot with a key signs such a survey: it was closed, or still is."""
+        has_ended = self._recovered.description.get("ended") is not None
+        return has_ended or self._is_signed or self._sealed is not None
+
+    def _is_covered(self) -> bool:
+        """Return whether the log is that of the manifest, if there is one."""
+        sealed, records = self._sealed, self._recovered.found.records
+        if sealed is None or sealed.log is None:
+            return True
+        if sealed.reopened is None:
+            return sealed.covers(records)
+        # Since it was reopened, records may have been added.
+        return any(sealed.covers([one]) for one in records)
 
     def _refuse(self, description: Dict[str, Any]) -> None:
         """Refuse a survey that cannot or need not continue.
@@ -204,7 +220,8 @@ class Reopening:
             raise refusals.traces_not_planned(self._folder, misfits)
         planned = description.get("planned_traces", description.get("stored_traces"))
         finished = description.get("outcome") == "finished" and len(stored.truth) == planned
-        if finished and self._recovered.found.is_whole and stored.intact():
+        is_whole = self._recovered.found.is_whole and self._is_covered()
+        if finished and is_whole and stored.intact():
             raise refusals.survey_complete(self._folder, len(stored.truth))
 
     def _mark_manifest(self, now: str) -> None:

@@ -137,6 +137,8 @@ class StoredTraces:
         self.files = trace_files.read_all(traces, survey_id, on_trace=self._compare)
         self.unproven: List[str] = []
         """Names of the files without a checksum whose traces nothing else holds."""
+        self.contradicted: List[str] = []
+        """Names of the files with a checksum whose traces the MCAP holds with other numbers."""
         self.unplanned: List[Message] = []
         """What of files without a checksum, which therefore are damaged, is not as planned."""
         self.truth: Dict[int, bytes] = {}
@@ -188,6 +190,8 @@ class StoredTraces:
                 self._refuse(traces, index, _differs(file.name))
             elif file.is_proven or listed or recorded == file.fingerprint:
                 self.truth[index] = file.fingerprint
+                if not listed and recorded not in (None, file.fingerprint):
+                    self._contradict(file.name)
             elif recorded is not None:
                 self._refuse(traces, index, Message("survey.mcap holds other numbers"))
             elif index in self._wrong:
@@ -198,6 +202,13 @@ class StoredTraces:
                 self.unproven.append(file.name)
         for index, recorded in self.mcap.prints.items():
             self.truth.setdefault(index, recorded)
+
+    def _contradict(self, name: str) -> None:
+        self.contradicted.append(name)
+        # As a fault of the recording, which is therefore kept.
+        self.mcap.faults.append(
+            Message("{file} and survey.mcap hold different numbers with right checksums", file=name)
+        )
 
     def _misfits_of_truth(self) -> List[Message]:
         found: List[Message] = []
