@@ -178,7 +178,7 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     description, damage, notes = None, [], []
     if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
-            recovered = recover_with_recording(folder)
+            recovered = recover_with_recording(folder, for_reading=True)
             description = recovered.description
             unconfirmed = recovered.all_unconfirmed
             if unconfirmed:

@@ -29,13 +29,13 @@ def sealed_description(folder: Path) -> Optional[Dict[str, Any]]:
         survey_metadata.check_format(values, path)
     except (OSError, UnicodeDecodeError, SurveyRefusedError):
         return None
-    return values if is_of(folder, values) else None
+    return values if is_of(folder, values["survey_id"]) else None
 
 
-def is_of(folder: Path, description: Dict[str, Any]) -> bool:
-    """Return whether a description is that of the survey by which a folder is named.
+def is_of(folder: Path, survey_id: str) -> bool:
+    """Return whether a survey is that by which a folder is named.
 
     A folder that was renamed says nothing.
     """
     is_named = survey_folder.FOLDER_NAME.fullmatch(folder.name) is not None
-    return not is_named or folder.name.endswith(f"_{description['survey_id'][:8]}")
+    return not is_named or folder.name.endswith(f"_{survey_id[:8]}")

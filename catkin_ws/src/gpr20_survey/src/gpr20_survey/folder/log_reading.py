@@ -20,15 +20,14 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import LOG, description_of, view_of
+from gpr20_survey.folder.log_merging import Records, contradicting, lost_numbers, merged
 from gpr20_survey.folder.log_record import (
-    NO_RECORD,
-    Kind,
     LogRecord,
     json_of_line,
     record_of,
     record_of_line,
 )
-from gpr20_survey.folder.manifest import LogHead, Manifest
+from gpr20_survey.folder.manifest import Manifest
 
 LOG_FILE = survey_folder.LOG_FILE
 MAX_LOG_BYTES = 64 << 20
@@ -46,9 +45,6 @@ class State(enum.Enum):
     BEHIND = "behind"
     """It is right, but lacks the last record."""
     DAMAGED = "damaged"
-
-
-Records = Mapping[int, LogRecord]
 
 
 @dataclass(frozen=True)
@@ -129,7 +125,7 @@ def read_log(
     in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
     forms = [in_log, in_view, {one.number: one for one in recorded}]
     heads = () if sealed is None else tuple(filter(None, (sealed.log, sealed.next_log)))
-    found = _merge(forms, heads)
+    found = merged(forms, heads)
     if not found and own is not None and shown is None:
         return FoundLog(own=own)
     if not found and failure is not None:
@@ -142,13 +138,13 @@ def read_log(
         -1 if is_whole else _lines_behind(lines or [], in_log),
         _entries_behind(shown, in_view),
     )
-    lost = _lost(found, max(ends))
+    lost = lost_numbers(found, max(ends))
     damaged = (*damaged_lines, *damaged_entries)
     return FoundLog(
         tuple(found),
         tuple(lost),
         _legible(lost, damaged),
-        _contradicting(found, forms),
+        contradicting(found, forms),
         agrees=own is not None and bool(in_log) and not damaged and _sums(in_log) == _sums(in_view),
         has_log=True,
         own=own,
@@ -231,50 +227,6 @@ def _sums(records: Records) -> Dict[int, str]:
     return {number: one.sha256 for number, one in records.items()}
 
 
-def _merge(forms: Sequence[Records], heads: Sequence[LogHead]) -> List[LogRecord]:
-    """Return the record of each number that is right, and follows the one before it.
-
-    Args:
-        forms: The records of log.jsonl, of survey.json and of a recording.
-        heads: Those that a manifest names.
-    """
-    numbers = sorted({number for form in forms for number in form})
-    successors = {
-        (number - 1, record.previous) for form in forms for number, record in form.items()
-    }
-    found: List[LogRecord] = []
-    for number in numbers:
-        candidates = [form[number] for form in forms if number in form]
-        # One whose values were left out counts only if the record behind it names its checksum.
-        confirmed = [
-            one
-            for one in candidates
-            if one.values is not None or (number, one.sha256) in successors
-        ]
-        # Where forms contradict each other, the one that something else names is right.
-        recorded = forms[-1].get(number)
-        confirmed.sort(
-            key=lambda one: (
-                LogHead.of(one) not in heads,
-                (number, one.sha256) not in successors,
-                recorded is None or one.sha256 != recorded.sha256,
-                one.values is None,
-            )
-        )
-        fitting = [one for one in confirmed if _follows(found, one)]
-        if fitting:
-            found.append(fitting[0])
-    return found
-
-
-def _follows(found: Sequence[LogRecord], record: LogRecord) -> bool:
-    if record.number == 0:
-        return record.previous == NO_RECORD
-    last = found[-1] if found else None
-    # Behind a lost record nothing but its own checksum vouches for a record.
-    return last is None or last.number < record.number - 1 or last.sha256 == record.previous
-
-
 def _lines_behind(lines: Sequence[bytes], records: Records) -> int:
     """Return the number of the last record of log.jsonl, although it is damaged.
 
@@ -293,30 +245,6 @@ def _entries_behind(shown: Any, records: Records) -> int:
     entries = shown if isinstance(shown, list) else []
     damaged = list(itertools.takewhile(lambda one: record_of(one) is None, reversed(entries)))
     return max(records, default=-1) + len(damaged)
-
-
-def _contradicting(found: Sequence[LogRecord], forms: Sequence[Records]) -> Tuple[LogRecord, ...]:
-    used = {(one.number, one.sha256) for one in found}
-    others = {
-        (number, record.sha256): record
-        for form in forms
-        for number, record in form.items()
-        # Nothing vouches for one without values.
-        if (number, record.sha256) not in used and record.values is not None
-    }
-    return tuple(others[key] for key in sorted(others))
-
-
-def _lost(found: Sequence[LogRecord], end: int) -> List[int]:
-    present = {one.number for one in found}
-    named = {
-        number
-        for one in found
-        if one.kind == Kind.UNCONFIRMED.value and one.values is not None
-        for number in one.values.get("lost", [])
-    }
-    last = max(end, found[-1].number if found else -1)
-    return [number for number in range(last + 1) if number not in present | named]
 
 
 def _state_of_log(found: Sequence[LogRecord], lines: Optional[Sequence[bytes]]) -> State:

@@ -17,7 +17,7 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.description_copies import is_of, sealed_description
 from gpr20_survey.folder.log_content import START, UNCONFIRMED, description_of
 from gpr20_survey.folder.log_reading import FoundLog, json_text, lost_entries, read_log
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -112,10 +112,15 @@ def recover(
     return RecoveredSurvey(description, found, unconfirmed)
 
 
-def recover_with_recording(folder: Path) -> RecoveredSurvey:
+def recover_with_recording(folder: Path, for_reading: bool = False) -> RecoveredSurvey:
     """Return what `recover` does, with the records of the log in the MCAP.
 
     They are not read if both forms of the log are as the manifest says.
+
+    Args:
+        folder: The survey's folder.
+        for_reading: Whether it is enough that both forms agree, as for who reads a survey again
+            and again while it is measured.
 
     Raises:
         SurveyRefusedError: Nothing in the folder describes the survey.
@@ -124,7 +129,7 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
     sealed = _seal_of(folder)
     try:
         recovered = recover(folder, sealed=sealed)
-        if sealed is not None and _is_as_sealed(recovered.found, sealed):
+        if _is_certain(recovered.found, sealed, for_reading):
             return recovered
     except SurveyRefusedError:
         pass  # what the MCAP holds decides
@@ -137,10 +142,12 @@ def recover_with_recording(folder: Path) -> RecoveredSurvey:
     return replace(recovered, unconfirmed=unconfirmed)
 
 
-def _is_as_sealed(found: FoundLog, sealed: Manifest) -> bool:
+def _is_certain(found: FoundLog, sealed: Optional[Manifest], for_reading: bool) -> bool:
     if not found.has_log:
-        return sealed.log is None
-    return found.agrees and not found.lost and sealed.covers(found.records)
+        return for_reading or (sealed is not None and sealed.log is None)
+    if not found.agrees or found.lost:
+        return False
+    return for_reading or (sealed is not None and sealed.covers(found.records))
 
 
 def _records_in(mcap: StoredMcap) -> Tuple[List[LogRecord], bool]:
@@ -203,9 +210,10 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
 
 def _seal_of(folder: Path) -> Optional[Manifest]:
     try:
-        return manifest.read_manifest(folder)
+        sealed = manifest.read_manifest(folder)
     except (OSError, ManifestDamagedError):
         return None
+    return sealed if is_of(folder, sealed.survey_id) else None
 
 
 def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
