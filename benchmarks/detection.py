@@ -1,215 +1,243 @@
-"""How many targets are found, against false candidates, and whether noise alone is kept out.
+"""How many bodies are found, against false candidates, in ground that the imaging did not make.
 
-Usage: scripts/bench.sh detection [--scenes 100] [--noise-surveys 300] [--figure detection.svg]
+Usage: scripts/bench.sh detection [--lines 200] [--figure detection.png] [--json FILE]
 
-Scenes: 25 x 25 positions of 15 mm step, two polarizations, 201 frequencies, permittivity 3 to 9,
-one to three point targets at 30 to 200 mm depth, at random places at least 60 mm apart. Noise is
-that much below the strongest echo of each target at each frequency of one trace; the image adds up
-thousands of such samples. Half of the scenes also have the echo of a surface, 30 dB above those of
-the targets, whose height varies by 1 mm (standard deviation) from trace to trace; the recorded
-heights do not know it. The mean of all traces is subtracted. A candidate within 30 mm across and 20
-mm in depth of a target is that target; all others are false. Those that are said to be clutter or
-sidelobes are counted apart.
+Lines: cuts of 0.96 m computed from Maxwell's equations in two dimensions (benchmarks/worlds), over
+clean, cluttered (stones, roots), rough (3 to 10 mm), lossy ground, and all of it at once. None to
+three bodies at 20 to 200 mm: plastic and metal discs of 30 to 60 mm radius, cylinders, fragments.
+Areas: the five laboratory scenes of Uniandes and three random ones, in three dimensions. The real
+line is a GSSI record over 14 bars (tools/kits/recorded_worlds.py).
 
-Noise surveys: the same without targets; the share of images with any candidate should be the
-false-alarm rate.
+Each is imaged with the default command's steps and method and its true permittivity. A candidate
+within 30 mm of a body's width and between 30 mm above its top and 60 mm below its bottom is that
+body; all others that are not doubtful are false. Intervals are 95 %: Clopper-Pearson for shares,
+Poisson's for densities. Per m2 of a line is per 0.3 m of its width.
 """
 
 from __future__ import annotations
 
 import argparse
-from typing import Dict, List, Optional, Sequence, Tuple
+import json
+from collections import defaultdict
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from scipy.constants import speed_of_light
+from recorded_worlds import AREAS, UNIANDES, area, line, real_line, truths
+from scipy.stats import beta, chi2
 
-from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
-from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
-from gpr20_analysis.processing.background import Background, remove_background
-from gpr20_simulator.mid.world.refraction import refracted_path
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.chain import process_survey
+from gpr20_survey.results.candidates import Candidate, CandidateList
 
-PLACE_M = 0.015 * np.arange(25)
-HEIGHT_M = 0.20
-FREQUENCY_HZ = np.linspace(600e6, 6e9, 201)
-DEPTH_M = tuple(np.arange(0.0, 0.2501, 0.005))
-AREA_M2 = float(np.ptp(PLACE_M) ** 2)
-LEVELS_DB = (20.0, 10.0, 0.0, -20.0, -30.0, -35.0)
-RATES = (0.1, 0.01, 0.001)
-SURFACE, ROUGHNESS_M = 10.0 ** (30.0 / 20.0), 0.001
-ACROSS_M, DEEPER_M, APART_M = 0.03, 0.02, 0.06
-HEADING = (
-    *("ground", "echo above noise dB", "false-alarm rate %", "found %", "found without flag %"),
-    *("false per m2", "doubtful per m2"),
-)
-Place = Tuple[float, float, float]
+NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
+BAR_M = 0.015
+TWO_SIDED = (0.025, 0.975)
+Body = Dict[str, Any]
 
 
-def survey(s21: np.ndarray) -> xr.Dataset:
-    shape = s21.shape[:3]
-    return xr.Dataset(
-        {
-            "s21": (S21_DIMS, s21),
-            "height": (SAMPLE_DIMS, np.full(shape, HEIGHT_M)),
-            "quality": (SAMPLE_DIMS, np.zeros(shape, dtype=np.uint8)),
-        },
-        {
-            "polarization": [0.0, 90.0][: shape[0]],
-            "y": PLACE_M,
-            "x": PLACE_M,
-            "frequency": FREQUENCY_HZ,
-        },
+@dataclass
+class Score:
+    """Counts of one kind of ground or body.
+
+    Attributes:
+        bodies: Bodies.
+        found: Those that are candidates and not doubtful.
+        leading: Those among the first three of their list.
+        false: Other candidates that are not doubtful.
+        area_m2: Ground that they are on.
+        errors: Error across and in depth of each that was found, in standard deviations.
+    """
+
+    bodies: int = 0
+    found: int = 0
+    leading: int = 0
+    false: int = 0
+    area_m2: float = 0.0
+    errors: List[Tuple[float, float]] = field(default_factory=list)
+
+
+def candidates(survey: xr.Dataset, permittivity: float) -> CandidateList:
+    """Return what the default command lists."""
+    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
+    return find_candidates(image_survey(process_survey(survey, *DEFAULT_STEPS), options))
+
+
+def is_at(one: Candidate, body: Body) -> bool:
+    """Return whether a candidate is a body."""
+    half_m = np.array(body["half_m"])
+    away_m = np.abs([one.x_m - body["x_m"], one.y_m - body["y_m"]]) - half_m
+    deeper_m = one.depth_m - body["top_m"]
+    near = float(np.hypot(*np.maximum(away_m, 0.0))) < NEAR_M
+    return near and -ABOVE_M < deeper_m < body["thickness_m"] + BELOW_M
+
+
+def add(
+    scores: Dict[str, Score], found: CandidateList, bodies: Sequence[Body], ground: str
+) -> None:
+    """Add what was found in one scene."""
+    used = set()
+    for body in bodies:
+        near = [place for place, one in enumerate(found.candidates) if is_at(one, body)]
+        used.update(near)
+        first = found.candidates[near[0]] if near else None
+        for name in (ground, body["kind"], "all"):
+            scores[name].bodies += 1
+            scores[name].leading += bool(near) and near[0] < 3
+            if first is not None and not first.is_doubtful:
+                scores[name].found += 1
+                scores[name].errors.append(
+                    (
+                        (first.x_m - body["x_m"]) / first.x_uncertainty_m,
+                        (first.depth_m - body["top_m"]) / first.depth_uncertainty_m,
+                    )
+                )
+    others = [one for place, one in enumerate(found.candidates) if place not in used]
+    for name in (ground, "all"):
+        scores[name].false += sum(not one.is_doubtful for one in others)
+        scores[name].area_m2 += found.area_m2
+
+
+def of_lines(count: int) -> Dict[str, Score]:
+    """Return the scores of the computed lines."""
+    scores: Dict[str, Score] = defaultdict(Score)
+    for number in range(count):
+        survey, truth = line(number)
+        bodies = [
+            {**body, "y_m": 0.0, "half_m": (body["half_width_m"], 0.0)} for body in truth["bodies"]
+        ]
+        add(scores, candidates(survey, truth["permittivity"]), bodies, truth["ground"])
+    return scores
+
+
+def of_areas(name: str) -> Dict[str, Score]:
+    """Return the scores of the computed areas."""
+    scores: Dict[str, Score] = defaultdict(Score)
+    for number in range(len(truths(name))):
+        survey, truth = area(name, number)
+        bodies = [
+            {
+                **body,
+                "kind": body["name"],
+                "half_m": (body["size_m"][0] / 2.0, body["size_m"][1] / 2.0),
+                "thickness_m": body["height_m"],
+            }
+            for body in truth["bodies"]
+        ]
+        add(scores, candidates(survey, truth["permittivity"]), bodies, name)
+    return scores
+
+
+def share_range(found: int, count: int) -> Tuple[float, float]:
+    """Return the interval of a share by Clopper and Pearson."""
+    low = 0.0 if found == 0 else float(beta.ppf(TWO_SIDED[0], found, count - found + 1))
+    high = 1.0 if found == count else float(beta.ppf(TWO_SIDED[1], found + 1, count - found))
+    return low, high
+
+
+def density_range(count: int, area_m2: float) -> Tuple[float, float]:
+    """Return the interval of a density by Poisson's law [1/m2]."""
+    low = 0.0 if count == 0 else float(chi2.ppf(TWO_SIDED[0], 2 * count)) / (2.0 * area_m2)
+    return low, float(chi2.ppf(TWO_SIDED[1], 2 * count + 2)) / (2.0 * area_m2)
+
+
+def rows(scores: Dict[str, Score]) -> List[str]:
+    """Return a table in Markdown."""
+    lines = [
+        "| ground or body | bodies | found % | among the first three % | false per m2 | "
+        "across, in depth within 2 sigma % |",
+        "| --- | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for name, one in scores.items():
+        if not one.bodies:
+            continue
+        low, high = share_range(one.found, one.bodies)
+        found = f"{100 * one.found / one.bodies:.0f} ({100 * low:.0f} to {100 * high:.0f})"
+        false = "-"
+        if one.area_m2:
+            few, many = density_range(one.false, one.area_m2)
+            false = f"{one.false / one.area_m2:.1f} ({few:.1f} to {many:.1f})"
+        within = 100.0 * np.mean(np.abs(one.errors) < 2.0, axis=0) if one.errors else (np.nan,) * 2
+        lines.append(
+            f"| {name} | {one.bodies} | {found} | {100 * one.leading / one.bodies:.0f} | {false} | "
+            f"{within[0]:.0f}, {within[1]:.0f} |"
+        )
+    return lines
+
+
+def of_real_line() -> str:
+    """Return what is found on the real line."""
+    survey, bars_m = real_line()
+    listed = [one for one in candidates(survey, 6.0).candidates if not one.is_doubtful]
+    near = [float(np.abs(bars_m - one.x_m).min()) < BAR_M for one in listed]
+    found = sum(min(abs(one.x_m - bar_m) for one in listed) < BAR_M for bar_m in bars_m)
+    return (
+        f"real line: {found} of {len(bars_m)} bars among {len(listed)} candidates, "
+        f"{sum(near[: len(bars_m)])} of the first {len(bars_m)} candidates are bars"
     )
 
 
-def noise(random: np.random.Generator, shape: Sequence[int]) -> np.ndarray:
-    parts = random.standard_normal((*shape, 2))
-    return (parts[..., 0] + 1j * parts[..., 1]) / np.sqrt(2.0)
-
-
-def echo(delay_s: np.ndarray) -> np.ndarray:
-    level = (delay_s.min() / delay_s) ** 2
-    return level[..., None] * np.exp(-2j * np.pi * FREQUENCY_HZ * delay_s[..., None])
-
-
-def two_way_delay_s(depth_m: float, across_m: np.ndarray, permittivity: float) -> np.ndarray:
-    path = refracted_path(HEIGHT_M, np.full(across_m.size, depth_m), across_m.ravel(), permittivity)
-    path_m = path.air_m + np.sqrt(permittivity) * path.soil_m
-    return 2.0 * path_m.reshape(across_m.shape) / speed_of_light
-
-
-def targets(random: np.random.Generator) -> List[Place]:
-    found: List[Place] = []
-    while len(found) < random.integers(1, 4):
-        x_m, y_m = random.uniform(0.03, PLACE_M[-1] - 0.03, 2)
-        if all(np.hypot(x_m - one[0], y_m - one[1]) >= APART_M for one in found):
-            found.append((float(x_m), float(y_m), float(random.uniform(0.03, 0.2))))
-    return found
-
-
-def scene(
-    random: np.random.Generator, there: Sequence[Place], permittivity: float, rough: bool
-) -> np.ndarray:
-    s21 = np.zeros((2, PLACE_M.size, PLACE_M.size, FREQUENCY_HZ.size), dtype=np.complex128)
-    for x_m, y_m, depth_m in there:
-        across_m = np.hypot(PLACE_M[None, :] - x_m, PLACE_M[:, None] - y_m)
-        s21 += echo(two_way_delay_s(depth_m, across_m, permittivity))
-    if rough:
-        height_m = HEIGHT_M + ROUGHNESS_M * random.standard_normal(across_m.shape)
-        delay_s = 2.0 * height_m / speed_of_light
-        s21 -= SURFACE * np.exp(-2j * np.pi * FREQUENCY_HZ * delay_s[..., None])
-    return s21
-
-
-def scored(found: CandidateList, there: Sequence[Place]) -> Tuple[int, int, int, int]:
-    """Return the numbers of found targets, and false candidates, each without and with flags.
-
-    Found with flags counts all that are found; false with flags counts those that are doubtful.
-    """
-    plain, hit, false, doubtful = set(), set(), 0, 0
-    for one in found.candidates:
-        near = [
-            number
-            for number, (x_m, y_m, depth_m) in enumerate(there)
-            if np.hypot(one.x_m - x_m, one.y_m - y_m) < ACROSS_M
-            and abs(one.depth_m - depth_m) < DEEPER_M
-        ]
-        hit.update(near)
-        if one.is_doubtful:
-            doubtful += not near
-        else:
-            plain.update(near)
-            false += not near
-    return len(plain), len(hit), false, doubtful
-
-
-def detections(scenes: int, method: Method) -> Dict[Tuple[bool, float, float], np.ndarray]:
-    """Return targets, the counts of `scored`, and scenes, of each ground, level and rate."""
-    counts: Dict[Tuple[bool, float, float], np.ndarray] = {}
-    for number in range(scenes):
-        random = np.random.default_rng(number)
-        rough = number % 2 == 1
-        permittivity = float(random.uniform(3.0, 9.0))
-        there = targets(random)
-        clean = scene(random, there, permittivity, rough)
-        for level_db in LEVELS_DB:
-            noisy = clean + 10.0 ** (-level_db / 20.0) * noise(random, clean.shape)
-            image = image_survey(
-                remove_background(survey(noisy), Background.MEAN),
-                ImageOptions(method, permittivity, DEPTH_M),
-            )
-            for rate in RATES:
-                found = find_candidates(image, CandidateOptions(rate, 100_000))
-                add = np.array([len(there), *scored(found, there), 1.0])
-                key = (rough, level_db, rate)
-                counts[key] = counts.get(key, np.zeros(6)) + add
-    return counts
-
-
-def false_alarms(surveys: int, method: Method) -> Dict[float, float]:
-    """Return the share of images of noise with any candidate, by false-alarm rate."""
-    any_found = dict.fromkeys(RATES, 0)
-    for number in range(surveys):
-        random = np.random.default_rng(10_000 + number)
-        data = survey(noise(random, (2, PLACE_M.size, PLACE_M.size, FREQUENCY_HZ.size)))
-        image = image_survey(
-            remove_background(data, Background.MEAN), ImageOptions(method, 4.0, DEPTH_M)
-        )
-        for rate in RATES:
-            any_found[rate] += bool(find_candidates(image, CandidateOptions(rate)).candidates)
-    return {rate: count / surveys for rate, count in any_found.items()}
-
-
-def draw(counts: Dict[Tuple[bool, float, float], np.ndarray], path: str) -> None:
+def curve(count: int, path: Path) -> None:
+    """Draw the share of bodies found against false candidates, by the length of the list."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
-    axes = figure.subplots()
-    for rate in RATES:
-        for rough, style in ((False, "-"), (True, "--")):
-            ones = [counts[rough, level, rate] for level in LEVELS_DB]
-            ground = "rough" if rough else "level"
-            axes.plot(
-                LEVELS_DB, [one[2] / one[0] for one in ones], style, marker="o",
-                label=f"{ground}, false alarms {100.0 * rate:g} %",
-            )  # fmt: skip
-    axes.set_xlabel("echo above noise, one frequency of one trace [dB]")
-    axes.set_ylabel("share of targets found")
-    axes.grid(True)
-    axes.legend()
-    figure.savefig(path)
+    figure = Figure(figsize=(7.0, 4.5), layout="constrained")
+    axes = figure.add_subplot()
+    points: Dict[str, List[Tuple[float, bool]]] = defaultdict(list)
+    areas: Dict[str, float] = defaultdict(float)
+    bodies: Dict[str, int] = defaultdict(int)
+    for number in range(count):
+        survey, truth = line(number)
+        found = candidates(survey, truth["permittivity"])
+        areas[truth["ground"]] += found.area_m2
+        bodies[truth["ground"]] += len(truth["bodies"])
+        there = [{**one, "y_m": 0.0, "half_m": (one["half_width_m"], 0.0)}
+                 for one in truth["bodies"]]  # fmt: skip
+        seen = [False] * len(there)
+        for one in found.candidates:
+            own = [place for place, body in enumerate(there) if is_at(one, body)]
+            new = [place for place in own if not seen[place]]
+            for place in new:
+                seen[place] = True
+            if new or not own:
+                points[truth["ground"]].append((one.above_clutter_db, bool(new)))
+    for ground, listed in points.items():
+        hits = np.array([is_body for _, is_body in sorted(listed, reverse=True)])
+        axes.plot(
+            np.cumsum(~hits) / areas[ground], 100.0 * np.cumsum(hits) / bodies[ground], label=ground
+        )
+    axes.set(xlabel="false candidates per m2", ylabel="bodies found [%]", xlim=(0.0, 20.0),
+             ylim=(0.0, 100.0))  # fmt: skip
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower right")
+    figure.savefig(path, dpi=120)
 
 
-def main(arguments: Optional[Sequence[str]] = None) -> None:
+def main() -> None:
+    """Print the scores."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenes", type=int, default=100)
-    parser.add_argument("--noise-surveys", type=int, default=300)
-    parser.add_argument("--method", choices=METHODS.names(), default="phase-shift")
-    parser.add_argument("--figure")
-    chosen = parser.parse_args(arguments)
-    method = imaging_method(chosen.method)
-    if chosen.noise_surveys:
-        print(f"images of {chosen.noise_surveys} noise surveys with any candidate, {method.name}")
-        for rate, share in false_alarms(chosen.noise_surveys, method).items():
-            print(f"  false-alarm rate {100.0 * rate:g} %: {100.0 * share:.1f} %")
-    if not chosen.scenes:
-        return
-    counts = detections(chosen.scenes, method)
-    print(f"| {' | '.join(HEADING)} |\n| --- {'| ---: ' * (len(HEADING) - 1)}|")
-    for (rough, level_db, rate), one in sorted(counts.items()):
-        there, plain, hit, false, doubtful, scenes = one
-        area_m2 = scenes * AREA_M2
-        shares = [f"{100.0 * count / there:.0f}" for count in (hit, plain)]
-        densities = [f"{count / area_m2:.1f}" for count in (false, doubtful)]
-        ground = "rough" if rough else "level"
-        cells = [ground, f"{level_db:g}", f"{100.0 * rate:g}", *shares, *densities]
-        print(f"| {' | '.join(cells)} |")
+    parser.add_argument("--lines", type=int, default=200)
+    parser.add_argument("--figure", type=Path)
+    parser.add_argument("--json", type=Path)
+    chosen = parser.parse_args()
+    every = {"lines": of_lines(chosen.lines), UNIANDES: of_areas(UNIANDES), AREAS: of_areas(AREAS)}
+    for name, scores in every.items():
+        print(f"\n{name}\n", *rows(scores), sep="\n")
+    print("\n" + of_real_line())
+    if chosen.json:
+        counts = {
+            name: {kind: vars(one) for kind, one in scores.items()}
+            for name, scores in every.items()
+        }
+        chosen.json.write_text(json.dumps(counts), encoding="utf-8")
     if chosen.figure:
-        draw(counts, chosen.figure)
+        curve(chosen.lines, chosen.figure)
 
 
 if __name__ == "__main__":

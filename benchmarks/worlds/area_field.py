@@ -60,7 +60,7 @@ def absorption(cells: int) -> np.ndarray:
     return (0.5 * COURANT * 10.0 * 4.0 / (2.0 * ABSORBING_CELLS) * share**3).astype(np.float32)
 
 
-def magnetic_cell(  # noqa: D103
+def magnetic_cell(
     ex: Any, ey: Any, ez: Any, hx: Any, hy: Any, hz: Any, b: int, k: int, j: int, i: int, decay: Any
 ) -> None:
     keep, gain = (ONE - decay) / (ONE + decay), COURANT_32 / (ONE + decay)
@@ -76,7 +76,7 @@ def magnetic_cell(  # noqa: D103
     )
 
 
-def electric_cell(  # noqa: D103
+def electric_cell(
     ex: Any, ey: Any, ez: Any, hx: Any, hy: Any, hz: Any, b: int, k: int, j: int, i: int,
     decay: Any, inverse: Any,
 ) -> None:  # fmt: skip
@@ -97,7 +97,7 @@ _magnetic, _electric = njit(inline="always")(magnetic_cell), njit(inline="always
 
 
 @njit(parallel=True, fastmath=True, cache=True)
-def _advance(ex, ey, ez, hx, hy, hz, ground, start, inverse, loss, az, ay, ax, sent, s, r, out):  # type: ignore[no-untyped-def]  # noqa: E501
+def _advance(ex, ey, ez, hx, hy, hz, ground, start, inverse, loss, az, ay, ax, sent, s, r, out):  # type: ignore[no-untyped-def]
     boxes, depths, rows, columns = ex.shape
     for b in range(boxes):
         for step in range(sent.size):
@@ -112,9 +112,7 @@ def _advance(ex, ey, ez, hx, hy, hz, ground, start, inverse, loss, az, ay, ax, s
                         what = ground[k, start[b, 0] + j, start[b, 1] + i]
                         decay = az[k] + ay[j] + ax[i] + loss[what]
                         if inverse[what] > 0:
-                            _electric(
-                                ex, ey, ez, hx, hy, hz, b, k, j, i, decay, inverse[what]
-                            )
+                            _electric(ex, ey, ez, hx, hy, hz, b, k, j, i, decay, inverse[what])
             ey[b, s[0], s[1], s[2]] -= COURANT_32 * sent[step]
             out[b, step] = ey[b, r[0], r[1], r[2]]
 

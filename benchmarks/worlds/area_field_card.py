@@ -23,7 +23,9 @@ def _magnetic_step(ex, ey, ez, hx, hy, hz, az, ay, ax):  # type: ignore[no-untyp
 
 
 @cuda.jit(fastmath=True)
-def _electric_step(ex, ey, ez, hx, hy, hz, ground, start, inverse, loss, az, ay, ax, sent, step, places, out):  # type: ignore[no-untyped-def]  # noqa: E501
+def _electric_step(
+    ex, ey, ez, hx, hy, hz, ground, start, inverse, loss, az, ay, ax, sent, step, places, out
+):  # type: ignore[no-untyped-def]
     i, j, deep = cuda.grid(3)
     b, k = deep // ex.shape[1], deep % ex.shape[1]
     if (

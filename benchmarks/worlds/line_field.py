@@ -115,7 +115,7 @@ def transfer(
     return found
 
 
-def magnetic_cell(  # noqa: D103
+def magnetic_cell(
     ea: Any, eb: Any, hx: Any, hz: Any, b: int, k: int, i: int, ax: Any, az: Any
 ) -> None:
     here = ea[b, k, i] + eb[b, k, i]
@@ -125,7 +125,7 @@ def magnetic_cell(  # noqa: D103
     hz[b, k, i] = ((ONE - ax[i]) * hz[b, k, i] - COURANT_32 * (right - here)) / (ONE + ax[i])
 
 
-def electric_cell(  # noqa: D103
+def electric_cell(
     ea: Any, eb: Any, hx: Any, hz: Any, b: int, k: int, i: int, ax: Any, az: Any,
     inverse: Any, loss: Any,
 ) -> None:  # fmt: skip
@@ -145,7 +145,9 @@ _magnetic, _electric = njit(inline="always")(magnetic_cell), njit(inline="always
 
 
 @njit(parallel=True, fastmath=True, cache=True)
-def _advance(ea, eb, hx, hz, ground, start, inverse, loss, eax, eaz, hax, haz, sent, tz, tx, rz, rx, out):  # type: ignore[no-untyped-def]  # noqa: E501
+def _advance(
+    ea, eb, hx, hz, ground, start, inverse, loss, eax, eaz, hax, haz, sent, tz, tx, rz, rx, out
+):  # type: ignore[no-untyped-def]
     windows, rows, columns = ea.shape
     for b in prange(windows):
         for step in range(sent.size):

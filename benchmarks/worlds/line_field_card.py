@@ -22,7 +22,7 @@ def _magnetic_step(ea, eb, hx, hz, ax, az):  # type: ignore[no-untyped-def]
 
 
 @cuda.jit(fastmath=True)
-def _electric_step(ea, eb, hx, hz, ground, start, inverse, loss, ax, az, sent, step, places, out):  # type: ignore[no-untyped-def]  # noqa: E501
+def _electric_step(ea, eb, hx, hz, ground, start, inverse, loss, ax, az, sent, step, places, out):  # type: ignore[no-untyped-def]
     i, k, b = cuda.grid(3)
     if b < ea.shape[0] and 0 < k < ea.shape[1] - 1 and 0 < i < ea.shape[2] - 1:
         what = ground[k, start[b] + i]

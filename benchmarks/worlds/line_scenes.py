@@ -147,7 +147,10 @@ def _bodies(random: np.random.Generator) -> Tuple[Body, ...]:
         half_m = float(random.uniform(0.03, 0.06) if kind in FLAT else random.uniform(0.015, 0.04))
         thick_m = float(random.uniform(0.02, 0.05)) if kind in FLAT else 2.0 * half_m
         if kind is BodyKind.FRAGMENT:
-            half_m, thick_m = float(random.uniform(0.003, 0.008)), float(random.uniform(0.003, 0.01))
+            half_m, thick_m = (
+                float(random.uniform(0.003, 0.008)),
+                float(random.uniform(0.003, 0.01)),
+            )
         top_m = float(random.uniform(0.02, 0.2 - thick_m / 2.0))
         for _ in range(100):
             x_m = float(random.uniform(0.06, length_m - 0.06))
@@ -235,9 +238,7 @@ def _clutter(
                 for axis, place in ((x_m[0], at_m[0]), (depth_m[:, 0], at_m[1]))
             )
             reach = int(long_m / cell_m) + 2
-            near = np.s_[
-                max(0, row - reach) : row + reach, max(0, column - reach) : column + reach
-            ]
+            near = np.s_[max(0, row - reach) : row + reach, max(0, column - reach) : column + reach]
             across, down = x_m[:, near[1]] - at_m[0], depth_m[near[0]] - at_m[1]
             along = across * np.cos(turn) + down * np.sin(turn)
             aside = down * np.cos(turn) - across * np.sin(turn)

@@ -32,7 +32,7 @@ POLARIZATION, Y, X, FREQUENCY, DELAY, DEPTH = (
 SAMPLE_DIMS = (POLARIZATION, Y, X)
 S21_DIMS = (*SAMPLE_DIMS, FREQUENCY)
 S21, A_SCAN, IMAGE = "s21", "a_scan", "image"
-NOISE, NOISE_OVER_Y, NOISE_OVER_X = "noise", "noise_over_y", "noise_over_x"
+CLUTTER, ECHOES = "clutter", "echoes"
 AUX_PREFIX = "aux_"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 

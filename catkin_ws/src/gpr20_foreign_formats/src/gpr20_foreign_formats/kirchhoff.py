@@ -36,7 +36,6 @@ from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method, Positions, Volume
-from gpr20_analysis.imaging.noise import Law
 from gpr20_analysis.imaging.phase_shift import grid_step_m
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
@@ -213,10 +212,11 @@ def _one_line(traces: Traces, focus: Focus, at: Positions, progress: Progress) -
 KIRCHHOFF = Method(
     "kirchhoff",
     _two_lines,
-    law=Law.PRODUCT,
+    is_linear=False,
+    factors=2,
     own_window=Window.HAMMING,
     any_positions=False,
     default_steps=("background:method=mean",),
     notes=shallow_notes,
 )
-KIRCHHOFF_2D = replace(KIRCHHOFF, name="kirchhoff-2d", image=_one_line, law=Law.HALF_NORMAL)
+KIRCHHOFF_2D = replace(KIRCHHOFF, name="kirchhoff-2d", image=_one_line, factors=1)

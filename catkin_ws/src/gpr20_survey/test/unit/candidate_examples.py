@@ -21,8 +21,8 @@ def candidate(number=1, x_mm=150.0, y_mm=90.0, depth_mm=60.0, level_db=31.0, fla
         "x_uncertainty_m": 0.004,
         "y_uncertainty_m": 0.004,
         "depth_uncertainty_m": 0.006,
-        "above_noise_db": level_db,
-        "false_alarm_probability": 1e-9,
+        "above_clutter_db": level_db,
+        "false_alarms_per_m2": 0.2,
         "rotations_deg": (0.0, 90.0),
         "polarization_ratio_db": -0.1,
         "flags": tuple(flags),
@@ -39,7 +39,8 @@ def candidate_list(candidates=(), **changes):
         "permittivity": 4.0,
         "permittivity_range": (3.5, 4.5),
         "area_m2": 0.25,
-        "false_alarm_rate": 0.01,
+        "false_alarms_per_m2": 10.0,
+        "false_alarms_range": (6.0, 17.0),
         "omitted": 0,
         "candidates": tuple(candidates),
     }
@@ -53,6 +54,7 @@ def numbers(lowest=-1e6, highest=1e6):
 
 SIZES = numbers(0.0, 10.0)
 NUMBERS_OR_NAN = numbers() | st.just(math.nan)
+DENSITIES = numbers(0.0) | st.just(math.nan)
 CANDIDATES = st.builds(
     Candidate,
     id=st.just(""),
@@ -62,8 +64,8 @@ CANDIDATES = st.builds(
     x_uncertainty_m=SIZES,
     y_uncertainty_m=SIZES,
     depth_uncertainty_m=SIZES,
-    above_noise_db=NUMBERS_OR_NAN,
-    false_alarm_probability=numbers(0.0, 1.0),
+    above_clutter_db=numbers(-1e3, 1e3),
+    false_alarms_per_m2=DENSITIES,
     rotations_deg=st.lists(NUMBERS_OR_NAN, max_size=3).map(tuple),
     polarization_ratio_db=st.none() | numbers(),
     flags=st.lists(st.sampled_from(Flag), unique=True).map(tuple),
@@ -87,7 +89,8 @@ def candidate_lists(draw, positions=ANYWHERE):
         permittivity=draw(numbers(1.0, 100.0)),
         permittivity_range=(draw(numbers(1.0, 100.0)), draw(numbers(1.0, 100.0))),
         area_m2=draw(SIZES),
-        false_alarm_rate=draw(numbers(0.0, 1.0)),
+        false_alarms_per_m2=draw(DENSITIES),
+        false_alarms_range=(draw(DENSITIES), draw(DENSITIES)),
         omitted=omitted,
         candidates=tuple(
             Candidate(**{**vars(one), "id": f"C{number:02d}"})

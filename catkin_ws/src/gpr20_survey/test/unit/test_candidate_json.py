@@ -22,10 +22,16 @@ EXAMPLE = candidate_list(
 LIST = json.loads(json_text(EXAMPLE))
 # They say again, for people and other programs, what the others say.
 SAID_AGAIN = {"simulated_warning", "coordinates"}
-OF_EACH_SAID_AGAIN = {"confidence", "doubtful", "longitude_deg", "latitude_deg"}
+OF_EACH_SAID_AGAIN = {"doubtful", "longitude_deg", "latitude_deg"}
 NEEDED = sorted(LIST.keys() - SAID_AGAIN)
 NEEDED_OF_EACH = sorted(LIST["candidates"][0].keys() - OF_EACH_SAID_AGAIN)
-MAY_BE_NONE = ("above_noise_db", "polarization_ratio_db", "position")
+MAY_BE_NONE = (
+    "false_alarms_per_m2",
+    "false_alarms_lowest",
+    "false_alarms_highest",
+    "polarization_ratio_db",
+    "position",
+)
 WRONG = (-1e400, float("nan"), {}, ["other"], [1], True, "")
 RIGHT = {"simulated": [True], "survey_id": [""], "method": [""], "notes": [["other"]]}
 RIGHT_OF_EACH = {"rotations_deg": [[1]], "flags": [["other"]]}
@@ -72,7 +78,7 @@ def test_a_wrong_value_of_a_candidate_is_refused(name):
     [
         {"listed": 1},
         {"omitted": 0},
-        {"format": "gpr20-candidates/2"},
+        {"format": "gpr20-candidates/1"},
         {"candidates": [LIST["candidates"][0]] * 2},
     ],
 )

@@ -141,7 +141,7 @@ def _flat(record: Dict[str, Any]) -> Dict[str, Any]:
 COLUMNS = (
     *("id", "x_m", "y_m", "depth_m"),
     *("x_uncertainty_m", "y_uncertainty_m", "depth_uncertainty_m"),
-    *("above_noise_db", "false_alarm_probability", "confidence"),
+    *("above_clutter_db", "false_alarms_per_m2"),
     *(
         "rotations_deg",
         "polarization_ratio_db",

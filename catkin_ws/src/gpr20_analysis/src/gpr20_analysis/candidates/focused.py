@@ -8,18 +8,28 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.candidates.rating import Rating
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.dataset import DEPTH, IMAGE, MM_PER_M, POLARIZATION, SAMPLE_DIMS, X, Y, usable
+from gpr20_analysis.dataset import (
+    CLUTTER,
+    DEPTH,
+    IMAGE,
+    MM_PER_M,
+    POLARIZATION,
+    SAMPLE_DIMS,
+    X,
+    Y,
+    usable,
+)
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS, law_of
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.message import Message
+from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.results.focused_image import FocusedImage
 
-# With fewer lines neither the background nor the noise can be measured.
+# With fewer lines neither the background nor the clutter can be measured.
 FEWEST_LINES = 3
 
 
@@ -43,7 +53,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     options = ImageOptions(permittivity=permittivity, leave_out_missing=True)
     image = image_survey(process_survey(part, *DEFAULT_STEPS), options)
     levels_db = np.full((image.sizes[DEPTH], *present.shape[1:]), np.nan, np.float32)
-    levels_db[:, rows, columns] = levels_above_noise_db(image)
+    levels_db[:, rows, columns] = levels_above_clutter_db(image)
     levels_db[:, ~np.any(present, axis=0)] = np.nan
     x_mm, y_mm = (MM_PER_M * survey[name].values.astype(np.float64) for name in (X, Y))
     return FocusedImage(
@@ -56,22 +66,17 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     )
 
 
-def levels_above_noise_db(image: xr.Dataset) -> np.ndarray:
-    """Return the level of the brighter polarization (depth, y, x) above noise [dB], float32.
+def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:
+    """Return the level of the brighter polarization (depth, y, x) above clutter [dB], float32.
 
     Args:
-        image: Dataset of `image_survey`. If its noise could not be measured, the median of each
-            depth takes its place, which is that of the noise or higher.
+        image: Dataset of `image_survey`.
     """
     magnitude = np.abs(image[IMAGE].transpose(POLARIZATION, DEPTH, Y, X).values)
-    rating = Rating(image, magnitude)
-    ratio = np.stack([rating.level(turn) for turn in range(rating.polarizations)])
-    law = law_of(str(image.attrs["method"]))
-    if not rating.is_rated:
-        usual = np.median(ratio, axis=(2, 3), keepdims=True) / law.median
-        ratio = ratio / np.maximum(usual, np.finfo(np.float32).tiny)
-    floor = np.finfo(np.float32).tiny
-    return law.level_db(np.maximum(ratio.max(axis=0), floor)).astype(np.float32)
+    clutter = image[CLUTTER].transpose(POLARIZATION, DEPTH)
+    ratio = (magnitude / clutter.values[:, :, None, None]).max(axis=0)
+    levels_db = decibels(ratio, float(np.finfo(np.float32).tiny)) / int(clutter.attrs["factors"])
+    return levels_db.astype(np.float32)
 
 
 def _measured_part(present: np.ndarray) -> Tuple[slice, slice]:

@@ -1,55 +1,36 @@
-"""The candidates in an image: its maxima that noise alone would hardly have."""
+"""The candidates in an image: the places that are stronger than the clutter of their ground."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.earth import area_position
-from gpr20_analysis.candidates.peaks import Groups, Peaks, find_peaks, grouped
-from gpr20_analysis.candidates.rating import Rating
-from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
+from gpr20_analysis.candidates.false_alarms import FalseAlarms, surveyed_m2
+from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, require
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.image import ECHO_VALUES
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
 
-
-def peak_places(volume: np.ndarray, axes: Sequence[np.ndarray], places: np.ndarray) -> np.ndarray:
-    """Return depth, y and x of local maxima between the voxels (maximum, 3) [m].
-
-    Each is the maximum of a parabola through the logarithms of three voxels.
-
-    Args:
-        volume: Magnitudes (depth, y, x).
-        axes: Depths, positions along Y, positions along X [m].
-        places: Indices of the maxima (maximum, 3).
-    """
-    found_m = np.stack([axis[index] for axis, index in zip(axes, places.T)], axis=1)
-    for number, axis in enumerate(axes):
-        inner = (places[:, number] > 0) & (places[:, number] < len(axis) - 1)
-        step = np.eye(3, dtype=int)[number]
-        beside = [volume[tuple((places[inner] + one).T)] for one in (-step, 0, step)]
-        bright = np.all(np.stack(beside) > 0.0, axis=0)
-        before, top, after = (np.log(one[bright]) for one in beside)
-        which = np.flatnonzero(inner)[bright]
-        index = places[which, number]
-        back_m, on_m = axis[index] - axis[index - 1], axis[index + 1] - axis[index]
-        rise, fall = (top - before) / back_m, (after - top) / on_m
-        curved = rise != fall
-        # The slope is linear between the middles of the two intervals.
-        share = rise[curved] / (rise - fall)[curved]
-        first_m = axis[index[curved]] - back_m[curved] / 2.0
-        found_m[which[curved], number] = first_m + share * (back_m + on_m)[curved] / 2.0
-    return found_m
-
-
-SIDELOBE_REACH_M = 0.5
+# Echoes nearer than that across are one place, to which a person goes: about the radius of a mine.
+PLACE_M = 0.06
+# A body's echo is its brightest among those that are nearly as far above the clutter as its first.
+NEARLY_DB = 6.0
+# What a stronger body near it may have left, where it is no point: that much below it.
+SIDELOBE_DB, SIDELOBE_REACH_M = 40.0, 0.5
+# Without a measured density, an echo must be so far above the clutter around it.
+UNRATED_DB = 10.0
+# The middle of a flat body is where its echo is strongest, or off it by a part of its radius.
+OF_BODY_M = 0.012
+# Of the depth resolution: how well the first edge of an echo is known.
+OF_RESOLUTION = 0.25
 
 
 @dataclass(frozen=True)
@@ -57,13 +38,14 @@ class CandidateOptions:
     """What is listed.
 
     Attributes:
-        false_alarm_rate: Probability that noise alone leads to any candidate in an image, 0 to 1.
+        false_alarms_per_m2: How many echoes of the ground's own clutter may be as strong as the
+            weakest candidate [1/m2].
         most: Most candidates to list. All that are neither `DOUBTFUL` nor unrated are listed, even
             if there are more.
         height_uncertainty_m: Standard deviation of the antenna height [m].
     """
 
-    false_alarm_rate: float = 0.01
+    false_alarms_per_m2: float = 10.0
     most: int = 50
     height_uncertainty_m: float = 0.003
 
@@ -74,14 +56,14 @@ class CandidateOptions:
             WrongDatasetError: A value is not allowed.
         """
         # Written so that NaN is refused too.
-        if not 1e-12 <= self.false_alarm_rate <= 0.5:
+        if not 1e-3 <= self.false_alarms_per_m2 <= 1e3:
             raise WrongDatasetError(
                 Message(
-                    "the false-alarm rate is {rate:g}; it must lie between {lowest:g} and "
-                    "{highest:g}",
-                    rate=self.false_alarm_rate,
-                    lowest=1e-12,
-                    highest=0.5,
+                    "the density of false alarms is {density:g} per m2; it must lie between "
+                    "{lowest:g} and {highest:g}",
+                    density=self.false_alarms_per_m2,
+                    lowest=1e-3,
+                    highest=1e3,
                 ),
                 fault=faults.OPTION,
             )
@@ -109,170 +91,220 @@ def find_candidates(
         options: What is listed.
 
     Returns:
-        The list, the brightest first.
+        The list: the brightest echo, then the others, the strongest above clutter first; what may
+        be the rest of the surface after these, and doubtful ones last.
 
     Raises:
-        WrongDatasetError: The data are no image.
+        WrongDatasetError: The data are no image, or one without its echoes.
     """
-    volume = np.abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)).values)
-    rating = Rating(image, volume)
-    axes = tuple(np.asarray(image[name].values, dtype=np.float64) for name in (DEPTH, Y, X))
-    peaks = find_peaks(rating, options.false_alarm_rate)
-    groups = grouped(peaks, rating, axes)
-    place_m = _places_m(groups, rating, axes)
-    flags = _flags(groups, peaks, place_m, rating, axes)
-    # Doubtful ones last, otherwise the brightest first.
+    require(image, IMAGE, (POLARIZATION, DEPTH, Y, X))
+    if ECHOES not in image:
+        raise WrongDatasetError(
+            Message("the image has no list of its echoes; make it again with gpr20 image")
+        )
+    echoes = _Echoes(image)
+    area_m2 = surveyed_m2(image[X].values, image[Y].values)
+    alarms = FalseAlarms(echoes.above_db[~echoes.fitted], area_m2)
+    least_db = alarms.level_db(options.false_alarms_per_m2) if alarms.are_known else UNRATED_DB
+    places = _places(echoes, least_db)
+    flags = _flags(places, echoes, image, least_db, alarms.are_known)
+    order = _order(places, echoes, flags)
     doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
-    order = np.argsort(doubtful, kind="stable")
     omissible = np.any([flags[one] for one in OMITTED], axis=0)
     count = max(options.most, int(np.count_nonzero(~omissible)))
     listed = tuple(
         replace(
-            _candidate(groups, one, place_m[one].tolist(), rating, image, options),
+            _candidate(places[one], echoes, image, options, alarms),
             id=f"C{number:02d}",
-            rotations_deg=_rotations_deg(image, peaks.place[groups.members[one], 0]),
             flags=tuple(flag for flag, is_set in flags.items() if is_set[one]),
         )
-        for number, one in enumerate(order[:count].tolist(), 1)
+        for number, one in enumerate(order[:count], 1)
     )
-    permittivity = float(image.attrs["permittivity"])
-    lowest, highest = _permittivity_range(image)
+    lowest_db = least_db if alarms.are_known else math.nan
     return CandidateList(
         survey_id=str(image.attrs.get("survey_id", "")),
         simulated=bool(image.attrs.get("simulated", False)),
         method=str(image.attrs["method"]),
-        permittivity=permittivity,
-        permittivity_range=(lowest, highest),
-        area_m2=float(np.ptp(axes[1]) * np.ptp(axes[2])),
-        false_alarm_rate=options.false_alarm_rate,
+        permittivity=float(image.attrs["permittivity"]),
+        permittivity_range=_permittivity_range(image),
+        area_m2=area_m2,
+        false_alarms_per_m2=alarms.per_m2(lowest_db),
+        false_alarms_range=alarms.range_per_m2(lowest_db),
         omitted=len(order) - len(listed),
         candidates=listed,
-        notes=tuple([*sentences_of(image, NOTES), *_notes(rating)]),
+        notes=tuple([*sentences_of(image, NOTES), *_notes(alarms)]),
         position=area_position(image.attrs),
         omitted_primary=int(np.count_nonzero(~doubtful[order[count:]])),
     )
 
 
-def _notes(rating: Rating) -> List[Message]:
-    if rating.is_rated:
+class _Echoes:
+    """The echoes of an image, as columns."""
+
+    def __init__(self, image: xr.Dataset) -> None:
+        rows = np.asarray(image[ECHOES].values, dtype=np.float64)
+        rows = rows[np.argsort(-rows[:, ECHO_VALUES.index("above_clutter_db")], kind="stable")]
+        # Of an image of which one polarization was selected.
+        known = np.asarray(image[POLARIZATION].values, dtype=np.float64)
+        of_turn = np.isclose(rows[:, :1], known, equal_nan=True)
+        rows, of_turn = rows[of_turn.any(axis=1)], of_turn[of_turn.any(axis=1)]
+        self.turn = np.argmax(of_turn, axis=1)
+        self.place_m = rows[:, 1:4]
+        self.above_db, self.level_db = rows[:, 4], rows[:, 5]
+        self.fitted = rows[:, 6] > 0.0
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Echoes at one place.
+
+    Attributes:
+        members: Indices of the echoes, the one furthest above clutter first.
+        body: Index of the one that gives the place.
+    """
+
+    members: np.ndarray
+    body: int
+
+
+def _places(echoes: _Echoes, least_db: float) -> List[_Place]:
+    left = np.ones(len(echoes.above_db), dtype=bool)
+    found = []
+    for first in range(len(left)):
+        if not left[first]:
+            continue
+        away_m = np.hypot(*(echoes.place_m[:, 1:] - echoes.place_m[first, 1:]).T)
+        own = np.flatnonzero(left & (away_m <= PLACE_M))
+        left[own] = False
+        enough_db = max(least_db, echoes.above_db[first] - NEARLY_DB)
+        strong = own[echoes.above_db[own] >= min(enough_db, echoes.above_db[first])]
+        found.append(_Place(own, int(strong[np.argmax(echoes.level_db[strong])])))
+    return found
+
+
+def _order(places: Sequence[_Place], echoes: _Echoes, flags: Dict[Flag, np.ndarray]) -> List[int]:
+    doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
+    residue = flags[Flag.SURFACE_RESIDUE]
+    brightest = max(
+        range(len(places)),
+        key=lambda one: (not residue[one], not doubtful[one], echoes.level_db[places[one].body]),
+        default=-1,
+    )
+    return sorted(
+        range(len(places)),
+        key=lambda one: (
+            one != brightest,
+            doubtful[one],
+            residue[one],
+            -echoes.above_db[places[one].members[0]],
+        ),
+    )
+
+
+def _notes(alarms: FalseAlarms) -> List[Message]:
+    if alarms.are_known:
         return []
     return [
         Message(
-            "the noise could not be measured, because the sweep has too few frequencies for the "
-            "depths of the image; any candidate may be noise: use a smaller depth, or measure "
-            "with more points"
+            "the clutter of so small an area or so coarse an image cannot be measured, so nothing "
+            "is known of false alarms; any candidate may be clutter"
         )
     ]
 
 
-def _places_m(groups: Groups, rating: Rating, axes: Sequence[np.ndarray]) -> np.ndarray:
-    """Return depth, y and x of each group (group, 3) [m]."""
-    found_m = np.empty((len(groups.top), 3))
-    for turn in range(rating.polarizations):
-        own = groups.top[:, 0] == turn
-        found_m[own] = peak_places(rating.magnitude(turn), axes, groups.top[own, 1:])
-    return found_m
-
-
-def _rotations_deg(image: xr.Dataset, turns: np.ndarray) -> Tuple[float, ...]:
-    rotations_deg = image[POLARIZATION].values
-    return tuple(float(rotations_deg[one]) for one in dict.fromkeys(turns.tolist()))
-
-
 def _candidate(
-    groups: Groups,
-    which: int,
-    place_m: Sequence[float],
-    rating: Rating,
+    place: _Place,
+    echoes: _Echoes,
     image: xr.Dataset,
     options: CandidateOptions,
+    alarms: FalseAlarms,
 ) -> Candidate:
-    """Return a candidate without its flags and rotations."""
-    depth_m, y_m, x_m = place_m
-    above_noise_db = float(rating.above_noise_db(groups.level[which]))
-    picked_m = rating.picking_m(above_noise_db)
-    lowest, highest = _permittivity_range(image)
+    """Return a candidate without its name and flags."""
+    depth_m, y_m, x_m = (float(one) for one in echoes.place_m[place.body])
+    above_db = float(echoes.above_db[place.members[0]])
     permittivity = float(image.attrs["permittivity"])
+    lowest, highest = _permittivity_range(image)
     of_permittivity_m = depth_m * max(
         math.sqrt(permittivity / lowest) - 1.0, 1.0 - math.sqrt(permittivity / highest)
     )
     of_height_m = options.height_uncertainty_m / math.sqrt(permittivity)
+    # The surface above a body may be as much higher or lower as the heights differ.
+    of_relief_m = float(image.attrs.get("relief_m", 0.0))
+    of_depth_m = OF_RESOLUTION * float(image.attrs["depth_resolution_m"])
+    steps_m = [_step_m(image[name].values) for name in (X, Y)]
+    turns = [int(one) for one in dict.fromkeys(echoes.turn[place.members].tolist())]
     return Candidate(
         id="",
         x_m=x_m,
         y_m=y_m,
         depth_m=depth_m,
-        x_uncertainty_m=float(picked_m[2]),
-        y_uncertainty_m=float(picked_m[1]),
-        depth_uncertainty_m=math.hypot(picked_m[0], of_height_m) + max(of_permittivity_m, 0.0),
-        above_noise_db=above_noise_db,
-        false_alarm_probability=rating.false_alarm_probability(float(groups.level[which])),
-        rotations_deg=(),
-        polarization_ratio_db=rating.polarization_ratio_db(groups.first[which, 1:].tolist()),
+        x_uncertainty_m=math.hypot(OF_BODY_M, steps_m[0] / 2.0),
+        y_uncertainty_m=math.hypot(OF_BODY_M, steps_m[1] / 2.0),
+        depth_uncertainty_m=float(np.linalg.norm([of_depth_m, of_height_m, of_relief_m]))
+        + max(of_permittivity_m, 0.0),
+        above_clutter_db=above_db,
+        false_alarms_per_m2=alarms.per_m2(above_db),
+        rotations_deg=tuple(float(image[POLARIZATION].values[one]) for one in turns),
+        polarization_ratio_db=_polarization_ratio_db(place, echoes, image),
         flags=(),
     )
 
 
+def _polarization_ratio_db(place: _Place, echoes: _Echoes, image: xr.Dataset) -> Optional[float]:
+    """Return the level of the first polarization above the second [dB]."""
+    if image.sizes[POLARIZATION] != 2:
+        return None
+    levels_db = [
+        echoes.level_db[place.members[echoes.turn[place.members] == one]] for one in (0, 1)
+    ]
+    if min(len(one) for one in levels_db) == 0:
+        return None
+    return float(levels_db[0].max() - levels_db[1].max())
+
+
 def _flags(
-    groups: Groups,
-    peaks: Peaks,
-    place_m: np.ndarray,
-    rating: Rating,
-    axes: Sequence[np.ndarray],
+    places: Sequence[_Place],
+    echoes: _Echoes,
+    image: xr.Dataset,
+    least_db: float,
+    are_rated: bool,
 ) -> Dict[Flag, np.ndarray]:
-    """Return for each flag whether the groups have it."""
-    # It may be brighter beyond the last depth.
-    at_edge = np.isin(groups.first[:, 1], (0, len(axes[0]) - 1))
-    for at_m, axis, resolution_m in list(zip(place_m.T, axes, rating.resolution_m))[1:]:
-        if len(axis) > 1:
-            at_edge |= np.minimum(at_m - axis[0], axis[-1] - at_m) < resolution_m / 2.0
-    turns = [np.unique(peaks.place[own, 0]).size for own in groups.members]
-    residue = place_m[:, 0] < rating.resolution_m[0]
+    """Return for each flag whether the places have it."""
+    body = np.array([one.body for one in places], dtype=int)
+    above_db = np.array([echoes.above_db[one.members[0]] for one in places])
+    place_m, level_db = echoes.place_m[body], echoes.level_db[body]
+    depth_m = place_m[:, 0]
+    at_edge = np.isin(depth_m, image[DEPTH].values[[0, -1]])
+    for at_m, name in zip(place_m.T[1:], (Y, X)):
+        axis_m = image[name].values
+        if len(axis_m) > 1:
+            nearest_m = np.minimum(at_m - axis_m.min(), axis_m.max() - at_m)
+            at_edge |= nearest_m < _step_m(axis_m)
+    seen = [
+        len(set(echoes.turn[one.members[echoes.above_db[one.members] >= least_db]].tolist()))
+        for one in places
+    ]
     return {
-        Flag.SURFACE_RESIDUE: residue,
+        Flag.SURFACE_RESIDUE: depth_m < float(image.attrs["depth_resolution_m"]),
         Flag.EDGE: at_edge,
-        Flag.ONE_POLARIZATION: (np.array(turns) == 1) & (rating.polarizations > 1),
-        Flag.CLUTTER: rating.is_clutter(groups.first, groups.level),
-        Flag.UNRATED: np.full(len(turns), not rating.is_rated),
-        Flag.SIDELOBE: _sidelobes(groups, place_m, residue, rating),
+        Flag.ONE_POLARIZATION: (np.array(seen) < 2) & (image.sizes[POLARIZATION] > 1),
+        Flag.CLUTTER: above_db < least_db,
+        Flag.UNRATED: np.full(len(places), not are_rated),
+        Flag.SIDELOBE: _beside_stronger(place_m, level_db),
     }
 
 
-def _sidelobes(
-    groups: Groups, place_m: np.ndarray, residue: np.ndarray, rating: Rating
-) -> np.ndarray:
-    """Return whether the brightest group near each is so much brighter that it may cause it.
-
-    Residue of the surface hides no deeper body that way: it is no body with sidelobes around it.
-    """
-    above_noise_db = rating.above_noise_db(groups.level)
-    bodies, everything = np.flatnonzero(~residue), np.arange(len(residue))
-    brightest_db = np.where(
-        residue,
-        _brightest_near(above_noise_db, place_m, everything),
-        _brightest_near(above_noise_db, place_m, bodies),
-    )
-    found: np.ndarray = brightest_db - above_noise_db >= rating.sidelobe_db
+def _beside_stronger(place_m: np.ndarray, level_db: np.ndarray) -> np.ndarray:
+    """Return whether each place is so near to a so much stronger one that it may be its rest."""
+    found = np.zeros(len(level_db), dtype=bool)
+    for one, (own_m, own_db) in enumerate(zip(place_m, level_db)):
+        near = np.hypot(*(place_m[:, 1:] - own_m[1:]).T) <= SIDELOBE_REACH_M
+        found[one] = bool(np.any(level_db[near] >= own_db + SIDELOBE_DB))
     return found
 
 
-def _brightest_near(level_db: np.ndarray, place_m: np.ndarray, among: np.ndarray) -> np.ndarray:
-    """Return the highest level of some groups within the reach of sidelobes around each [dB].
-
-    Args:
-        level_db: Levels, the highest first.
-        place_m: Depth, y and x (group, 3).
-        among: Indices of those groups, ascending.
-    """
-    found_db = np.copy(level_db)
-    left = np.arange(len(level_db))
-    for one in among:
-        near = np.hypot(*(place_m[left, 1:] - place_m[one, 1:]).T) <= SIDELOBE_REACH_M
-        found_db[left[near]] = np.maximum(found_db[left[near]], level_db[one])
-        left = left[~near]
-        if left.size == 0:
-            break
-    return found_db
+def _step_m(axis_m: np.ndarray) -> float:
+    return float(np.ptp(axis_m)) / (len(axis_m) - 1) if len(axis_m) > 1 else 0.0
 
 
 def _permittivity_range(image: xr.Dataset) -> Tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import List, Optional, Sequence, Tuple
 
 from gpr20_analysis.sentences import ENGLISH
@@ -23,8 +24,8 @@ def candidate_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
         catalogue.tr("x mm"),
         catalogue.tr("y mm"),
         catalogue.tr("depth mm"),
-        catalogue.tr("above noise dB"),
-        catalogue.tr("false alarm"),
+        catalogue.tr("above clutter dB"),
+        catalogue.tr("false alarms per m2"),
         catalogue.tr("polarization ratio dB"),
         catalogue.tr("flags"),
     )
@@ -36,8 +37,8 @@ def candidate_row(candidate: Candidate, catalogue: Catalogue = ENGLISH) -> Tuple
     return (
         candidate.id,
         *candidate.place_texts,
-        f"{candidate.above_noise_db:.1f}" if candidate.is_rated else NONE,
-        candidate.false_alarm_text or NONE,
+        f"{candidate.above_clutter_db:.1f}",
+        candidate.false_alarms_text or NONE,
         NONE if ratio_db is None else f"{round(ratio_db, 1) + 0.0:+.1f}",
         ", ".join(catalogue.text(label) for label in candidate.labels) or NONE,
     )
@@ -63,15 +64,23 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
     sentences = [
         Message(
             "candidates: {primary}, doubtful (clutter or sidelobe): {secondary}, area: "
-            "{area_m2:.3g} m2; noise alone gives a candidate in {false_alarm_percent:g} % of such "
-            "images; method {method}",
+            "{area_m2:.3g} m2; method {method}",
             primary=primary,
             secondary=total - primary,
             area_m2=found.area_m2,
-            false_alarm_percent=100.0 * found.false_alarm_rate,
             method=found.method,
         )
     ]
+    if not math.isnan(found.false_alarms_per_m2):
+        sentences.append(
+            Message(
+                "of the clutter of this ground, about {density:.2g} echoes per m2 are as strong "
+                "as a candidate must be ({fewest:.2g} to {most:.2g})",
+                density=found.false_alarms_per_m2,
+                fewest=found.false_alarms_range[0],
+                most=found.false_alarms_range[1],
+            )
+        )
     if lowest == highest:
         sentences.append(
             Message(

@@ -73,9 +73,9 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
     """Declare what is a candidate."""
     standard = CandidateOptions()
     add = parser.add_argument
-    add("--false-alarm", type=float, default=standard.false_alarm_rate, metavar="P",
-        help="probability that noise alone leads to any candidate; default "
-        f"{standard.false_alarm_rate:g}")  # fmt: skip
+    add("--false-alarms", type=float, default=standard.false_alarms_per_m2, metavar="N",
+        help="how many echoes of the ground's own clutter per m2 may be as strong as a candidate; "
+        f"default {standard.false_alarms_per_m2:g}")  # fmt: skip
     add("--most", type=int, metavar="N",
         help=f"longest list, in files too; default {standard.most}, of which at most "
         f"{MOST_DOUBTFUL} doubtful ones are printed")  # fmt: skip
@@ -88,7 +88,7 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
         WrongDatasetError: An argument is not allowed.
     """
     most = CandidateOptions().most if chosen.most is None else chosen.most
-    return CandidateOptions(chosen.false_alarm, most)
+    return CandidateOptions(chosen.false_alarms, most)
 
 
 def add_image_options(parser: argparse.ArgumentParser) -> None:

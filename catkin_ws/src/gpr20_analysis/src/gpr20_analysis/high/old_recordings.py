@@ -8,7 +8,6 @@ from typing import Any, Dict, List, Tuple
 
 from gpr20_msgs.msg import (
     AxisActionResult,
-    CandidateList,
     ControlStatus,
     CurrentCoordinate,
     ImagingProgress,
@@ -100,7 +99,6 @@ ADDED: Dict[str, Tuple[type, int]] = {
     "f06ebb79ed3434417ea61b7366a83ad7": (AxisActionResult, EMPTY + ZERO),
     "0190c6a34a26aa1f2b312556adc2f9c5": (AxisActionResult, ZERO),
     "e061ccf0018c3c5d62199e8edb7b6a7e": (CurrentCoordinate, ZERO + EMPTY),
-    "3741ab00ba640a2a8da407c0f664e814": (CandidateList, 4 + EMPTY),
     "590625d6ef1577da2231acdc855d35aa": (NodeDescription, 3 * EMPTY),
     "eaf89b67ef3f427e785f46baa81d1eff": (RobotConfiguration, EMPTY),
     "34280dde11767b5f69c2e30ae831bbb6": (ServiceStatus, EMPTY),

@@ -12,42 +12,52 @@ import xarray as xr
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     ATTRIBUTES,
+    CLUTTER,
     DEPTH,
+    ECHOES,
     IMAGE,
     MM_PER_M,
-    NOISE,
-    NOISE_OVER_X,
-    NOISE_OVER_Y,
     POLARIZATION,
     X,
     Y,
 )
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.clutter import local_clutter
+from gpr20_analysis.imaging.echoes import Echoes, find_echoes, maxima_only
 from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.methods import Method, Positions, Volume
-from gpr20_analysis.imaging.noise import measured_noise
+from gpr20_analysis.imaging.methods import Method, Positions
 from gpr20_analysis.imaging.permittivity.permittivity_estimate import (
     PermittivityEstimate,
     estimate_permittivity,
 )
+from gpr20_analysis.imaging.point_echoes import PointEchoes
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.radar.depth import delay_of_depth, one_way_path_m
+from gpr20_survey.radar.frequency_to_delay import decibels
 
 NOTED_DEPTH_M = 0.001
 """Error of depths by antennas that are apart above which an image has a note [m]."""
+ECHO_VALUES = ("rotation_deg", "depth", "y", "x", "above_clutter_db", "level_db", "fitted")
+"""Values of each echo of an image: rotation of the antennas, place [m], levels, and whether it is
+a point that was fitted to the traces and taken away before the clutter was measured."""
+# Of the delay of the deepest voxel, since waves arrive aslant too.
+LONGEST = 1.5
+# -3 dB width with a Hann window, in units of the inverse of the band.
+RESOLUTION = 1.44
 
 
 def image_survey(
     survey: xr.Dataset,
     options: ImageOptions,
     progress: Progress = no_progress,
-    with_noise: bool = True,
+    with_echoes: bool = True,
 ) -> xr.Dataset:
     """Return the image of a survey.
 
@@ -55,13 +65,13 @@ def image_survey(
         survey: Dataset with `s21`, without coupling and surface echo.
         options: How the image is made.
         progress: Shows the progress over all polarizations.
-        with_noise: Measure the noise, without which no candidate can be rated.
+        with_echoes: Find the echoes and the clutter, without which there are no candidates.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex or
-        real, and attributes that describe how it was made and what was left out. `noise`
-        (polarization, depth), times `noise_over_y` and `noise_over_x`, is the standard magnitude of
-        noise in each voxel, measured where no echo can arrive; missing where that is impossible.
+        real, and attributes that describe how it was made and what was left out. `echoes` (echo,
+        value) has its maxima, see `ECHO_VALUES`, and `clutter` (polarization, depth) the standard
+        magnitude of what is beside the strong ones in each plane.
 
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
@@ -106,10 +116,12 @@ def image_survey(
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
-    if with_noise:
-        image = image.assign(_noise(traces, focus, options.method, volumes[0], at))
+    if with_echoes:
+        image = image.assign(_echoes(traces, focus, options.method, image, at))
     described = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
+    attributes["relief_m"] = float(np.mean([np.std(one.height_m) for one in traces]))
+    attributes["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
     delay_s = delay_to_remove_s(survey, options.delay_s)
     return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
 
@@ -165,24 +177,51 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
         )
 
 
-def _noise(
-    traces: Sequence[Traces], focus: Focus, method: Method, volume: Volume, at: Positions
+def _echoes(
+    traces: Sequence[Traces], focus: Focus, method: Method, image: xr.Dataset, at: Positions
 ) -> Dict[Hashable, Any]:
-    def imager(some: Traces, how: Focus) -> Volume:
-        return method.image(some, how, at, no_progress)
+    def imager(some: Traces) -> np.ndarray:
+        return np.abs(method.image(some, focus, at, no_progress)[0])
 
-    found = measured_noise(traces, focus, volume[1], method.law, imager)
-    if found is None:
-        return {}
-    attributes = {"units": "1", "long_name": "standard magnitude of noise", "law": method.law.value}
-    for name, correlation in zip((DEPTH, Y, X), found.correlation):
-        attributes[f"correlation_{name}"] = correlation  # type: ignore[assignment]
-    attributes["measured_from_s"] = found.late_s  # type: ignore[assignment]
+    axes_m = [np.asarray(image[name].values, dtype=np.float64) for name in (DEPTH, Y, X)]
+    resolution_m = depth_resolution_m(traces[0].sweep, focus.permittivity)
+    longest_s = LONGEST * float(
+        delay_of_depth(
+            float(axes_m[0][-1]),
+            max(float(np.max(one.height_m)) for one in traces),
+            focus.permittivity,
+        )
+    )
+    rows, planes = [], []
+    for turn, one in enumerate(traces):
+        magnitude = np.abs(image[IMAGE].values[turn])
+        if method.is_linear:
+            points = PointEchoes(one, focus, longest_s)
+            found = find_echoes(magnitude, axes_m, resolution_m, points, imager)
+        else:
+            found = maxima_only(magnitude, axes_m, resolution_m)
+        rows.append(_rows(one.rotation_deg, found, method))
+        bodies_m = found.place_m[found.fitted]
+        clutter = local_clutter(magnitude, axes_m, resolution_m, bodies_m)
+        planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
+    attributes = {"units": "1", "long_name": "clutter beside echoes", "factors": method.factors}
     return {
-        NOISE: ((POLARIZATION, DEPTH), found.depth, attributes),
-        NOISE_OVER_Y: (Y, found.over_y, {"units": "1", "long_name": "noise relative to `noise`"}),
-        NOISE_OVER_X: (X, found.over_x, {"units": "1", "long_name": "noise relative to `noise`"}),
+        CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), attributes),
+        ECHOES: (("echo", "value"), np.concatenate(rows), {"values": " ".join(ECHO_VALUES)}),
     }
+
+
+def _rows(rotation_deg: float, found: Echoes, method: Method) -> np.ndarray:
+    above_db = decibels(found.magnitude / found.clutter, 0.0) / method.factors
+    level_db = decibels(found.magnitude, 0.0) / method.factors
+    rotations_deg = np.full(len(level_db), rotation_deg)
+    return np.column_stack([rotations_deg, found.place_m, above_db, level_db, found.fitted])
+
+
+def depth_resolution_m(sweep: FrequencyGrid, permittivity: float) -> float:
+    """Return the -3 dB width of an echo along depth with the default window [m]."""
+    band_hz = sweep.step_hz * (sweep.count - 1)
+    return RESOLUTION * float(one_way_path_m(1.0 / band_hz, permittivity))
 
 
 def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:

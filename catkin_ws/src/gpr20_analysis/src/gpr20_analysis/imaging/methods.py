@@ -9,7 +9,6 @@ import numpy as np
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.imaging.noise import Law
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.projection.back_projection import back_projection_image
 from gpr20_analysis.imaging.records import Focus, Traces
@@ -37,7 +36,8 @@ class Method:
     Attributes:
         name: Its name, which images record.
         image: Makes the image of one polarization.
-        law: How the magnitudes of a voxel of noise are distributed.
+        is_linear: The image of a sum of traces is the sum of their images, and complex.
+        factors: Amplitudes that a voxel multiplies: its magnitude is a power of that order.
         exact_paths: It knows the separation of the antennas, and uneven ground.
         own_window: Its own weights over the band; None: those that are chosen.
         any_positions: It can image at other positions than those of the survey.
@@ -47,7 +47,8 @@ class Method:
 
     name: str
     image: Callable[[Traces, Focus, Positions, Progress], Volume]
-    law: Law = Law.RAYLEIGH
+    is_linear: bool = True
+    factors: int = 1
     exact_paths: bool = False
     own_window: Optional[Window] = None
     any_positions: bool = True
@@ -95,15 +96,3 @@ def imaging_method(name: str) -> Method:
     """
     found: Method = METHODS.find(name)
     return found
-
-
-def law_of(method: str) -> Law:
-    """Return the law of the noise of an image, by the name of its method.
-
-    Args:
-        method: The name; that of another program's method is taken as one of complex sums.
-
-    Raises:
-        MissingLibraryError: The package of the method is not installed.
-    """
-    return imaging_method(method).law if method in METHODS.names() else Law.RAYLEIGH

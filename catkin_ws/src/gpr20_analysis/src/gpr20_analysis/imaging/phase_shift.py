@@ -5,10 +5,10 @@ of all traces is moved down through the air and on into the soil by multiplying 
 image is the sum over the frequencies at delay 0. Refraction is exact, because the phase of
 each plane wave keeps its horizontal wavenumber across the surface.
 
-It needs a regular grid of positions. Traces of other heights are moved to one height by the phase
-of each plane wave, as in back-projection over level ground. That phase depends on both the place
-and the wavenumber, so it is interpolated between a few heights, each with a transform of its own;
-their number follows from a bound of the error.
+It needs a regular grid of positions; one line is enough. Traces of other heights are moved to one
+height by the phase of each plane wave, as in back-projection over level ground. That phase depends
+on both the place and the wavenumber, so it is interpolated between a few heights, each with a
+transform of its own; their number follows from a bound of the error.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def phase_shift_image(
     """Return the complex image (depth, y, x).
 
     Args:
-        traces: Traces on a regular grid.
+        traces: Traces on a regular grid or line.
         focus: How to focus.
         x_m: Positions of the image along X, within those of the traces [m]; default theirs.
         y_m: The same along Y.
@@ -56,17 +56,20 @@ def phase_shift_image(
     Raises:
         WrongDatasetError: The positions do not form a regular grid.
     """
-    step_m = (grid_step_m(traces.y_m, "y"), grid_step_m(traces.x_m, "x"))
+    step_m = _steps_m(traces)
     highest_m = float(np.max(traces.height_m))
     height_m = (highest_m + float(np.min(traces.height_m))) / 2.0
     reach_m = _reach_m(highest_m, focus, math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m)))
     deepest_s = one_way_delay_s(highest_m, focus.depth_m[-1], reach_m, focus.permittivity)
     spectra, sweep = _gated_spectra(traces, focus, 2.0 * float(deepest_s))
     # Padding for waves that leave the grid on one side, so that they do not enter on the other.
-    padded = tuple(
+    rows, columns = (
         scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
+        if count > 1
+        else 1
         for count, step in zip(spectra.shape[1:], step_m)
     )
+    padded = (rows, columns)
     air_rad_m = 4.0 * np.pi / SPEED_OF_LIGHT_M_S * sweep.frequency_hz
     across_rad_m = _wavenumbers(padded, step_m)
     spectra = transform_at_one_height(
@@ -147,6 +150,17 @@ def _focused(focus: Focus, waves: PlaneWaves) -> np.ndarray:
         for _ in pool.map(lambda part: waves.focus_into(image, part, focus), waves.parts(focus)):
             pass
     return image
+
+
+def _steps_m(traces: Traces) -> Tuple[float, float]:
+    """Return the steps along Y and X [m]; the axis across a line has that of the line.
+
+    The waves of a line are taken to travel below it: its image is that of a vertical plane.
+    """
+    axes = ((traces.y_m, "y"), (traces.x_m, "x"))
+    longer = [index for index, (place_m, _) in enumerate(axes) if len(place_m) > 1] or [0]
+    found = {index: grid_step_m(*axes[index]) for index in longer}
+    return found.get(0, found[longer[0]]), found.get(1, found[longer[0]])
 
 
 def grid_step_m(position_m: np.ndarray, axis: str) -> float:

@@ -119,7 +119,7 @@ def _finer(processed: xr.Dataset, image: xr.Dataset, options: ImageOptions) -> x
     permittivity = float(image.attrs["permittivity"])
     finer = replace(options, grid_step_m=FINE_STEP_M, permittivity=permittivity)
     # What is said about the estimate and the data is that of the image with the candidates.
-    return image_survey(processed, finer, with_noise=False).assign_attrs(image.attrs)
+    return image_survey(processed, finer, with_echoes=False).assign_attrs(image.attrs)
 
 
 def _after_steps(

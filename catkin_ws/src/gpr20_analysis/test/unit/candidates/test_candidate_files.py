@@ -26,13 +26,14 @@ from gpr20_common.message import Message
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 
-PEAKS = [(0, 0.15, 0.15, 0.15, 20.0), (1, 0.15, 0.15, 0.15, 15.0), (0, 0.05, 0.24, 0.2, 18.0)]
+PEAKS = [(0, 0.15, 0.15, 0.15, 40.0), (1, 0.15, 0.15, 0.15, 35.0), (0, 0.05, 0.24, 0.2, 38.0)]
 POSITION = {"latitude_deg": 4.60283, "longitude_deg": -74.06514, "heading_deg": 30.0}
 ENDINGS = (".csv", ".json", ".geojson", ".gpkg")
 
 
 def found(**attributes):
-    listed = find_candidates(image_of(PEAKS, simulated=1, survey_id="s-1", **attributes))
+    image = image_of(PEAKS, weak=0, simulated=1, survey_id="s-1", **attributes)
+    listed = find_candidates(image)
     return replace(listed, omitted=7, notes=(Message("two samples were left out"),))
 
 
@@ -51,7 +52,7 @@ def test_every_file_says_what_the_list_is_and_has_its_checksum(tmp_path, ending)
     text = everything(path)
     for one in (str(NO_CLEARANCE), str(SIMULATED), "s-1", "phase-shift", "two samples were left"):
         assert one in text
-    for name in ("permittivity_lowest", "permittivity_highest", "false_alarm_rate", "omitted"):
+    for name in ("permittivity_lowest", "permittivity_highest", "false_alarms_per_m2", "omitted"):
         assert name in text
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     assert (tmp_path / f"list{ending}.sha256").read_text() == f"{digest}  list{ending}\n"
@@ -148,7 +149,7 @@ def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, ca
     before = listed.read_bytes()
     assert main(command) == REFUSED
     assert "--overwrite" in capsys.readouterr().err and listed.read_bytes() == before
-    assert main([*command, "--overwrite", "--json", "--false-alarm", "0.001"]) == DONE
-    assert json.loads(capsys.readouterr().out)["false_alarm_rate"] == 0.001
+    assert main([*command, "--overwrite", "--json", "--false-alarms", "0.5"]) == DONE
+    assert json.loads(capsys.readouterr().out)["false_alarms_per_m2"] == pytest.approx(0.5)
     assert main([*command[:-1], str(tmp_path / "list.txt")]) == REFUSED
-    assert main([*command[:-2], "--false-alarm", "2"]) == REFUSED
+    assert main([*command[:-2], "--false-alarms", "0"]) == REFUSED

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 
+from candidate_examples import candidate_list
 from case_kit import each_case
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -17,7 +18,7 @@ from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import is_shown
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.results.candidates import Candidate, CandidateList
+from gpr20_survey.results.candidates import Candidate
 
 SEPARATORS = (",", ";", "\t")
 FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
@@ -98,9 +99,7 @@ def test_files_of_markers_hold_no_formula(tmp_path_factory, text, author, survey
 def test_files_of_candidates_hold_no_formula(tmp_path_factory, survey_id, method, note):
     path = tmp_path_factory.mktemp("csv") / "candidates.csv"
     one = Candidate("C01", -0.1, 0.2, 0.1, 0.0, 0.0, 0.0, 20.0, 1e-9, (-90.0, -45.0), -0.1, ())
-    listed = CandidateList(
-        survey_id, True, method, 4.0, (3.5, 4.5), 0.25, 0.01, 0, (one,), (verbatim(note),)
-    )
+    listed = candidate_list([one], survey_id=survey_id, method=method, notes=(verbatim(note),))
     write_candidates(listed, path)
     content = _content(path)
     assert not live_cells(content)

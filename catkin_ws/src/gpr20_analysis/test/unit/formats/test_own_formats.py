@@ -15,8 +15,7 @@ from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.conversion import EXPORTS, export_format
 from gpr20_analysis.formats.format import IMAGE_FORMATS, IMPORTS
-from gpr20_analysis.imaging.methods import METHODS, imaging_method, law_of
-from gpr20_analysis.imaging.noise import Law
+from gpr20_analysis.imaging.methods import METHODS, imaging_method
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
 
@@ -129,7 +128,3 @@ def test_a_command_names_the_absent_package(without_others, sample, refusals, ca
     assert main(list(arguments)) == 3
     assert refusals == [faults.LIBRARY.code]
     assert "catkin_ws/src/gpr20_foreign_formats" in capsys.readouterr().err
-
-
-def test_the_noise_of_a_method_of_other_programs_is_that_of_complex_sums(without_others):
-    assert law_of("migrated image of the group") is Law.RAYLEIGH

@@ -32,7 +32,7 @@ def brightest_near(image, target, turn=0):
     """Return the bright candidate of one polarization nearest to a target."""
     found = find_candidates(image.isel(polarization=[turn])).candidates
     return min(
-        (one for one in found if one.above_noise_db > found[0].above_noise_db - 15.0),
+        (one for one in found if one.above_clutter_db > found[0].above_clutter_db - 15.0),
         key=lambda one: np.hypot(one.x_m - target.x_mm / 1e3, one.y_m - target.y_mm / 1e3),
     )
 

@@ -14,7 +14,7 @@ from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import Candidate, CandidateList, flag_of
 
-FORMAT = "gpr20-candidates/1"
+FORMAT = "gpr20-candidates/2"
 CANDIDATE_ID = re.compile(r"C[0-9]{2,7}")
 
 
@@ -40,7 +40,9 @@ def list_record(found: CandidateList) -> Dict[str, Any]:
         "permittivity_lowest": found.permittivity_range[0],
         "permittivity_highest": found.permittivity_range[1],
         "area_m2": found.area_m2,
-        "false_alarm_rate": found.false_alarm_rate,
+        "false_alarms_per_m2": _or_none(found.false_alarms_per_m2),
+        "false_alarms_lowest": _or_none(found.false_alarms_range[0]),
+        "false_alarms_highest": _or_none(found.false_alarms_range[1]),
         "listed": len(found.candidates),
         "omitted": found.omitted,
         "omitted_primary": found.omitted_primary,
@@ -56,7 +58,6 @@ def candidate_record(candidate: Candidate, found: CandidateList) -> Dict[str, An
     values["flags"] = [flag.value for flag in candidate.flags]
     values["doubtful"] = candidate.is_doubtful
     values["rotations_deg"] = [None if _is_nan(one) else one for one in candidate.rotations_deg]
-    values["confidence"] = candidate.confidence
     values["longitude_deg"], values["latitude_deg"] = (
         found.position.on_earth(candidate.x_m, candidate.y_m) if found.position else (None, None)
     )
@@ -101,7 +102,11 @@ def _list_of(values: Any) -> CandidateList:
             _number(values["permittivity_highest"], 1.0),
         ),
         area_m2=_number(values["area_m2"], 0.0),
-        false_alarm_rate=_number(values["false_alarm_rate"], 0.0, 1.0),
+        false_alarms_per_m2=_number_or_nan(values["false_alarms_per_m2"], 0.0),
+        false_alarms_range=(
+            _number_or_nan(values["false_alarms_lowest"], 0.0),
+            _number_or_nan(values["false_alarms_highest"], 0.0),
+        ),
         omitted=values["omitted"],
         candidates=candidates,
         notes=tuple(verbatim(_text(one)) for one in _list(values["notes"])),
@@ -122,8 +127,8 @@ def _candidate(values: Any) -> Candidate:
         x_uncertainty_m=_number(values["x_uncertainty_m"], 0.0),
         y_uncertainty_m=_number(values["y_uncertainty_m"], 0.0),
         depth_uncertainty_m=_number(values["depth_uncertainty_m"], 0.0),
-        above_noise_db=_number_or_nan(values["above_noise_db"]),
-        false_alarm_probability=_number(values["false_alarm_probability"], 0.0, 1.0),
+        above_clutter_db=_number(values["above_clutter_db"]),
+        false_alarms_per_m2=_number_or_nan(values["false_alarms_per_m2"], 0.0),
         rotations_deg=tuple(_number_or_nan(one) for one in _list(values["rotations_deg"])),
         polarization_ratio_db=None if ratio_db is None else _number(ratio_db),
         flags=tuple(flag_of(_text(one)) for one in _list(values["flags"])),
@@ -165,8 +170,12 @@ def _number(value: object, lowest: float = -math.inf, highest: float = math.inf)
     return float(value)
 
 
-def _number_or_nan(value: object) -> float:
-    return math.nan if value is None else _number(value)
+def _number_or_nan(value: object, lowest: float = -math.inf) -> float:
+    return math.nan if value is None else _number(value, lowest)
+
+
+def _or_none(value: float) -> Optional[float]:
+    return None if math.isnan(value) else value
 
 
 def _count(value: object) -> int:

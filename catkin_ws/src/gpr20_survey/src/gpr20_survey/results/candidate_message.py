@@ -12,9 +12,10 @@ from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import CandidateList
 
 OF_LIST = ("format", "simulated_warning", "listed", "coordinates")
-OF_EACH = ("doubtful", "confidence", "longitude_deg", "latitude_deg")
+OF_EACH = ("doubtful", "longitude_deg", "latitude_deg")
 """What the JSON says too, and follows from the fields of the messages."""
-UNKNOWN = ("above_noise_db", "polarization_ratio_db")
+UNKNOWN = ("false_alarms_per_m2", "polarization_ratio_db")
+UNKNOWN_OF_LIST = ("false_alarms_per_m2", "false_alarms_lowest", "false_alarms_highest")
 
 
 def list_fields(found: CandidateList) -> Tuple[Dict[str, Any], List[Dict[str, Any]]]:
@@ -23,6 +24,8 @@ def list_fields(found: CandidateList) -> Tuple[Dict[str, Any], List[Dict[str, An
     The entries of `position` are the fields of gpr20_msgs/AreaPosition.
     """
     fields = {name: value for name, value in list_record(found).items() if name not in OF_LIST}
+    for name in UNKNOWN_OF_LIST:
+        fields[name] = math.nan if fields[name] is None else fields[name]
     fields["position"] = [] if fields["position"] is None else [fields["position"]]
     each = []
     for one in found.candidates:

@@ -11,8 +11,8 @@ from gpr20_common.message import Message, verbatim
 from gpr20_survey.results.area_position import AreaPosition
 
 MM_PER_M = 1e3
-# The model of the noise is not good enough to distinguish smaller ones.
-SMALLEST_ALARM = 1e-6
+# What is rarer was not observed in any ground.
+FEWEST_ALARMS_PER_M2 = 0.01
 MOST_DOUBTFUL = 10
 """How many doubtful candidates people see who did not ask for more."""
 
@@ -27,12 +27,11 @@ class Flag(enum.Enum):
     ONE_POLARIZATION = "one-polarization"
     """Seen in one polarization only, although both were measured."""
     CLUTTER = "clutter"
-    """Not brighter than what the whole area shows at its depth, as the rest of the surface echo or
-    a layer does."""
+    """No stronger than what the clutter of this ground often is."""
     SIDELOBE = "sidelobe"
-    """So much fainter than a candidate near it that it may be a sidelobe of that one."""
+    """So much fainter than a candidate near it that it may be left from that one."""
     UNRATED = "unrated"
-    """The noise could not be measured, so it may be noise."""
+    """The clutter could not be measured, so it may be clutter."""
 
     @property
     def label(self) -> Message:
@@ -48,8 +47,8 @@ LABELS = {
     Flag.SIDELOBE: Message("sidelobe"),
     Flag.UNRATED: Message("not rated"),
 }
-# Only what a brighter echo or the whole plane explains. A mine just below the surface is a surface
-# residue, and without a measured noise everything is unrated: neither may go behind the others.
+# Only what a brighter echo or the clutter explains. A mine just below the surface is a surface
+# residue, and without a measured clutter everything is unrated: neither is doubtful.
 DOUBTFUL = frozenset({Flag.CLUTTER, Flag.SIDELOBE})
 """Candidates with these flags are doubtful: they come after all others."""
 OMITTED = DOUBTFUL | {Flag.UNRATED}
@@ -78,7 +77,7 @@ def flag_of(value: str) -> Union[Flag, UnknownFlag]:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A place where the image is brighter than noise.
+    """A place where the image is stronger than the clutter around it.
 
     Uncertainties are standard deviations, except that the depth contains the range of the
     permittivity.
@@ -91,12 +90,11 @@ class Candidate:
         x_uncertainty_m: Uncertainty along X [m].
         y_uncertainty_m: Uncertainty along Y [m].
         depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
-        above_noise_db: Level above the standard magnitude of noise at this place [dB]; NaN if the
-            noise could not be measured.
-        false_alarm_probability: Probability that noise alone has a voxel as bright as this
-            anywhere in the image, 0 to 1; 1 if the noise could not be measured.
-        rotations_deg: Rotations of the antennas at which it is brighter than noise, the one where
-            it is brightest first [deg]; NaN for a combination of polarizations.
+        above_clutter_db: Level above the standard magnitude of the clutter around it [dB].
+        false_alarms_per_m2: How many echoes of this ground's own clutter are as strong [1/m2]; NaN
+            if that could not be measured.
+        rotations_deg: Rotations of the antennas at which it is seen, the one where it is strongest
+            first [deg]; NaN for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
             only one polarization was measured.
         flags: What to know before believing it.
@@ -109,8 +107,8 @@ class Candidate:
     x_uncertainty_m: float
     y_uncertainty_m: float
     depth_uncertainty_m: float
-    above_noise_db: float
-    false_alarm_probability: float
+    above_clutter_db: float
+    false_alarms_per_m2: float
     rotations_deg: Tuple[float, ...]
     polarization_ratio_db: Optional[float]
     flags: Tuple[Union[Flag, UnknownFlag], ...]
@@ -141,19 +139,9 @@ class Candidate:
         return not DOUBTFUL.isdisjoint(self.flags)
 
     @property
-    def is_rated(self) -> bool:
-        """Whether its level above noise is known."""
-        return not math.isnan(self.above_noise_db)
-
-    @property
     def labels(self) -> Tuple[Message, ...]:
         """Its flags, as people read them."""
         return tuple(flag.label for flag in self.flags)
-
-    @property
-    def confidence(self) -> float:
-        """Probability that noise alone has no voxel as bright as this, 0 to 1."""
-        return 1.0 - self.false_alarm_probability
 
     @property
     def place_texts(self) -> Tuple[str, str, str]:
@@ -165,21 +153,25 @@ class Candidate:
         )
 
     @property
-    def false_alarm_text(self) -> str:
-        """The probability of a false alarm, such as "0.3 %"; empty if it is not known."""
-        if not self.is_rated:
+    def false_alarms_text(self) -> str:
+        """Echoes of clutter as strong, such as "0.3"; empty if that is not known."""
+        if math.isnan(self.false_alarms_per_m2):
             return ""
-        percent = 100.0 * max(self.false_alarm_probability, SMALLEST_ALARM)
-        if self.false_alarm_probability < SMALLEST_ALARM:
-            return f"< {percent:g} %"
-        return f"{percent:.0f} %" if percent >= 9.5 else f"{percent:.1g} %"
+        if self.false_alarms_per_m2 < FEWEST_ALARMS_PER_M2:
+            return f"< {FEWEST_ALARMS_PER_M2:g}"
+        return (
+            f"{self.false_alarms_per_m2:.1g}"
+            if self.false_alarms_per_m2 < 10.0
+            else (f"{self.false_alarms_per_m2:.0f}")
+        )
 
 
 @dataclass(frozen=True)
 class CandidateList:
     """The candidates of a survey and how they were found.
 
-    The brightest comes first, but those that are doubtful come after all others.
+    The brightest comes first, then those that are furthest above the clutter around them; those
+    that are doubtful come after all others.
 
     Attributes:
         survey_id: Identifier of the survey; empty if the data have none.
@@ -187,8 +179,10 @@ class CandidateList:
         method: Imaging method.
         permittivity: Relative permittivity of the image.
         permittivity_range: Lowest and highest possible value; equal if it was given.
-        area_m2: Surveyed area [m^2].
-        false_alarm_rate: Largest false-alarm probability of a listed candidate.
+        area_m2: Surveyed area [m^2]; that of a single line is a strip below it.
+        false_alarms_per_m2: How many echoes of this ground's own clutter are as strong as the
+            weakest candidate that is not doubtful [1/m^2]; NaN if that could not be measured.
+        false_alarms_range: The 95 % interval of that number.
         omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
             `OMITTED`.
         candidates: The candidates.
@@ -204,7 +198,8 @@ class CandidateList:
     permittivity: float
     permittivity_range: Tuple[float, float]
     area_m2: float
-    false_alarm_rate: float
+    false_alarms_per_m2: float
+    false_alarms_range: Tuple[float, float]
     omitted: int
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()

@@ -83,12 +83,11 @@ def why_no_trace(cell: Cell, model: MapModel, radar: RadarModel) -> Lines:
 
 def _candidate_lines(candidate: Candidate, selected: Selection) -> Lines:
     number = candidate.number
-    level = [Message("{level_db:.0f} dB above the noise", level_db=candidate.above_noise_db)]
     return (
         Message("Candidate {number}, doubtful", number=number)
         if candidate.is_doubtful
         else Message("Candidate {number}", number=number),
         place_text(selected.x_mm, selected.y_mm, selected.depth_mm),
-        *(level if candidate.is_rated else []),
+        Message("{level_db:.0f} dB above the clutter", level_db=candidate.above_clutter_db),
         *candidate.labels,
     )

@@ -115,7 +115,7 @@ class CandidatesSheet(Overlay):
                 self.tr("x mm"),
                 self.tr("y mm"),
                 self.tr("depth mm"),
-                self.tr("false alarm"),
+                self.tr("false alarms per m2"),
                 self.tr("flags"),
             ]
         )
@@ -145,7 +145,7 @@ class CandidatesSheet(Overlay):
         return [
             one.id,
             *one.place_texts,
-            one.false_alarm_text or NONE,
+            one.false_alarms_text or NONE,
             ", ".join(shown_text(label) for label in one.labels) or NONE,
         ]
 

@@ -1,0 +1,103 @@
+"""Radar data that the project's imaging did not make, as Datasets, with what is in the ground.
+
+Lines and areas were computed from Maxwell's equations (benchmarks/worlds, make_scenes.py). The real
+line is a GSSI impulse record over 14 reinforcing bars in concrete, from the CHARISMA repository of
+the Federal Highway Administration (github.com/TFHRCFASTNDElab/CHARISMA, commit 8735da12,
+Rebar mapping/data/Lab_specimen_data.DZT, CC0 1.0); its places of the bars are the published image
+result, not a tape measure.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+import xarray as xr
+from scipy.constants import speed_of_light
+
+from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
+
+DATA = Path(__file__).resolve().parents[2] / "benchmarks/worlds/data"
+LINES, AREAS, UNIANDES, REAL_LINE = "lines", "areas", "uniandes", "real_line_charisma"
+# Of the largest value, which is the coupling of the antennas: a usual analyzer's.
+NOISE_DB = -65.0
+LARGEST_PART = 32767.0
+
+
+def dataset(
+    s21: np.ndarray, height_m: Any, x_m: np.ndarray, y_m: np.ndarray, frequency_hz: np.ndarray
+) -> xr.Dataset:
+    """Return spectra (y, x, frequency) of one polarization as a survey."""
+    shape = (1, *s21.shape[:2])
+    return xr.Dataset(
+        {
+            "s21": (S21_DIMS, s21[None]),
+            "height": (SAMPLE_DIMS, np.broadcast_to(height_m, shape).astype(np.float64)),
+            "quality": (SAMPLE_DIMS, np.zeros(shape, dtype=np.uint8)),
+        },
+        {"polarization": [0.0], "y": y_m, "x": x_m, "frequency": frequency_hz},
+        {"missing": [], "faults": [], "notes": []},
+    )
+
+
+@lru_cache(maxsize=None)
+def _arrays(name: str) -> Dict[str, Any]:
+    path = DATA / f"{name}.npz"
+    lines = (DATA / "SHA256SUMS").read_text(encoding="ascii").splitlines()
+    if f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}" not in lines:
+        raise ValueError(f"{path} is not the file that SHA256SUMS names; take it from git again")
+    with np.load(path) as file:
+        return {key: file[key] for key in file}
+
+
+def truths(name: str) -> List[Dict[str, Any]]:
+    """Return what is in the ground of each scene of a file."""
+    found: List[Dict[str, Any]] = json.loads(str(_arrays(name)["truth"]))
+    return found
+
+
+def line(number: int) -> Tuple[xr.Dataset, Dict[str, Any]]:
+    """Return a computed line, and its truth."""
+    arrays, truth = _arrays(LINES), truths(LINES)[number]
+    s21 = _noisy(arrays, number)[None]
+    x_m, frequency_hz = arrays["x_m"][number], arrays["frequency_hz"][number]
+    return dataset(s21, arrays["height_m"][number], x_m, np.zeros(1), frequency_hz), truth
+
+
+def area(name: str, number: int) -> Tuple[xr.Dataset, Dict[str, Any]]:
+    """Return a computed area, and its truth."""
+    arrays, truth = _arrays(name), truths(name)[number]
+    x_m = arrays["x_m"][number]
+    s21 = _noisy(arrays, number)
+    return dataset(s21, truth["height_m"], x_m, x_m, arrays["frequency_hz"][number]), truth
+
+
+def _noisy(arrays: Dict[str, Any], number: int) -> np.ndarray:
+    parts = arrays["s21"][number] / LARGEST_PART
+    random = np.random.default_rng([31, number])
+    noise = random.standard_normal(parts.shape) / np.sqrt(2.0) * 10.0 ** (NOISE_DB / 20.0)
+    found: np.ndarray = (parts + noise) @ np.array([1.0, 1j])
+    return found
+
+
+def real_line() -> Tuple[xr.Dataset, np.ndarray]:
+    """Return the real line as spectra from 0.5 to 3 GHz, and where its bars are [m].
+
+    Not recorded, and assumed: time zero at the first positive peak, antennas at 10 mm.
+    """
+    arrays = _arrays(REAL_LINE)
+    samples = arrays["a_scans"].astype(np.float64)
+    time_s = arrays["time_s"].astype(np.float64)
+    samples -= samples[:, 5:75].mean(axis=1, keepdims=True)
+    samples[:, -64:] *= 0.5 * (1.0 + np.cos(np.pi * np.arange(64) / 64))
+    start_s = time_s[int(np.median(np.argmax(samples[:, :200], axis=1)))]
+    zero_s = start_s - 2.0 * 0.01 / speed_of_light
+    # As fine as a record of 8 ns is.
+    frequency_hz = np.arange(0.5e9, 3.0001e9, 125e6)
+    s21 = samples @ np.exp(-2j * np.pi * np.outer(time_s - zero_s, frequency_hz))
+    x_m = np.linspace(arrays["x_m"][0], arrays["x_m"][-1], len(samples)).astype(np.float64)
+    return dataset(s21[None], 0.01, x_m, np.zeros(1), frequency_hz), arrays["rebar_x_m"]
