@@ -150,8 +150,8 @@ def density_range(count: int, area_m2: float) -> Tuple[float, float]:
 def rows(scores: Dict[str, Score]) -> List[str]:
     """Return a table in Markdown."""
     lines = [
-        "| ground or body | bodies | found % | among the first three % | false per m2 | "
-        "across, in depth within 2 sigma % |",
+        "| ground or body | bodies | found % | in first three % | false per m2 | "
+        "x, depth within 2 sigma % |",
         "| --- | ---: | ---: | ---: | ---: | ---: |",
     ]
     for name, one in scores.items():

@@ -219,4 +219,4 @@ KIRCHHOFF = Method(
     default_steps=("background:method=mean",),
     notes=shallow_notes,
 )
-KIRCHHOFF_2D = replace(KIRCHHOFF, name="kirchhoff-2d", image=_one_line, factors=1)
+KIRCHHOFF_2D = replace(KIRCHHOFF, name="kirchhoff-2d", image=_one_line, factors=1, lines_alone=True)

@@ -173,7 +173,7 @@ def test_a_candidate_is_touched_and_described(shown):
     touch_place(shown, SURE.x_mm, SURE.y_mm)
     assert shown.view.selected.mark == SURE
     text = shown.view.text.text()
-    assert text == "Candidate 1\nX 125 mm, Y 90 mm, depth 85 mm\n21 dB above the noise"
+    assert text == "Candidate 1\nX 125 mm, Y 90 mm, depth 85 mm\n21 dB above the clutter"
     touch_place(shown, SURE.x_mm, SURE.y_mm)
     assert shown.view.selected.mark == DOUBTED
     assert "doubtful" in shown.view.text.text()

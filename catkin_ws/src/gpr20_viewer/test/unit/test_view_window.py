@@ -356,7 +356,16 @@ def found_in(image):
     one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
     permittivity = float(image.attrs["permittivity"])
     return CandidateList(
-        "id", True, "phase-shift", permittivity, (permittivity, permittivity), 0.04, 1e-3, 0, (one,)
+        "id",
+        True,
+        "phase-shift",
+        permittivity,
+        (permittivity, permittivity),
+        0.04,
+        9.0,
+        (5.0, 16.0),
+        0,
+        (one,),
     )
 
 

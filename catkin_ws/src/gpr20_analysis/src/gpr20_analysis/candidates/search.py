@@ -29,6 +29,8 @@ SIDELOBE_DB, SIDELOBE_REACH_M = 40.0, 0.5
 UNRATED_DB = 10.0
 # The middle of a flat body is where its echo is strongest, or off it by a part of its radius.
 OF_BODY_M = 0.012
+# A line shows bodies beside it, and shows them deeper.
+BESIDE_LINE_M, DEEPER_BESIDE_M = 0.07, 0.015
 # Of the depth resolution: how well the first edge of an echo is known.
 OF_RESOLUTION = 0.25
 
@@ -231,16 +233,22 @@ def _candidate(
     # The surface above a body may be as much higher or lower as the heights differ.
     of_relief_m = float(image.attrs.get("relief_m", 0.0))
     of_depth_m = OF_RESOLUTION * float(image.attrs["depth_resolution_m"])
-    steps_m = [_step_m(image[name].values) for name in (X, Y)]
+    across = str(image.attrs.get("across_lines", ""))
+    beside_m = {name: BESIDE_LINE_M if name == across else 0.0 for name in (X, Y)}
+    of_place_m = {
+        name: float(np.linalg.norm([OF_BODY_M, _step_m(image[name].values) / 2.0, beside_m[name]]))
+        for name in (X, Y)
+    }
+    of_line_m = DEEPER_BESIDE_M if across else 0.0
     turns = [int(one) for one in dict.fromkeys(echoes.turn[place.members].tolist())]
     return Candidate(
         id="",
         x_m=x_m,
         y_m=y_m,
         depth_m=depth_m,
-        x_uncertainty_m=math.hypot(OF_BODY_M, steps_m[0] / 2.0),
-        y_uncertainty_m=math.hypot(OF_BODY_M, steps_m[1] / 2.0),
-        depth_uncertainty_m=float(np.linalg.norm([of_depth_m, of_height_m, of_relief_m]))
+        x_uncertainty_m=of_place_m[X],
+        y_uncertainty_m=of_place_m[Y],
+        depth_uncertainty_m=float(np.linalg.norm([of_depth_m, of_height_m, of_relief_m, of_line_m]))
         + max(of_permittivity_m, 0.0),
         above_clutter_db=above_db,
         false_alarms_per_m2=alarms.per_m2(above_db),

@@ -12,7 +12,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-_FORMULA = "'*(?=[ \u00a0\"]*[=+\\-@\uff1d\uff0b\uff0d\uff20\t\r\n])"
+# A quote at the beginning of a cell would make one cell of the lines after it.
+_FORMULA = '\'*(?="|[ \u00a0"]*[=+\\-@\uff1d\uff0b\uff0d\uff20\t\r\n])'
 _PLACE = re.compile(f"(?:^|(?<=[,;\t\r\n])){_FORMULA}")
 _NUMBER = re.compile(r"[-+]?[0-9]+([.][0-9]+)?")
 

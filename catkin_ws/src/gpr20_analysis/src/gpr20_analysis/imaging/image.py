@@ -120,10 +120,18 @@ def image_survey(
         image = image.assign(_echoes(traces, focus, options.method, image, at))
     described = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
+    attributes["across_lines"] = _across_lines(image, options.method)
     attributes["relief_m"] = float(np.mean([np.std(one.height_m) for one in traces]))
     attributes["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
     delay_s = delay_to_remove_s(survey, options.delay_s)
     return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
+
+
+def _across_lines(image: xr.Dataset, method: Method) -> str:
+    """Return the axis across lines that are imaged on their own; empty if there is none."""
+    if method.lines_alone or image.sizes[Y] == 1:
+        return Y
+    return X if image.sizes[X] == 1 else ""
 
 
 def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Message]:

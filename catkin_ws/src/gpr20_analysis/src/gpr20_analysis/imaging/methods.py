@@ -38,6 +38,7 @@ class Method:
         image: Makes the image of one polarization.
         is_linear: The image of a sum of traces is the sum of their images, and complex.
         factors: Amplitudes that a voxel multiplies: its magnitude is a power of that order.
+        lines_alone: It images each line along X on its own.
         exact_paths: It knows the separation of the antennas, and uneven ground.
         own_window: Its own weights over the band; None: those that are chosen.
         any_positions: It can image at other positions than those of the survey.
@@ -49,6 +50,7 @@ class Method:
     image: Callable[[Traces, Focus, Positions, Progress], Volume]
     is_linear: bool = True
     factors: int = 1
+    lines_alone: bool = False
     exact_paths: bool = False
     own_window: Optional[Window] = None
     any_positions: bool = True
