@@ -12,6 +12,7 @@ from typing import Sequence
 import numpy as np
 
 from gpr20_analysis.imaging.a_scans import gated_sweep
+from gpr20_analysis.imaging.one_height import unit_phasor
 from gpr20_analysis.imaging.permittivity.wavefront import antenna_offset_m
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_survey.radar.refraction import one_way_delay_s
@@ -60,7 +61,7 @@ class PointEchoes:
         amplitudes = np.linalg.lstsq(products, self._atoms.conj() @ measured, rcond=1e-6)[0]
         left = self._spectra.copy()
         for place_m, amplitude in zip(self._places_m, amplitudes):
-            echo = self._spectrum(place_m, self._present) * amplitude
+            echo = self._spectrum(place_m, self._present) * np.complex64(amplitude)
             left[self._present] = left[self._present] - echo
         traces = self._traces
         shape = (*traces.height_m.shape, traces.sweep.count)
@@ -81,8 +82,8 @@ class PointEchoes:
             for offset_m in self._offsets_m
         ]
         delay_s = 2.0 * np.mean(one_way_s, axis=0)
-        level = (delay_s.min() / delay_s) ** 2
-        turns = delay_s[:, None] * self._traces.sweep.frequency_hz
-        spectra = level[:, None] * np.exp(-2j * np.pi * turns)
+        level = ((delay_s.min() / delay_s) ** 2).astype(np.float32)
+        phase_rad = -2.0 * np.pi * delay_s[:, None] * self._traces.sweep.frequency_hz
+        spectra = level[:, None] * unit_phasor(phase_rad)
         spectra -= spectra.mean(axis=0)
-        return spectra.astype(np.complex64)
+        return spectra
