@@ -28,7 +28,7 @@ import xarray as xr
 from recorded_worlds import AREAS, UNIANDES, area, line, real_line, truths
 from scipy.stats import beta, chi2
 
-from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
@@ -66,7 +66,9 @@ class Score:
 def candidates(survey: xr.Dataset, permittivity: float) -> CandidateList:
     """Return what the default command lists."""
     options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
-    return find_candidates(image_survey(process_survey(survey, *DEFAULT_STEPS), options))
+    image = image_survey(process_survey(survey, *DEFAULT_STEPS), options)
+    # It is the true one, so depths must not be said to be less certain.
+    return find_candidates(image, CandidateOptions(permittivity_uncertainty=0.01))
 
 
 def is_at(one: Candidate, body: Body) -> bool:

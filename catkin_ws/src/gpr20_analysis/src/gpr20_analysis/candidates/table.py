@@ -81,24 +81,15 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
                 most=found.false_alarms_range[1],
             )
         )
-    if lowest == highest:
-        sentences.append(
-            Message(
-                "relative permittivity {permittivity:.3g}, as given: depths have no uncertainty "
-                "for it",
-                permittivity=found.permittivity,
-            )
+    sentences.append(
+        Message(
+            "relative permittivity {permittivity:.3g}, {lowest:.3g} to {highest:.3g} are "
+            "possible: the uncertainty of depths contains that",
+            permittivity=found.permittivity,
+            lowest=lowest,
+            highest=highest,
         )
-    else:
-        sentences.append(
-            Message(
-                "relative permittivity {permittivity:.3g}, {lowest:.3g} to {highest:.3g} are "
-                "possible: the uncertainty of depths contains that",
-                permittivity=found.permittivity,
-                lowest=lowest,
-                highest=highest,
-            )
-        )
+    )
     if found.omitted_primary:
         sentences.append(
             Message(

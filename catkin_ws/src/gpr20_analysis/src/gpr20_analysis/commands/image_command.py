@@ -76,6 +76,10 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
     add("--false-alarms", type=float, default=standard.false_alarms_per_m2, metavar="N",
         help="how many echoes of the ground's own clutter per m2 may be as strong as a candidate; "
         f"default {standard.false_alarms_per_m2:g}")  # fmt: skip
+    add("--permittivity-uncertainty", type=float, metavar="SHARE",
+        default=standard.permittivity_uncertainty,
+        help="what a given permittivity may be off, as a share of it, for the uncertainty of "
+        f"depths; default {standard.permittivity_uncertainty:g}")  # fmt: skip
     add("--most", type=int, metavar="N",
         help=f"longest list, in files too; default {standard.most}, of which at most "
         f"{MOST_DOUBTFUL} doubtful ones are printed")  # fmt: skip
@@ -88,7 +92,9 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
         WrongDatasetError: An argument is not allowed.
     """
     most = CandidateOptions().most if chosen.most is None else chosen.most
-    return CandidateOptions(chosen.false_alarms, most)
+    return CandidateOptions(
+        chosen.false_alarms, most, permittivity_uncertainty=chosen.permittivity_uncertainty
+    )
 
 
 def add_image_options(parser: argparse.ArgumentParser) -> None:

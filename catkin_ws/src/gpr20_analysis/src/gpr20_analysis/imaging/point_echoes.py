@@ -42,6 +42,7 @@ class PointEchoes:
         offset_m = antenna_offset_m(traces, focus)
         self._offsets_m = (offset_m, (-offset_m[0], -offset_m[1])) if any(offset_m) else (offset_m,)
         self._permittivity = focus.permittivity
+        self._height_m = float(np.mean(traces.height_m))
         step = -(-len(self._present) // MOST_FITTED)
         self._fitted = self._present[::step]
         self._atoms = np.zeros((0, self._fitted.size * sweep.count), np.complex64)
@@ -82,7 +83,9 @@ class PointEchoes:
             for offset_m in self._offsets_m
         ]
         delay_s = 2.0 * np.mean(one_way_s, axis=0)
-        level = ((delay_s.min() / delay_s) ** 2).astype(np.float32)
+        # The same for all traces and for those that are fitted.
+        straight_s = 2.0 * one_way_delay_s(self._height_m, depth_m, 0.0, self._permittivity)
+        level = ((straight_s / delay_s) ** 2).astype(np.float32)
         phase_rad = -2.0 * np.pi * delay_s[:, None] * self._traces.sweep.frequency_hz
         spectra = level[:, None] * unit_phasor(phase_rad)
         spectra -= spectra.mean(axis=0)

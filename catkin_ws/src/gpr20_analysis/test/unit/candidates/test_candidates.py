@@ -202,11 +202,11 @@ def test_only_doubtful_candidates_are_left_out_of_a_list_that_is_too_long():
     assert any("NOT shown" in one and "--most" in one for one in candidate_lines(unrated))
 
 
-@pytest.mark.parametrize(("lowest", "highest"), [(4.0, 4.0), (3.0, 6.0)])
+@pytest.mark.parametrize(("lowest", "highest"), [(3.6, 4.4), (3.0, 6.0)])
 def test_the_depth_has_the_uncertainty_of_permittivity_height_and_band(lowest, highest):
-    image = image_of(
-        [(0, 0.15, 0.15, 0.2, 40.0)], permittivity_lowest=lowest, permittivity_highest=highest
-    )
+    # 10 % of a permittivity that was given.
+    known = {"permittivity_lowest": lowest, "permittivity_highest": highest} if lowest < 3.5 else {}
+    image = image_of([(0, 0.15, 0.15, 0.2, 40.0)], **known)
     (one,) = primary(find_candidates(image, replace(STRICT, height_uncertainty_m=0.004)))
     of_permittivity_m = 0.2 * max((4.0 / lowest) ** 0.5 - 1.0, 1.0 - (4.0 / highest) ** 0.5)
     assert one.depth_uncertainty_m == pytest.approx(
@@ -239,6 +239,7 @@ def test_wrong_options_are_refused():
         {"false_alarms_per_m2": float("nan")},
         {"false_alarms_per_m2": 0.0},
         {"most": 0},
+        {"permittivity_uncertainty": 0.0},
     ):
         with pytest.raises(WrongDatasetError):
             CandidateOptions(**wrong)

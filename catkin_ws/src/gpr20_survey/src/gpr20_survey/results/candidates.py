@@ -178,7 +178,7 @@ class CandidateList:
         simulated: Whether the survey was made by the simulated robot.
         method: Imaging method.
         permittivity: Relative permittivity of the image.
-        permittivity_range: Lowest and highest possible value; equal if it was given.
+        permittivity_range: Lowest and highest possible value.
         area_m2: Surveyed area [m^2]; that of a single line is a strip below it.
         false_alarms_per_m2: How many echoes of this ground's own clutter are as strong as the
             weakest candidate that is not doubtful [1/m^2]; NaN if that could not be measured.

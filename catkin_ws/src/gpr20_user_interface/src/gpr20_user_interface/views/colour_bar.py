@@ -1,4 +1,4 @@
-"""The colour bar: which colour is how far above the noise."""
+"""The colour bar: which colour is how far above the noise, or in a focused image the clutter."""
 
 from __future__ import annotations
 
@@ -28,12 +28,22 @@ class ColourBar(TranslatedWidget):
         self._scale: Optional[LevelScale] = None
         self._colours = Colours.ENVELOPE
         self._has_caption = True
+        self._of_clutter = False
         self.restyle()
 
-    def show_scale(self, scale: Optional[LevelScale], colours: Colours) -> None:
-        """Show a scale; None: nothing."""
-        if (scale, colours) != (self._scale, self._colours):
-            self._scale, self._colours = scale, colours
+    def show_scale(
+        self, scale: Optional[LevelScale], colours: Colours, of_clutter: bool = False
+    ) -> None:
+        """Show a scale; None: nothing.
+
+        Args:
+            scale: The scale.
+            colours: The colours of its shades.
+            of_clutter: Its levels are above the clutter, as those of a focused image.
+        """
+        shown = (scale, colours, of_clutter)
+        if shown != (self._scale, self._colours, self._of_clutter):
+            self._scale, self._colours, self._of_clutter = shown
             self.update()
 
     def show_caption(self, shown: bool) -> None:
@@ -72,7 +82,8 @@ class ColourBar(TranslatedWidget):
         base = bar.bottom() + metrics.ascent() + 1
         last = self.width()
         if self._has_caption:
-            caption = self.tr("dB above noise")
+            of_noise, of_clutter = self.tr("dB above noise"), self.tr("dB above clutter")
+            caption = of_clutter if self._of_clutter else of_noise
             middle = (self.width() - metrics.horizontalAdvance(caption)) / 2.0
             painter.drawText(QPointF(middle, base + metrics.lineSpacing() - 2), caption)
         else:

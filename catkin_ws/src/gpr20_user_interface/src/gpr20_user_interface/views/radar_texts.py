@@ -23,7 +23,7 @@ class RadarTexts:
     def __init__(self, widget: QWidget) -> None:
         self.tr = widget.tr
 
-    def readout(self, shown: RadarPictures) -> str:
+    def readout(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
         """Return what is known at the crosshair."""
         if shown.place is None:
             return ""
@@ -32,7 +32,7 @@ class RadarTexts:
             x=shown.place.x_mm,
             y=shown.place.y_mm,
             depth=shown.depth_m * 1000.0,
-            level=self._level(shown),
+            level=self._level(presenter, shown),
         )
 
     def note(self, presenter: RadarPresenter) -> str:
@@ -61,6 +61,8 @@ class RadarTexts:
         """Return what to write over the line."""
         if shown.line is None or not shown.line.measured or shown.line.above_noise:
             return ""
+        if presenter.shows_focused:
+            return self.tr("Nothing above the clutter in this line. No echo does not mean no mine.")
         return self.tr("Nothing above the noise in this line. No echo does not mean no mine.")
 
     def slice_notice(
@@ -82,6 +84,10 @@ class RadarTexts:
             return self.tr("No height was measured: the depth is unknown.")
         if shown.slice is None or not shown.slice.measured or shown.slice.above_noise:
             return ""
+        if presenter.shows_focused:
+            return self.tr(
+                "Nothing above the clutter at this depth. No echo does not mean no mine."
+            )
         return self.tr("Nothing above the noise at this depth. No echo does not mean no mine.")
 
     def trace_title(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
@@ -90,7 +96,7 @@ class RadarTexts:
         title = self.tr("Trace")
         if not presenter.shows_focused and grid is not None:
             title = f"{grid.rotations_deg[presenter.settings.polarization]:g}°"
-        return f"{title}\n{self._level(shown)}"
+        return f"{title}\n{self._level(presenter, shown)}"
 
     def line_title(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
         """Return the title of the line, with the place of the crosshair on it."""
@@ -126,12 +132,12 @@ class RadarTexts:
         in_time = shown is not None and shown.axis is Axis.DELAY_NS
         return self.tr("Delay ns") if in_time else self.tr("Depth mm")
 
-    def _level(self, shown: RadarPictures) -> str:
+    def _level(self, presenter: RadarPresenter, shown: RadarPictures) -> str:
         picture = shown.slice or shown.line
         if shown.level_db is None or picture is None:
             return "—"
         if shown.level_db <= picture.scale.threshold_db:
-            return self.tr("noise")
+            return self.tr("clutter") if presenter.shows_focused else self.tr("noise")
         return self.tr("{level:.0f} dB").format(level=shown.level_db)
 
     @staticmethod

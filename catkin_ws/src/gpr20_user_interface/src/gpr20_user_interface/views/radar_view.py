@@ -139,7 +139,11 @@ class RadarView(RadarPanel):
             picture = shown.slice or shown.line
             signed = picture is not None and picture.signed
             scale = None if picture is None else picture.scale
-            bar.show_scale(scale, colours if signed else Colours.ENVELOPE)
+            bar.show_scale(
+                scale,
+                colours if signed else Colours.ENVELOPE,
+                self.presenter.shows_focused,
+            )
         self._bound_depth()
         self._write(shown)
 
@@ -191,7 +195,7 @@ class RadarView(RadarPanel):
         second = texts.second(shown.line)
         self.line_plot.set_labels(texts.across(presenter.settings.along), second)
         self.slice_plot.set_labels(self.tr("X mm"), self.tr("Y mm"))
-        self.readout = texts.readout(shown)
+        self.readout = texts.readout(self.presenter, shown)
         for plot, key, title in (
             (self.trace_plot, self.trace_key, texts.trace_title(presenter, shown)),
             (self.line_plot, self.line_key, texts.line_title(presenter, shown)),
