@@ -1,6 +1,6 @@
 """How many bodies are found, against false candidates, in ground that the imaging did not make.
 
-Usage: scripts/bench.sh detection [--lines 200] [--figure detection.png] [--json FILE]
+Usage: scripts/bench.sh detection [--lines 200] [--permittivity] [--figure PNG] [--json FILE]
 
 Lines: cuts of 0.96 m computed from Maxwell's equations in two dimensions (benchmarks/worlds), over
 clean, cluttered (stones, roots), rough (3 to 10 mm), lossy ground, and all of it at once. None to
@@ -29,6 +29,7 @@ from recorded_worlds import AREAS, UNIANDES, area, line, real_line, truths
 from scipy.stats import beta, chi2
 
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
+from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
@@ -38,6 +39,7 @@ from gpr20_survey.results.candidates import Candidate, CandidateList
 
 NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
 BAR_M = 0.015
+SEPARATION_M = 0.06
 TWO_SIDED = (0.025, 0.975)
 Body = Dict[str, Any]
 
@@ -185,6 +187,28 @@ def of_real_line() -> str:
     )
 
 
+def of_permittivity(count: int) -> str:
+    """Return how often the permittivity is estimated from echoes, and its range holds."""
+    scenes = [(f"line {number}", *line(number)) for number in range(count)]
+    for name in (UNIANDES, AREAS):
+        scenes += [(f"{name} {one}", *area(name, one)) for one in range(len(truths(name)))]
+    accepted, wrong = 0, []
+    for name, survey, truth in scenes:
+        options = ImageOptions(ground=Ground.LEVEL, separation_m=SEPARATION_M)
+        try:
+            image = image_survey(process_survey(survey, *DEFAULT_STEPS), options, with_echoes=False)
+        except WrongDatasetError:
+            continue
+        accepted += 1
+        lowest, highest = (image.attrs[f"permittivity_{end}"] for end in ("lowest", "highest"))
+        if not lowest <= truth["permittivity"] <= highest:
+            wrong.append(f"{name}: {lowest:.2f} to {highest:.2f}, not {truth['permittivity']:.2f}")
+    return (
+        f"permittivity: estimated in {accepted} of {len(scenes)} scenes, refused in the others; "
+        f"wrong in {len(wrong)}{''.join(f' ({one})' for one in wrong)}"
+    )
+
+
 def curve(count: int, path: Path) -> None:
     """Draw the share of bodies found against false candidates, by the length of the list."""
     from matplotlib.figure import Figure
@@ -227,11 +251,14 @@ def main() -> None:
     parser.add_argument("--lines", type=int, default=200)
     parser.add_argument("--figure", type=Path)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--permittivity", action="store_true", help="score its estimate, too")
     chosen = parser.parse_args()
     every = {"lines": of_lines(chosen.lines), UNIANDES: of_areas(UNIANDES), AREAS: of_areas(AREAS)}
     for name, scores in every.items():
         print(f"\n{name}\n", *rows(scores), sep="\n")
     print("\n" + of_real_line())
+    if chosen.permittivity:
+        print(of_permittivity(chosen.lines))
     if chosen.json:
         counts = {
             name: {kind: vars(one) for kind, one in scores.items()}

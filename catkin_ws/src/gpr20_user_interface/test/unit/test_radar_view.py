@@ -298,7 +298,7 @@ def test_the_focused_image_and_its_candidates_are_drawn(view, model):
     assert [(one.text, one.second) for one in view.line_plot.spots] == [("1", 60.0)]
     view.depth_slider.setValue(40)
     view.refresh()
-    assert "Nothing above the noise at this depth." in view.slice_plot.notice
+    assert "Nothing above the clutter at this depth." in view.slice_plot.notice
     click(view.source)
     assert view.presenter.settings.source is Source.ECHOES
     assert view.slice_plot.colour_numbers.shape == (4, 5)

@@ -41,6 +41,11 @@ SAME_BODY_M = 0.06
 BETWEEN = 6
 # Of the unambiguous range of delays; the rest shows the noise.
 SEARCHED_SHARE = 0.55
+_LEVEL_BODIES = Message(
+    "the permittivity is estimated from the shape of echoes: a level body, as many mines are, "
+    "looks like a smaller one in soil of a lower permittivity, so depths may be too large; measure "
+    "the permittivity and give it"
+)
 _ONE_LINE = Message(
     "the survey is a single line: the permittivity range is valid only if no long object crosses "
     "the line at a slant"
@@ -108,7 +113,7 @@ def estimate_permittivity(traces: Sequence[Traces], focus: Focus) -> Permittivit
         )
     estimate = _range_of(_of_same_body(fits))
     one_line = all(min(len(one.x_m), len(one.y_m)) == 1 for one in traces)
-    return replace(estimate, notes=(_ONE_LINE,)) if one_line else estimate
+    return replace(estimate, notes=(_LEVEL_BODIES, *((_ONE_LINE,) if one_line else ())))
 
 
 def _advice() -> Message:
