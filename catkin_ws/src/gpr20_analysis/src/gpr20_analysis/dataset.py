@@ -131,6 +131,11 @@ def positions_of(survey: xr.Dataset, chosen: np.ndarray) -> List[Message]:
     ]
 
 
+def is_line(data: xr.Dataset) -> bool:
+    """Return whether the positions are those of a single line, which has no map and no slices."""
+    return min(data.sizes[X], data.sizes[Y]) == 1 < max(data.sizes[X], data.sizes[Y])
+
+
 def require(survey: xr.Dataset, variable: str, dims: Sequence[str]) -> xr.DataArray:
     """Return a variable of a Dataset that must have certain dimensions.
 

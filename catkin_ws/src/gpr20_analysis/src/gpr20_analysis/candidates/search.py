@@ -189,13 +189,19 @@ def _places(echoes: _Echoes, least_db: float) -> List[_Place]:
     for first in range(len(left)):
         if not left[first]:
             continue
-        away_m = np.hypot(*(echoes.place_m[:, 1:] - echoes.place_m[first, 1:]).T)
-        own = np.flatnonzero(left & (away_m <= PLACE_M))
-        left[own] = False
+        own = left & _is_near(echoes, first)
         enough_db = max(least_db, echoes.above_db[first] - NEARLY_DB)
-        strong = own[echoes.above_db[own] >= min(enough_db, echoes.above_db[first])]
-        found.append(_Place(own, int(strong[np.argmax(echoes.level_db[strong])])))
+        strong = own & (echoes.above_db >= min(enough_db, echoes.above_db[first]))
+        body = int(np.argmax(np.where(strong, echoes.level_db, -np.inf)))
+        own |= left & _is_near(echoes, body)
+        left[own] = False
+        found.append(_Place(np.flatnonzero(own), body))
     return found
+
+
+def _is_near(echoes: _Echoes, one: int) -> np.ndarray:
+    near: np.ndarray = np.hypot(*(echoes.place_m[:, 1:] - echoes.place_m[one, 1:]).T) <= PLACE_M
+    return near
 
 
 def _order(places: Sequence[_Place], echoes: _Echoes, flags: Dict[Flag, np.ndarray]) -> List[int]:

@@ -17,7 +17,7 @@ from gpr20_analysis.candidates.table import candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
-from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION
+from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, is_line
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
@@ -256,7 +256,7 @@ def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Cata
     for turn, degrees in enumerate(image[POLARIZATION].values):
         figure = projection_figure(image, turn, found.candidates, catalogue)
         save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
-    marked = marked_of(found.candidates)
+    marked = [] if is_line(image) else marked_of(found.candidates)
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
         figure = c_scan_figure(image, depth_m, catalogue)

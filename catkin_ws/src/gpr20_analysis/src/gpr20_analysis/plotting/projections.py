@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, require
+from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.plotting.style import (
     PANEL_TITLE_PT,
     DecibelScale,
@@ -37,7 +37,8 @@ def projection_figure(
 ) -> Figure:
     """Draw the maxima of one polarization over depth, over y and over x.
 
-    The plan is on the left; below it the view from the front, and beside it that from the side.
+    The plan is on the left; below it the view from the front, and beside it that from the side. Of
+    a single line there is the section below it alone.
 
     Args:
         image: Dataset with `image`.
@@ -59,22 +60,26 @@ def projection_figure(
         rotation=rotation_name(float(image[POLARIZATION][turn]), image, catalogue),
         permittivity=float(image.attrs.get("permittivity", np.nan)),
     )
-    figure = new_figure(image, 2, title, catalogue, ROWS)
-    lengths = {axis: float(np.ptp(image[axis].values)) or 1.0 for axis in (X, Y, DEPTH)}
-    panels = figure.subplots(
-        2,
-        2,
-        gridspec_kw={
-            "width_ratios": (lengths[X], lengths[DEPTH]),
-            "height_ratios": (lengths[Y], lengths[DEPTH]),
-        },
-    )
-    places = (
-        (panels[0, 0], DEPTH, (Y, X)),
-        (panels[0, 1], X, (Y, DEPTH)),
-        (panels[1, 0], Y, (DEPTH, X)),
-    )
-    panels[1, 1].set_axis_off()
+    figure = new_figure(image, 2, title, catalogue, 1.0 if is_line(image) else ROWS)
+    if is_line(image):
+        along, across = _along(image)
+        places = [(figure.subplots(), across, (DEPTH, along))]
+    else:
+        lengths = {axis: float(np.ptp(image[axis].values)) or 1.0 for axis in (X, Y, DEPTH)}
+        panels = figure.subplots(
+            2,
+            2,
+            gridspec_kw={
+                "width_ratios": (lengths[X], lengths[DEPTH]),
+                "height_ratios": (lengths[Y], lengths[DEPTH]),
+            },
+        )
+        places = [
+            (panels[0, 0], DEPTH, (Y, X)),
+            (panels[0, 1], X, (Y, DEPTH)),
+            (panels[1, 0], Y, (DEPTH, X)),
+        ]
+        panels[1, 1].set_axis_off()
     names = {DEPTH: catalogue.tr("depth"), X: X, Y: Y}
     for axes, over, (down, across) in places:
         values = volume.max(over).transpose(down, across).values
@@ -99,6 +104,8 @@ def candidate_map_figure(
 ) -> Figure:
     """Draw the candidates on a map of the maxima over depth and polarizations.
 
+    Of a single line they are drawn on the section below it.
+
     Args:
         image: Dataset with `image`.
         candidates: The candidates, of which the first are marked with their ids.
@@ -111,7 +118,11 @@ def candidate_map_figure(
         WrongDatasetError: There is no image.
     """
     magnitude = abs(require(image, IMAGE, (POLARIZATION, DEPTH, Y, X)))
-    values = magnitude.max((POLARIZATION, DEPTH)).transpose(Y, X).values
+    over, down, across = (DEPTH, Y, X)
+    if is_line(image):
+        across, over = _along(image)
+        down = DEPTH
+    values = magnitude.max((POLARIZATION, over)).transpose(down, across).values
     marked = marked_of(candidates)
     if len(marked) < len(candidates):
         title = catalogue.tr("Map of the first {count} candidates", count=len(marked))
@@ -120,11 +131,26 @@ def candidate_map_figure(
     figure = new_figure(image, 1, title, catalogue, 1.2)
     axes = figure.subplots()
     scale = DecibelScale(magnitude.values, float(magnitude.max()))
-    scale.draw(axes, values, in_mm(image[X]), in_mm(image[Y]))
-    plan_axes(axes)
-    mark(axes, marked, (X, Y))
-    scale.add_bar(figure, [axes], catalogue.tr("maximum over depth [dB]"))
+    scale.draw(axes, values, in_mm(image[across]), in_mm(image[down]))
+    if down == DEPTH:
+        axes.set_xlabel(f"{across} [mm]")
+        depth = catalogue.tr("depth")
+        axes.set_ylabel(f"{depth} [mm]")
+        axes.set_aspect("equal")
+        axes.invert_yaxis()
+    else:
+        plan_axes(axes)
+    mark(axes, marked, (across, down))
+    label = catalogue.tr("magnitude [dB relative to the whole image]")
+    scale.add_bar(
+        figure, [axes], label if over != DEPTH else catalogue.tr("maximum over depth [dB]")
+    )
     return figure
+
+
+def _along(image: xr.Dataset) -> Tuple[str, str]:
+    """Return the axis along a single line, and the one across it."""
+    return (X, Y) if image.sizes[Y] == 1 else (Y, X)
 
 
 def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:

@@ -55,7 +55,7 @@ def as_measured(
         figures.append((catalogue.tr("A-scan in the middle"), figure))
     figures += _b_scans(in_time, (x_m, y_m), last_s, options.permittivity, catalogue)
     surface_s = surface_delay_s(survey)
-    if surface_s is not None:
+    if surface_s is not None and not dataset.is_line(survey):
         delay_ps = surface_s * PS_PER_S
         caption = catalogue.tr("C-scan at the surface, {delay_ps:.0f} ps", delay_ps=delay_ps)
         figures.append((caption, scans.c_scan_figure(in_time, surface_s, catalogue)))
@@ -169,6 +169,8 @@ def _image(
         figures.append((caption, figure))
     depths_m = [one.depth_m for one in found.candidates]
     slices_m = image[dataset.DEPTH].sel(depth=depths_m, method="nearest")
+    if dataset.is_line(image):
+        slices_m = slices_m[:0]
     # Some candidates are at one depth.
     for depth_m in list(dict.fromkeys(slices_m.values.tolist()))[:SLICES]:
         caption = catalogue.tr("Slice at {depth_mm:.1f} mm", depth_mm=depth_m * dataset.MM_PER_M)

@@ -108,6 +108,14 @@ def test_echoes_below_each_other_are_one_place_at_the_depth_of_the_brightest():
     assert (one.x_m, one.depth_m) == (0.3, 0.08)
 
 
+def test_no_two_candidates_are_nearer_than_a_place():
+    for seed in range(20):
+        found = find_candidates(image_of([(0, 0.3, 0.3, 0.1, 40.0)], seed)).candidates
+        places = np.array([(one.x_m, one.y_m) for one in found])
+        away_m = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
+        assert away_m[~np.eye(len(places), dtype=bool)].min() > 0.06
+
+
 def test_the_brightest_leads_and_what_may_be_the_surface_does_not():
     peaks = [
         (0, 0.1, 0.1, 0.01, 60.0),

@@ -163,3 +163,19 @@ def test_decibels_are_below_the_maximum_and_keep_nan():
 def test_notes_of_the_data_stand_below_the_figure():
     noted = IMAGE.assign_attrs(notes=["3 samples were left out"])
     assert "3 samples were left out" in [str(one) for one in remarks_of(noted)]
+
+
+@pytest.mark.parametrize("across", ["x", "y"])
+def test_a_single_line_has_one_panel_with_its_section_and_candidates(across):
+    image = IMAGE.isel({across: [5]})
+    for figure in (
+        projections.projection_figure(image, 0, CANDIDATES),
+        projections.candidate_map_figure(image, CANDIDATES),
+    ):
+        (axes,) = panels(figure)
+        assert axes.get_xlabel() == f"{'y' if across == 'x' else 'x'} [mm]"
+        assert axes.get_ylabel() == "depth [mm]"
+        # Depth goes down, and the image fills the panel.
+        first, last = axes.get_ylim()
+        assert first > last and abs(np.ptp(axes.get_xlim())) > 100.0
+        assert len(axes.texts) == 1
