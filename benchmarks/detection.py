@@ -5,8 +5,9 @@ Usage: scripts/bench.sh detection [--lines 200] [--permittivity] [--figure PNG] 
 Lines: cuts of 0.96 m computed from Maxwell's equations in two dimensions (benchmarks/worlds), over
 clean, cluttered (stones, roots), rough (3 to 10 mm), lossy ground, and all of it at once. None to
 three bodies at 20 to 200 mm: plastic and metal discs of 30 to 60 mm radius, cylinders, fragments.
-Areas: the five laboratory scenes of Uniandes and three random ones, in three dimensions. The real
-line is a GSSI record over 14 bars (tools/kits/recorded_worlds.py).
+Areas: the five laboratory scenes of Uniandes and three random ones, in three dimensions. Born: 40
+areas by an integral over the body, without any grid. The real line is a GSSI record over 14 bars
+(tools/kits/recorded_worlds.py).
 
 Each is imaged with the default command's steps and method and its true permittivity. A candidate
 within 30 mm of a body's width and between 30 mm above its top and 60 mm below its bottom is that
@@ -25,7 +26,7 @@ from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from recorded_worlds import AREAS, UNIANDES, area, line, real_line, truths
+from recorded_worlds import AREAS, BORN, UNIANDES, area, line, real_line, truths
 from scipy.stats import beta, chi2
 
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
@@ -190,7 +191,7 @@ def of_real_line() -> str:
 def of_permittivity(count: int) -> str:
     """Return how often the permittivity is estimated from echoes, and its range holds."""
     scenes = [(f"line {number}", *line(number)) for number in range(count)]
-    for name in (UNIANDES, AREAS):
+    for name in (UNIANDES, AREAS, BORN):
         scenes += [(f"{name} {one}", *area(name, one)) for one in range(len(truths(name)))]
     accepted, wrong = 0, []
     for name, survey, truth in scenes:
@@ -253,7 +254,8 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     parser.add_argument("--permittivity", action="store_true", help="score its estimate, too")
     chosen = parser.parse_args()
-    every = {"lines": of_lines(chosen.lines), UNIANDES: of_areas(UNIANDES), AREAS: of_areas(AREAS)}
+    every = {"lines": of_lines(chosen.lines)}
+    every.update((name, of_areas(name)) for name in (UNIANDES, AREAS, BORN))
     for name, scores in every.items():
         print(f"\n{name}\n", *rows(scores), sep="\n")
     print("\n" + of_real_line())

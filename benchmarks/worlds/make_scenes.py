@@ -3,9 +3,12 @@
     python benchmarks/worlds/make_scenes.py lines --count 200 --output FILE.npz [--card]
     python benchmarks/worlds/make_scenes.py uniandes --output FILE.npz [--card]
     python benchmarks/worlds/make_scenes.py areas --count 8 --output FILE.npz [--card]
+    python benchmarks/worlds/make_scenes.py born --count 40 --output FILE.npz
 
 Each scene is a transfer function, received field over sent current, at 60 mm between the antennas,
-as 16-bit parts of the largest value of the scene. With --seconds no scene is begun later.
+as 16-bit parts of the largest value of the scene; of `born` what is the same at each position is
+apart (`level`), and the rest is rounded, so that the file is small. With --seconds no scene is
+begun later.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from typing import Any, Callable, Dict, List
 
 import area_field
 import area_scenes
+import born_scenes
 import line_field
 import line_scenes
 import numpy as np
@@ -29,6 +33,8 @@ AREA_FREQUENCIES = 49
 # Long enough for the deepest echo at the highest permittivity, and its reverberation.
 LINE_RECORD_S = 10.5e-9
 BOXES_AT_ONCE = 63
+# 78 dB below the largest value: under the noise that the benchmark adds.
+ROUNDED_TO = 4
 
 
 def line(seed: int, on_card: bool) -> Dict[str, Any]:
@@ -69,6 +75,24 @@ def area(scene: area_scenes.AreaScene, on_card: bool) -> Dict[str, Any]:
     }
 
 
+def born(number: int) -> Dict[str, Any]:
+    """Return the recorded area (y, x, frequency) of one of the Born scenes."""
+    scene = born_scenes.draw(number)
+    level, of_bodies = born_scenes.echoes(scene)
+    largest = float(np.abs(level + of_bodies).max())
+    parts, of_level = (
+        np.stack([one.real, one.imag], axis=-1) / largest * 32767 for one in (of_bodies, level)
+    )
+    return {
+        "s21": (ROUNDED_TO * np.rint(parts / ROUNDED_TO)).astype(np.int16),
+        "level": np.rint(of_level).astype(np.int16),
+        "largest": largest,
+        "frequency_hz": born_scenes.FREQUENCY_HZ,
+        "x_m": born_scenes.STEP_M * np.arange(born_scenes.POSITIONS),
+        "truth": asdict(scene),
+    }
+
+
 def packed(s21: np.ndarray) -> Dict[str, Any]:
     """Return spectra as 16-bit real and imaginary parts, and the value of 32767."""
     largest = float(np.abs(s21).max())
@@ -85,7 +109,7 @@ def write(found: List[Dict[str, Any]], path: Path) -> None:
 def main() -> None:
     """Compute the scenes until they are done or the time is over."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("lines", "uniandes", "areas"))
+    parser.add_argument("what", choices=("lines", "uniandes", "areas", "born"))
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--output", type=Path, required=True)
@@ -94,6 +118,8 @@ def main() -> None:
     jobs: List[Callable[[], Dict[str, Any]]]
     if chosen.what == "lines":
         jobs = [lambda seed=seed: line(seed, chosen.card) for seed in range(chosen.count)]
+    elif chosen.what == "born":
+        jobs = [lambda number=number: born(number) for number in range(chosen.count)]
     else:
         random = [area_scenes.draw(seed) for seed in range(chosen.count)]
         scenes = area_scenes.uniandes() if chosen.what == "uniandes" else random

@@ -1,10 +1,11 @@
 """Radar data that the project's imaging did not make, as Datasets, with what is in the ground.
 
-Lines and areas were computed from Maxwell's equations (benchmarks/worlds, make_scenes.py). The real
-line is a GSSI impulse record over 14 reinforcing bars in concrete, from the CHARISMA repository of
-the Federal Highway Administration (github.com/TFHRCFASTNDElab/CHARISMA, commit 8735da12,
-Rebar mapping/data/Lab_specimen_data.DZT, CC0 1.0); its places of the bars are the published image
-result, not a tape measure.
+Lines and areas were computed from Maxwell's equations (benchmarks/worlds, make_scenes.py), those
+named born by an integral over the body in place of a grid over the ground. The real line is a GSSI
+impulse record over 14 reinforcing bars in concrete, from the CHARISMA repository of the Federal
+Highway Administration (github.com/TFHRCFASTNDElab/CHARISMA, commit 8735da12, Rebar
+mapping/data/Lab_specimen_data.DZT, CC0 1.0); its places of the bars are the published image result,
+not a tape measure.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 
 DATA = Path(__file__).resolve().parents[2] / "benchmarks/worlds/data"
 LINES, AREAS, UNIANDES, REAL_LINE = "lines", "areas", "uniandes", "real_line_charisma"
+BORN = "born"
 # Of the largest value, which is the coupling of the antennas: a usual analyzer's.
 NOISE_DB = -65.0
 LARGEST_PART = 32767.0
@@ -78,6 +80,8 @@ def area(name: str, number: int) -> Tuple[xr.Dataset, Dict[str, Any]]:
 
 def _noisy(arrays: Dict[str, Any], number: int) -> np.ndarray:
     parts = arrays["s21"][number] / LARGEST_PART
+    if "level" in arrays:
+        parts += arrays["level"][number] / LARGEST_PART
     random = np.random.default_rng([31, number])
     noise = random.standard_normal(parts.shape) / np.sqrt(2.0) * 10.0 ** (NOISE_DB / 20.0)
     found: np.ndarray = (parts + noise) @ np.array([1.0, 1j])
