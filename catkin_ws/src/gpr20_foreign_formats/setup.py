@@ -16,6 +16,7 @@ setup(
                 "group-csv = gpr20_foreign_formats.group_csv:IMPORT",
                 "merged-hdf5 = gpr20_foreign_formats.merged_hdf5:IMPORT",
                 "gprmax = gpr20_foreign_formats.gprmax:IMPORT",
+                "arrays = gpr20_foreign_formats.arrays:IMPORT",
                 "original-json = gpr20_foreign_formats.original_json:IMPORT",
             ],
             "gpr20_analysis.image_formats": [

@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="frequency",
         help="what to store of A-scans over time: spectra, which images need, or the A-scans",
     )
-    parser.add_argument("--height", type=float, metavar="M", help="simulations: antenna height [m]")
+    parser.add_argument("--height", type=float, metavar="M", help="gprmax, arrays: height [m]")
     parser.add_argument(
         "--source",
         metavar="SIGNAL",

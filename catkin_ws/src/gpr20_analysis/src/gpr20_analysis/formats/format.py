@@ -106,7 +106,7 @@ IMPORTS = ExtensionPoint(
     "gpr20_analysis.imports",
     Message("the format"),
     fault=faults.ADDITION,
-    wings=dict.fromkeys(("group-csv", "merged-hdf5", "gprmax", "original-json"), WING),
+    wings=dict.fromkeys(("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"), WING),
     kind=ImportFormat,
 )
 """By this, other packages add formats that can be imported."""
