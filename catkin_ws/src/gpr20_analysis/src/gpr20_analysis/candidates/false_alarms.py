@@ -17,9 +17,9 @@ import numpy as np
 # Share of the weak echoes that is stronger than the two quantiles.
 HALF, FEW = 0.5, 0.05
 DECAY = math.log(HALF / FEW)
-# With fewer weak echoes nothing is said.
-FEWEST_ECHOES = 40
-# A single line sees that much of the ground beside it.
+# With fewer weak echoes nothing is said, nor of a smaller area: it has nothing beside one body.
+FEWEST_ECHOES, LEAST_M2 = 40, 0.036
+# A single line sees that much of the ground beside it, and so does a narrow area.
 STRIP_M = 0.3
 TWO_SIDED_95 = 1.96
 
@@ -33,7 +33,7 @@ class FalseAlarms:
     """
 
     def __init__(self, weak_db: np.ndarray, area_m2: float) -> None:
-        self.are_known = len(weak_db) >= FEWEST_ECHOES and area_m2 > 0.0
+        self.are_known = len(weak_db) >= FEWEST_ECHOES and area_m2 >= LEAST_M2
         if self.are_known:
             self._count, self._density = len(weak_db), len(weak_db) * HALF / area_m2
             self._median_db, few_db = np.quantile(weak_db, [1.0 - HALF, 1.0 - FEW])
@@ -63,6 +63,6 @@ class FalseAlarms:
 
 
 def surveyed_m2(x_m: np.ndarray, y_m: np.ndarray) -> float:
-    """Return the surveyed area; that of a single line is a strip of the ground below it [m2]."""
-    sides_m = [float(np.ptp(axis_m)) for axis_m in (x_m, y_m)]
-    return max(sides_m) * STRIP_M if min(sides_m) == 0.0 else sides_m[0] * sides_m[1]
+    """Return the area of the ground that a survey sees, at least a strip as of a line [m2]."""
+    shorter_m, longer_m = sorted(float(np.ptp(axis_m)) for axis_m in (x_m, y_m))
+    return longer_m * max(shorter_m, STRIP_M)

@@ -11,8 +11,8 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.earth import area_position
-from gpr20_analysis.candidates.false_alarms import FalseAlarms, surveyed_m2
-from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, require
+from gpr20_analysis.candidates.false_alarms import STRIP_M, FalseAlarms, surveyed_m2
+from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import ECHO_VALUES
 from gpr20_analysis.sentences import NOTES, sentences_of
@@ -107,8 +107,8 @@ def find_candidates(
         options: What is listed.
 
     Returns:
-        The list: the brightest echo, then the others, the strongest above clutter first; what may
-        be the rest of the surface after these, and doubtful ones last.
+        The list: the brightest echo whatever its flags, then the others, the strongest above
+        clutter first; what may be the rest of the surface after these, and doubtful ones last.
 
     Raises:
         WrongDatasetError: The data are no image, or one without its echoes.
@@ -127,7 +127,7 @@ def find_candidates(
     order = _order(places, echoes, flags)
     doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
     omissible = np.any([flags[one] for one in OMITTED], axis=0)
-    count = max(options.most, int(np.count_nonzero(~omissible)))
+    count = max([options.most, *(np.flatnonzero(~omissible[order]) + 1)])
     listed = tuple(
         replace(
             _candidate(places[one], echoes, image, options, alarms),
@@ -151,6 +151,7 @@ def find_candidates(
         notes=tuple([*sentences_of(image, NOTES), *_notes(alarms)]),
         position=area_position(image.attrs),
         omitted_primary=int(np.count_nonzero(~doubtful[order[count:]])),
+        length_m=area_m2 / STRIP_M if is_line(image) else None,
     )
 
 
@@ -206,18 +207,13 @@ def _is_near(echoes: _Echoes, one: int) -> np.ndarray:
 
 def _order(places: Sequence[_Place], echoes: _Echoes, flags: Dict[Flag, np.ndarray]) -> List[int]:
     doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
-    residue = flags[Flag.SURFACE_RESIDUE]
-    brightest = max(
-        range(len(places)),
-        key=lambda one: (not residue[one], not doubtful[one], echoes.level_db[places[one].body]),
-        default=-1,
-    )
+    brightest = int(np.argmax(echoes.level_db)) if places else -1
     return sorted(
         range(len(places)),
         key=lambda one: (
-            one != brightest,
+            brightest not in places[one].members,
             doubtful[one],
-            residue[one],
+            flags[Flag.SURFACE_RESIDUE][one],
             -echoes.above_db[places[one].members[0]],
         ),
     )

@@ -61,13 +61,16 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
     """
     total, primary = found.total, found.primary
     lowest, highest = found.permittivity_range
+    extent = Message("area: {area_m2:.3g} m2", area_m2=found.area_m2)
+    if found.length_m is not None:
+        extent = Message("length: {length_m:.3g} m", length_m=found.length_m)
     sentences = [
         Message(
-            "candidates: {primary}, doubtful (clutter or sidelobe): {secondary}, area: "
-            "{area_m2:.3g} m2; method {method}",
+            "candidates: {primary}, doubtful (clutter or sidelobe): {secondary}, {extent}; "
+            "method {method}",
             primary=primary,
             secondary=total - primary,
-            area_m2=found.area_m2,
+            extent=extent,
             method=found.method,
         )
     ]
@@ -130,7 +133,8 @@ def candidate_lines(
         The lines.
     """
     shown = found.shown(most_doubtful)
-    primary = sum(not one.is_doubtful for one in shown)
+    # The brightest may be doubtful, but comes before others that are not.
+    primary = max((row for row, one in enumerate(shown, 1) if not one.is_doubtful), default=0)
     rows = [candidate_row(one, catalogue) for one in shown]
     if rows:
         rows.insert(0, candidate_heading(catalogue))

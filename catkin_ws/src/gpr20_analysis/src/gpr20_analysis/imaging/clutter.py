@@ -7,8 +7,9 @@ from typing import Optional, Sequence
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-# Extent of the ground that a voxel is compared with: across, and in resolutions of the depth.
-ACROSS_M, RESOLUTIONS = 0.6, 3.0
+# Extent of the ground that a voxel is compared with: across, and in resolutions of the depth. What
+# is left of the surface is stronger than the clutter below, so shallow voxels have less of that.
+ACROSS_M, RESOLUTIONS, SHALLOW_RESOLUTIONS = 0.6, 3.0, 1.0
 # What is nearer to a body belongs to it: across, and in resolutions of the depth.
 BODY_M, BODY_RESOLUTIONS = 0.06, 2.0
 # Where bodies leave so little of that ground, the whole plane counts as much.
@@ -44,17 +45,25 @@ def local_clutter(
         away_m = np.hypot(axes_m[1][:, None] - y_m, axes_m[2][None, :] - x_m)
         deep = np.abs(axes_m[0] - depth_m) < BODY_RESOLUTIONS * resolution_m
         counted[deep] *= away_m >= BODY_M
-    deep_m = RESOLUTIONS * resolution_m
-    widths_m = (deep_m, ACROSS_M, ACROSS_M)
-    sums, shares = level * counted, counted
-    plane = sums.mean(axis=(1, 2)), shares.mean(axis=(1, 2))
-    for number, (axis_m, width_m) in enumerate(zip(axes_m, widths_m)):
-        sums, shares = (_smoothed(one, axis_m, number, width_m) for one in (sums, shares))
-    of_plane, share = (_smoothed(one, axes_m[0], 0, 2.0 * deep_m) for one in plane)
-    usual = (of_plane + 1e-9 * level.mean()) / (share + 1e-9)
-    local = (sums + LEAST_SHARE * usual[:, None, None]) / (shares + LEAST_SHARE)
+    local = _local_mean(level, counted, axes_m, RESOLUTIONS * resolution_m)
+    shallow = axes_m[0] < resolution_m
+    thin = _local_mean(level, counted, axes_m, SHALLOW_RESOLUTIONS * resolution_m)
+    local[shallow] = thin[shallow]
     found: np.ndarray = np.exp(local + EULER / 2.0)
     return found
+
+
+def _local_mean(
+    level: np.ndarray, counted: np.ndarray, axes_m: Sequence[np.ndarray], deep_m: float
+) -> np.ndarray:
+    sums, shares = level * counted, counted
+    plane = sums.mean(axis=(1, 2)), shares.mean(axis=(1, 2))
+    for number, width_m in enumerate((deep_m, ACROSS_M, ACROSS_M)):
+        sums, shares = (_smoothed(one, axes_m[number], number, width_m) for one in (sums, shares))
+    of_plane, share = (_smoothed(one, axes_m[0], 0, 2.0 * deep_m) for one in plane)
+    usual = (of_plane + 1e-9 * level.mean()) / (share + 1e-9)
+    local: np.ndarray = (sums + LEAST_SHARE * usual[:, None, None]) / (shares + LEAST_SHARE)
+    return local
 
 
 def _smoothed(values: np.ndarray, axis_m: np.ndarray, number: int, width_m: float) -> np.ndarray:

@@ -25,8 +25,8 @@ from gpr20_survey.radar.frequency_to_delay import decibels
 Imager = Callable[[Traces], np.ndarray]
 """Returns the image (depth, y, x) of traces."""
 
-# The strongest echoes are fitted as points: per area, per length of a single line, and at least.
-POINTS_PER_M2, POINTS_PER_M, FEWEST_POINTS = 70.0, 14.0, 6
+# The strongest echoes are fitted as points: at most so many per area, or per longer side.
+POINTS_PER_M2, POINTS_PER_M = 70.0, 14.0
 ROUNDS = 6
 # Fitted in a round: what is that much above clutter, and not much less so than the first.
 ABOVE_CLUTTER_DB, BELOW_FIRST_DB = 0.5, 12.0
@@ -90,10 +90,9 @@ def maxima_only(magnitude: np.ndarray, axes_m: Sequence[np.ndarray], resolution_
 
 def most_points(axes_m: Sequence[np.ndarray]) -> int:
     """Return how many points are fitted at most."""
-    extents_m = [float(np.ptp(axis_m)) for axis_m in axes_m[1:]]
-    if min(extents_m) == 0.0:
-        return max(FEWEST_POINTS, int(np.ceil(POINTS_PER_M * max(extents_m))))
-    return max(FEWEST_POINTS, int(np.ceil(POINTS_PER_M2 * extents_m[0] * extents_m[1])))
+    down_m, across_m = (float(np.ptp(axis_m)) for axis_m in axes_m[1:])
+    of_line = POINTS_PER_M * max(down_m, across_m)
+    return max(1, int(np.ceil(max(of_line, POINTS_PER_M2 * down_m * across_m))))
 
 
 def _with_weak(

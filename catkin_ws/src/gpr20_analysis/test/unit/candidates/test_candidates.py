@@ -6,67 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
+from echoes_kit import RESOLUTION_M, STRICT, image_of, primary
 
-from gpr20_analysis.candidates.false_alarms import FalseAlarms, surveyed_m2
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import (
     DOUBTFUL_TITLE,
     candidate_lines,
     candidate_row,
 )
-from gpr20_analysis.dataset import CLUTTER, DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.dataset import ECHOES, POLARIZATION
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import OMITTED, Flag
-
-STEP_M = 0.01
-SHAPE = (31, 61, 61)
-RESOLUTION_M = 0.03
-CLUTTER_DB = -20.0
-
-
-def weak_echoes(random, count, rotations):
-    """Return echoes of clutter: maxima that fall off by a factor of 10 in 3.5 dB."""
-    place_m = random.uniform(0.0, 1.0, (count, 3)) * (STEP_M * (np.array(SHAPE) - 1))
-    above_db = 2.0 + random.exponential(1.5, count)
-    turns = random.choice(rotations, count)
-    return np.column_stack([turns, place_m, above_db, above_db + CLUTTER_DB, np.zeros(count)])
-
-
-def image_of(peaks, seed=0, rotations=(0.0, 90.0), weak=400, **attributes):
-    """Return an image with peaks (polarization, x, y, depth [m], above clutter [dB])."""
-    axes = [STEP_M * np.arange(count) for count in SHAPE]
-    strong = [
-        (rotations[turn], depth_m, y_m, x_m, above_db, above_db + CLUTTER_DB, 1.0)
-        for turn, x_m, y_m, depth_m, above_db in peaks
-    ]
-    random = np.random.default_rng(seed)
-    rows = np.concatenate([np.array(strong).reshape(-1, 7), weak_echoes(random, weak, rotations)])
-    return xr.Dataset(
-        {
-            IMAGE: ((POLARIZATION, DEPTH, Y, X), np.ones((len(rotations), *SHAPE), np.complex64)),
-            CLUTTER: ((POLARIZATION, DEPTH), np.ones((len(rotations), SHAPE[0]))),
-            ECHOES: (("echo", "value"), rows),
-        },
-        {POLARIZATION: list(rotations), DEPTH: axes[0], Y: axes[1], X: axes[2]},
-        {
-            "method": "phase-shift",
-            "permittivity": 4.0,
-            "notes": [],
-            "depth_resolution_m": RESOLUTION_M,
-            **attributes,
-        },
-    )
-
-
-STRICT = CandidateOptions(0.01)
-
-
-def primary(found):
-    return [one for one in found.candidates if not one.is_doubtful]
 
 
 def test_echoes_of_both_polarizations_are_one_candidate_where_they_are():
@@ -116,18 +69,62 @@ def test_no_two_candidates_are_nearer_than_a_place():
         assert away_m[~np.eye(len(places), dtype=bool)].min() > 0.06
 
 
-def test_the_brightest_leads_and_what_may_be_the_surface_does_not():
+def test_what_may_be_the_surface_comes_after_the_others_unless_it_is_the_brightest():
     peaks = [
         (0, 0.1, 0.1, 0.01, 60.0),
         (0, 0.3, 0.3, 0.15, 40.0),
         (0, 0.5, 0.1, 0.2, 30.0),
     ]
-    image = image_of(peaks, rotations=(0.0,))
     # The third is brighter, in stronger clutter.
-    image[ECHOES][2, 5] += 15.0
-    found = primary(find_candidates(image, STRICT))
-    assert [one.x_m for one in found] == [0.5, 0.3, 0.1]
-    assert Flag.SURFACE_RESIDUE in found[2].flags
+    for louder_db, order in ((15.0, [0.1, 0.3, 0.5]), (35.0, [0.5, 0.3, 0.1])):
+        image = image_of(peaks, rotations=(0.0,))
+        image[ECHOES][2, 5] += louder_db
+        found = primary(find_candidates(image, STRICT))
+        assert [one.x_m for one in found] == order
+        residue = next(one for one in found if one.x_m == 0.1)
+        assert Flag.SURFACE_RESIDUE in residue.flags
+
+
+def test_the_brightest_echo_is_first_whatever_its_flags_and_its_flags_stay():
+    flags = set()
+    for seed in range(200):
+        random = np.random.default_rng(seed)
+        count = int(random.integers(0, 6))
+        peaks = [
+            (int(random.integers(2)), *random.uniform(0.0, 0.3, 3), random.uniform(3.0, 40.0))
+            for _ in range(count)
+        ]
+        image = image_of(peaks, seed, weak=int(random.integers(1, 400)))
+        # The clutter is not equally strong everywhere.
+        image[ECHOES][:, 5] += random.uniform(-30.0, 30.0, image.sizes["echo"])
+        options = CandidateOptions(
+            float(random.choice([0.1, 10.0])), most=int(random.integers(1, 9))
+        )
+        found = find_candidates(image, options)
+        rows = image[ECHOES].values
+        brightest = rows[np.argmax(rows[:, 5])]
+        first = found.candidates[0]
+        # One place reaches 60 mm from its echo, which is as far from the one that it began with.
+        assert np.hypot(first.x_m - brightest[3], first.y_m - brightest[2]) <= 0.12
+        assert first.id == "C01" and found.shown()[0] is first
+        assert (Flag.CLUTTER in first.flags) == (
+            first in [one for one in found.candidates if one.is_doubtful]
+        )
+        # Nobody who looks for those that are not doubtful misses one.
+        everything = find_candidates(image, replace(options, most=10_000))
+        assert len(primary(found)) + found.omitted_primary == len(primary(everything))
+        assert found.omitted_primary == 0 or Flag.UNRATED in first.flags
+        later = [one.is_doubtful for one in found.candidates[1:]]
+        assert later == sorted(later)
+        text = "\n".join(candidate_lines(found))
+        if first.is_doubtful and not all(later):
+            assert (
+                text.index("C01")
+                < text.index("C02")
+                < (text + str(DOUBTFUL_TITLE)).index(str(DOUBTFUL_TITLE))
+            )
+        flags.update(first.flags)
+    assert {Flag.CLUTTER, Flag.SURFACE_RESIDUE, Flag.UNRATED, Flag.EDGE} <= flags
 
 
 def test_a_body_35_db_below_one_beside_it_is_no_sidelobe_but_one_41_db_below_may_be():
@@ -140,45 +137,6 @@ def test_a_body_35_db_below_one_beside_it_is_no_sidelobe_but_one_41_db_below_may
     assert [one.x_m for one in primary(found)] == [0.1, 0.3]
     third = next(one for one in found.candidates if one.above_clutter_db == 29.0)
     assert third.flags == (Flag.SIDELOBE,) and third.is_doubtful
-
-
-def test_as_many_false_alarms_are_listed_as_the_density_says():
-    counts = [len(primary(find_candidates(image_of([], seed)))) for seed in range(60)]
-    area_m2 = surveyed_m2(*(STEP_M * np.arange(count) for count in SHAPE[1:]))
-    # Places of 60 mm join some of 10 per m2.
-    assert 5.0 < np.mean(counts) / area_m2 < 12.0
-    strict = [
-        len(primary(find_candidates(image_of([], seed), CandidateOptions(0.1))))
-        for seed in range(60)
-    ]
-    assert np.mean(strict) < 0.2
-
-
-def test_the_interval_of_the_density_holds_it_in_19_of_20_grounds():
-    # 20 dB above is 15 dB / 1.5 dB = 10 slopes above the median of this clutter.
-    held = 0
-    for seed in range(400):
-        random = np.random.default_rng(seed)
-        alarms = FalseAlarms(2.0 + random.exponential(1.5, 300), 0.5)
-        level_db = 2.0 + 1.5 * np.log(2.0) + 6.0
-        lowest, highest = alarms.range_per_m2(level_db)
-        held += lowest <= 600.0 * 0.5 * np.exp(-4.0) <= highest
-    assert held / 400 > 0.9
-
-
-def test_of_so_few_echoes_nothing_is_said_about_false_alarms():
-    found = find_candidates(image_of([(0, 0.3, 0.3, 0.1, 30.0)], weak=10))
-    assert np.isnan(found.false_alarms_per_m2)
-    assert all(np.isnan(one.false_alarms_per_m2) for one in found.candidates)
-    assert all(Flag.UNRATED in one.flags for one in found.candidates)
-    assert len(primary(found)) == 1
-    assert any("nothing is known of false alarms" in str(note) for note in found.notes)
-    assert not any("of the clutter of this ground" in line for line in candidate_lines(found))
-
-
-def test_a_single_line_is_a_strip_of_its_length():
-    assert surveyed_m2(np.linspace(0.0, 4.0, 100), np.zeros(1)) == pytest.approx(1.2)
-    assert surveyed_m2(np.linspace(0.0, 0.5, 10), np.linspace(0.0, 0.4, 9)) == pytest.approx(0.2)
 
 
 def test_doubtful_ones_are_counted_where_they_are_not_shown():

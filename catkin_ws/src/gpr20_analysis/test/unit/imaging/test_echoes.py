@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import recorded_worlds
 from noise_kit import errors_in_uncertainties, imaged, survey
 from recorded_worlds import LINES, line, real_line, truths
 
@@ -140,3 +141,15 @@ def test_a_line_has_an_image_by_the_default_method_alike_to_that_of_the_other():
 @pytest.mark.parametrize("method", METHODS)
 def test_candidates_lie_where_they_are_within_their_uncertainties(method):
     assert errors_in_uncertainties(method).max() < 1.6
+
+
+@pytest.mark.parametrize("record_ns", [4.0, 5.0, 6.0, 8.0])
+def test_the_bars_are_found_in_a_record_that_ends_soon_after_them(monkeypatch, record_ns):
+    whole = recorded_worlds._arrays(recorded_worlds.REAL_LINE)
+    count = round(record_ns / 8.0 * whole["time_s"].size)
+    cropped = {**whole, "a_scans": whole["a_scans"][:, :count], "time_s": whole["time_s"][:count]}
+    monkeypatch.setattr(recorded_worlds, "_arrays", lambda _name: cropped)
+    data, bars_m = real_line()
+    found = primary(by_default(data, 6.0))
+    listed = [min(abs(one.x_m - bar_m) for one in found) < 0.015 for bar_m in bars_m]
+    assert sum(listed) >= 12

@@ -170,8 +170,8 @@ class Candidate:
 class CandidateList:
     """The candidates of a survey and how they were found.
 
-    The brightest comes first, then those that are furthest above the clutter around them; those
-    that are doubtful come after all others.
+    The brightest comes first, whatever its flags, then those that are furthest above the clutter
+    around them; those that are doubtful come after all others.
 
     Attributes:
         survey_id: Identifier of the survey; empty if the data have none.
@@ -190,6 +190,7 @@ class CandidateList:
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
         omitted_primary: Number of omitted candidates that are not doubtful.
+        length_m: Length of a single line [m]; None for an area. Files and messages have the area.
     """
 
     survey_id: str
@@ -205,6 +206,7 @@ class CandidateList:
     notes: Tuple[Message, ...] = ()
     position: Optional[AreaPosition] = None
     omitted_primary: int = 0
+    length_m: Optional[float] = None
 
     @property
     def total(self) -> int:
@@ -217,14 +219,13 @@ class CandidateList:
         return sum(not one.is_doubtful for one in self.candidates) + self.omitted_primary
 
     def shown(self, most_doubtful: Optional[int] = MOST_DOUBTFUL) -> Tuple[Candidate, ...]:
-        """Return what people see: all that are not doubtful, then the first doubtful ones.
+        """Return what people see: all that are not doubtful, and the first doubtful ones.
 
         Args:
             most_doubtful: Most doubtful candidates; None: all that are listed.
         """
-        doubtful = [one for one in self.candidates if one.is_doubtful]
-        others = [one for one in self.candidates if not one.is_doubtful]
-        return (*others, *doubtful[:most_doubtful])
+        doubtful = [one for one in self.candidates if one.is_doubtful][:most_doubtful]
+        return tuple(one for one in self.candidates if not one.is_doubtful or one in doubtful)
 
 
 def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:

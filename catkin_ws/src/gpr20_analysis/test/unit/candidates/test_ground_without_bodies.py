@@ -1,0 +1,70 @@
+"""Ground in which nothing is buried has no more candidates than were asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_scenes_kit import Clutter, random_noise
+from recorded_worlds import LINES, line, truths
+
+from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.dataset import X, Y
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.chain import process_survey
+
+ASKED_PER_M2 = 10.0
+SHAPES = [(5, 5), (30, 3), (3, 40), (1, 40), (30, 1), (1, 5), (5, 1), (2, 2), (1, 2), (2, 1)]
+
+
+def found_in(survey, permittivity=5.0):
+    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
+    return find_candidates(image_survey(process_survey(survey, *DEFAULT_STEPS), options))
+
+
+def density(lists):
+    """Return candidates per m2 that are not doubtful, of the lists that say how many to expect."""
+    rated = [one for one in lists if not np.isnan(one.false_alarms_per_m2)]
+    assert len(rated) > 5
+    return sum(one.primary for one in rated) / sum(one.area_m2 for one in rated)
+
+
+@pytest.mark.parametrize("kind", [Clutter.WHITE, Clutter.SURFACE])
+@pytest.mark.parametrize(("rows", "columns"), [(100, 100), (3, 100), (100, 3), (1, 100)])
+def test_of_noise_and_of_a_rough_surface(kind, rows, columns):
+    lists = []
+    for seed in range(60):
+        survey = random_noise(seed, kind).isel(y=slice(rows), x=slice(columns), polarization=[0])
+        if (survey.sizes[Y] == 1) == (rows == 1) and max(survey.sizes[X], survey.sizes[Y]) > 20:
+            lists.append(found_in(survey))
+    # Noise alone falls off otherwise than the clutter of ground.
+    assert density(lists) < 2.5 * ASKED_PER_M2
+
+
+def test_of_computed_lines():
+    lists = []
+    for number, truth in enumerate(truths(LINES)):
+        if not truth["bodies"]:
+            survey, _ = line(number)
+            lists.append(found_in(survey, truth["permittivity"]))
+    assert len(lists) == 53
+    assert 0.5 * ASKED_PER_M2 < density(lists) < 1.3 * ASKED_PER_M2
+
+
+@pytest.mark.parametrize(("rows", "columns"), SHAPES)
+def test_the_default_command_images_every_shape(tmp_path, capsys, rows, columns):
+    survey = next(
+        one
+        for one in (random_noise(seed, Clutter.WHITE) for seed in range(100))
+        if one.sizes[Y] >= rows and one.sizes[X] >= columns
+    )
+    path = tmp_path / "survey.nc"
+    write_dataset(survey.isel(y=slice(rows), x=slice(columns)), path)
+    assert main(["image", str(path), "--permittivity", "5"]) == 0
+    text = capsys.readouterr().out
+    assert "C01" in text or "No candidate was found." in text
+    assert ("length:" in text) == (1 in (rows, columns)) != ("area:" in text)
