@@ -113,6 +113,12 @@ class ViewSession:
             deepest_m=float(self.options.depth_m[-1]),
         )
 
+    @property
+    def axes(self) -> Tuple[str, ...]:
+        """The axes with several positions: "x" and "y", or the one along a single line."""
+        longer = tuple(axis for axis in (X, Y) if self.survey.sizes[axis] > 1)
+        return longer or (X, Y)
+
     def axis_m(self, axis: str) -> np.ndarray:
         """Return the positions of the survey along "x" or "y" [m]."""
         return self.survey[axis].values.astype(np.float64)
@@ -205,7 +211,7 @@ class ViewSession:
         if options.method is not Method.PHASE_SHIFT:
             return options
         try:
-            for axis in (X, Y):
+            for axis in self.axes:
                 grid_step_m(self.axis_m(axis), axis)
         except WrongDatasetError as error:
             self.remarks.append(

@@ -134,16 +134,23 @@ def test_a_refused_estimate_is_replaced_by_an_assumption_that_says_so():
 
 
 @pytest.mark.parametrize("axis", ["x_mm", "y_mm"])
-def test_a_single_line_is_imaged_by_back_projection(axis):
-    pytest.importorskip("numba")
+def test_a_single_line_has_one_section_by_the_default_method(axis):
     session = ViewSession(small(**{axis: np.array([240.0])}), FIXED)
+    along = "y" if axis == "x_mm" else "x"
+    assert session.axes == (along,) and session.options.method is Method.PHASE_SHIFT
+    image = session.compute(session.first_request, at_once)
+    levels_db = section_picture(image, 0, along, 0.24, 0.0).levels_db
+    layer, column = np.unravel_index(np.argmax(levels_db), levels_db.shape)
+    assert levels_db.shape[1] == 11 and column == 5
+    assert abs(image.depth_m[layer] - 0.083) < 0.007
+
+
+def test_a_line_with_uneven_spacing_is_imaged_by_back_projection():
+    pytest.importorskip("numba")
+    uneven_mm = PLACES_MM + 6.0 * np.sin(PLACES_MM)
+    session = ViewSession(small(x_mm=uneven_mm, y_mm=np.array([240.0])), FIXED)
     assert session.options.method is Method.BACK_PROJECTION
     assert "back-projection" in " ".join(map(str, session.notes))
-    image = session.compute(session.first_request, at_once)
-    along = "y" if axis == "x_mm" else "x"
-    picture = section_picture(image, 0, along, 0.24, 0.0)
-    assert picture.levels_db.shape[1] == 11
-    assert slice_picture(image, 0, 0.083, 0.0).levels_db.size == 11
 
 
 def test_missing_samples_are_refused_unless_left_out_and_marked():

@@ -139,6 +139,31 @@ def test_every_view_shows_the_same_place(windows, survey):
     assert len({picture.pixel(x, y) for x in range(0, 900, 5) for y in range(0, 800, 5)}) > 50
 
 
+@pytest.mark.parametrize("along", ["x", "y"])
+def test_a_single_line_fills_the_window_with_its_traces_and_its_section(windows, survey, along):
+    across = "y" if along == "x" else "x"
+    line = survey.isel({across: [5]})
+    window = computed(windows.open(line))
+    sections, controls = window.sections, window.controls
+    for width, height in ((800, 480), (1280, 800)):
+        window.resize(width, height)
+        QApplication.processEvents()
+        assert (window.width(), window.height()) == (width, height)
+        assert not sections.slice.isVisible() and not window.volume.isVisible()
+        for plot in (sections.b_scan, sections.section):
+            assert plot.isVisible() and plot.width() > 0.4 * width and plot.height() > 0.3 * height
+            assert plot.colours.shape[1] == 11 and len(np.unique(plot.colours)) > 20
+    assert not controls.direction.isEnabled()
+    assert controls.direction.currentText() == f"along {along}: a single line"
+    QTest.keyClick(window, Qt.Key_L)
+    click_at(sections.section, 240.0, 83.0)
+    assert near(window.place, PLACE)
+    title = sections.section.getPlotItem().titleLabel.text
+    assert f"along {along}" in title
+    QTest.keyClick(window, Qt.Key_P)
+    assert sections.b_scan.picks.count == 1 == sections.section.picks.count
+
+
 def test_a_click_in_any_view_moves_all(windows, survey):
     window = computed(windows.open(survey))
     sections = window.sections

@@ -121,7 +121,7 @@ def figure_of(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue
     x_m, y_m = _place(data, X, chosen.x), _place(data, Y, chosen.y)
     if chosen.kind == "a-scan":
         return scans.a_scan_figure(in_time, x_m, y_m, last_s, catalogue)
-    along = chosen.along or X
+    along = chosen.along or (Y if data.sizes[X] == 1 else X)
     return scans.b_scan_figure(
         in_time,
         along,

@@ -71,7 +71,7 @@ def coverage_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figur
     panels = figure.subplots(1, len(turns), squeeze=False)[0]
     for axes, turn, values in zip(panels, turns, state):
         drawn = draw(axes, values, in_mm(survey[X]), in_mm(survey[Y]), cmap=colours, norm=norm)
-        plan_axes(axes)
+        plan_axes(axes, survey)
         axes.set_title(rotation_name(float(turn), survey, catalogue), fontsize=PANEL_TITLE_PT)
     bar = figure.colorbar(drawn, ax=list(panels), ticks=range(len(STATES)), shrink=0.5)
     names = [textwrap.fill(catalogue.text(name), STATE_LETTERS) for name, _ in STATES]
@@ -100,7 +100,7 @@ def height_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
     for axes, turn, values in zip(panels, turns, height_mm):
         limits = {"vmin": np.nanmin(height_mm), "vmax": np.nanmax(height_mm)}
         drawn = draw(axes, values, in_mm(survey[X]), in_mm(survey[Y]), cmap=MAGNITUDE_MAP, **limits)
-        plan_axes(axes)
+        plan_axes(axes, survey)
         axes.set_title(rotation_name(float(turn), survey, catalogue), fontsize=PANEL_TITLE_PT)
     figure.colorbar(drawn, ax=list(panels), label=catalogue.tr("height [mm]"))
     return figure

@@ -139,7 +139,7 @@ def candidate_map_figure(
         axes.set_aspect("equal")
         axes.invert_yaxis()
     else:
-        plan_axes(axes)
+        plan_axes(axes, image)
     mark(axes, marked, (across, down))
     label = catalogue.tr("magnitude [dB relative to the whole image]")
     scale.add_bar(
@@ -154,7 +154,7 @@ def _along(image: xr.Dataset) -> Tuple[str, str]:
 
 
 def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
-    """Return the first candidates, without those that are probably part of others.
+    """Return the brightest and the next candidates, without those that are doubtful.
 
     Args:
         candidates: The candidates in the order of their list.
@@ -162,8 +162,8 @@ def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
     Returns:
         Those that figures mark: at most `MOST_MARKED`.
     """
-    first = [one for one in candidates if not one.is_doubtful]
-    return (first or candidates)[:MOST_MARKED]
+    others = [one for one in candidates[1:] if not one.is_doubtful]
+    return [*candidates[:1], *others][:MOST_MARKED]
 
 
 def mark(axes: Axes, candidates: Sequence[Candidate], plane: Tuple[str, str]) -> None:

@@ -225,7 +225,7 @@ def c_scan_figure(data: xr.Dataset, at: float, catalogue: Catalogue = ENGLISH) -
     panels = figure.subplots(1, len(turns), squeeze=False)[0]
     for axes, turn, values in zip(panels, turns, taken.values):
         scale.draw(axes, values, in_mm(data[X]), in_mm(data[Y]))
-        plan_axes(axes)
+        plan_axes(axes, data)
         axes.set_title(rotation_name(float(turn), data, catalogue), fontsize=PANEL_TITLE_PT)
     scale.add_bar(figure, panels, label)
     return figure

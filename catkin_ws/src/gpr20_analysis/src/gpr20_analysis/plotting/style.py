@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.dataset import MM_PER_M, is_line
 from gpr20_analysis.plotting.noted_figure import NotedFigure
 from gpr20_analysis.plotting.ranges import range_db
 from gpr20_analysis.processing.display import DISPLAY_ONLY
@@ -24,6 +24,8 @@ SIGNED_MAP = "RdBu_r"
 NOT_MEASURED = "lightgrey"
 WIDTH_IN, HEIGHT_IN, COLOUR_BAR_IN = 4.3, 3.9, 0.9
 PANEL_TITLE_PT = 9.0
+# Two halves of the cell of a single position, whose width is arbitrary.
+LONE_MM = np.array([-2.5, 2.5])
 # What is brighter than the scale by less is not marked at its end.
 LEAST_CLIPPED = 1.01
 SMALLEST_PART = 1e-15  # of the reference, where nothing has no logarithm
@@ -92,6 +94,12 @@ def draw(
 ) -> Any:
     """Draw values (down, across) as cells; NaN is grey."""
     axes.set_facecolor(NOT_MEASURED)
+    if len(across) == 1:
+        axes.set_xticks(across)
+        across, values = across + LONE_MM, np.repeat(values, 2, axis=1)
+    if len(down) == 1:
+        axes.set_yticks(down)
+        down, values = down + LONE_MM, np.repeat(values, 2, axis=0)
     # As a bitmap also in PDF and SVG, since viewers draw thin lines between vector cells.
     return axes.pcolormesh(
         across, down, np.ma.masked_invalid(values), shading="nearest", rasterized=True, **options
@@ -125,11 +133,11 @@ class DecibelScale:
         bar.set_label(label, fontsize=PANEL_TITLE_PT)
 
 
-def plan_axes(axes: Axes) -> None:
-    """Label the axes of a map."""
+def plan_axes(axes: Axes, data: xr.Dataset) -> None:
+    """Label the axes of a map, which is to scale unless it is that of a single line."""
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
-    axes.set_aspect("equal")
+    axes.set_aspect("auto" if is_line(data) else "equal")
 
 
 def in_mm(values_m: Any) -> np.ndarray:

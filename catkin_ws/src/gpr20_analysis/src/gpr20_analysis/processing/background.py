@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from typing import Tuple
 
 import numpy as np
 import xarray as xr
@@ -111,7 +112,8 @@ def remove_background(
         survey: The survey; missing samples stay missing and are ignored.
         method: How the background is estimated. With equal or unknown heights, or with fewer than
             20 traces, the surface is the mean.
-        width: Width of the moving window along X and along Y, in positions, odd.
+        width: Width of the moving window along X and along Y, in positions, odd. It ends where the
+            survey does: wider than that, or along the one row of a line, it is all of them.
         rank: Number of components that SVD removes.
 
     Raises:
@@ -167,26 +169,28 @@ def _median(measured: xr.DataArray) -> xr.DataArray:
 
 
 def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
-    smaller = min(measured.sizes[axis] for axis in (Y, X))
-    if width < 3 or width % 2 == 0 or width > 2 * smaller + 1:
+    if width < 3 or width % 2 == 0:
         raise WrongDatasetError(
             Message(
-                "the width of the moving window is {width}; it must be odd, from 3 to {most}",
+                "the width of the moving window is {width}; it must be odd and at least 3",
                 width=width,
-                most=2 * smaller + 1,
             ),
             fault=faults.OPTION,
         )
-    return lazy.with_neighbours(lambda rows: rows - _moving_mean(rows, width), measured, width // 2)
+    # From the last position, so much reaches the first.
+    down, across = (min(width, 2 * measured.sizes[axis] - 1) for axis in (Y, X))
+    return lazy.with_neighbours(
+        lambda rows: rows - _moving_mean(rows, (1, down, across, 1)), measured, down // 2
+    )
 
 
-def _moving_mean(rows: np.ndarray, width: int) -> np.ndarray:
+def _moving_mean(rows: np.ndarray, widths: Tuple[int, ...]) -> np.ndarray:
     """Return the mean over a window around each position; missing traces are ignored."""
     present = np.isfinite(rows).all(axis=-1, keepdims=True)
-    share = uniform_filter(present.astype(np.float64), (1, width, width, 1), mode="constant")
-    share = np.maximum(share, 0.5 / width**2)
+    share = uniform_filter(present.astype(np.float64), widths, mode="constant")
+    share = np.maximum(share, 0.5 / np.prod(widths))
     held = np.where(present, rows, 0.0)
-    means: np.ndarray = uniform_filter(held, (1, width, width, 1), mode="constant")
+    means: np.ndarray = uniform_filter(held, widths, mode="constant")
     means /= share
     return means
 

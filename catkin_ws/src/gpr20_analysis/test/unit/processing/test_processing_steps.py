@@ -65,7 +65,6 @@ def test_background_parameters_that_do_not_suit_are_refused():
         {"method": Background.SVD, "rank": 101},
         {"method": Background.MOVING, "width": 4},
         {"method": Background.MOVING, "width": 1},
-        {"method": Background.MOVING, "width": 99},
     ):
         with pytest.raises(WrongDatasetError):
             remove_background(measured, **wrong)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 
 import numpy as np
 import pytest
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from gpr20_analysis import faults
+from gpr20_analysis.commands import plot_command
 from gpr20_analysis.commands.outputs import save_figure
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image import image_survey
@@ -18,6 +21,7 @@ from gpr20_analysis.plotting import maps, projections, ranges, scans
 from gpr20_analysis.plotting.style import NOT_MEASURED, relative_db, remarks_of
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
+from gpr20_common.catalogue import Catalogue
 from gpr20_survey.results.candidates import Candidate
 
 PLACES_MM = np.linspace(160.0, 320.0, 9)
@@ -179,3 +183,36 @@ def test_a_single_line_has_one_panel_with_its_section_and_candidates(across):
         first, last = axes.get_ylim()
         assert first > last and abs(np.ptp(axes.get_xlim())) > 100.0
         assert len(axes.texts) == 1
+
+
+OF_KIND = ("along", "x", "y", "value", "depth", "delay", "until", "all_delays", "permittivity")
+
+
+@pytest.mark.parametrize("across", ["x", "y"])
+def test_no_panel_of_a_single_line_is_blank(across):
+    survey, image = SURVEY.isel({across: [5]}), IMAGE.isel({across: [5]})
+    options = dict.fromkeys((*OF_KIND, "rotation"))
+    for kind, data, given in (
+        ("a-scan", survey, {}),
+        ("b-scan", survey, {}),
+        ("b-scan", survey, {"along": across}),
+        ("c-scan", survey, {"delay": 2.0}),
+        ("c-scan", image, {"depth": 80.0}),
+        ("coverage", survey, {}),
+        ("height", survey, {}),
+        ("projection", image, {}),
+    ):
+        chosen = argparse.Namespace(kind=kind, **{**options, **given})
+        figure = plot_command.figure_of(data, chosen, Catalogue())
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        pixels = np.asarray(canvas.buffer_rgba())[::-1, :, :3]
+        for axes in panels(figure):
+            left, low, right, high = (round(one) for one in axes.get_window_extent().extents)
+            inside = pixels[low + 3 : high - 3, left + 3 : right - 3].reshape(-1, 3)
+            assert right - left > 150 and high - low > 50, (kind, given)
+            # Light grey is what was not measured.
+            assert np.mean((inside == 211).all(axis=1)) < 0.01, (kind, given)
+        shown = panels(figure)[0].get_xlabel()
+        if kind in ("b-scan", "projection") and not given:
+            assert shown == f"{'y' if across == 'x' else 'x'} [mm]"

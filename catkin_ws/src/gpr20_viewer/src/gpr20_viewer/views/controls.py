@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_analysis.dataset import MM_PER_M, X, Y
+from gpr20_analysis.dataset import MM_PER_M
 from gpr20_common.catalogue import Catalogue
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_viewer.scene import Display
@@ -45,6 +45,7 @@ class Controls(QWidget):
         self,
         catalogue: Catalogue,
         rotations_deg: Sequence[float],
+        axes: Sequence[str],
         deepest_m: float,
         background: bool,
         range_db: float,
@@ -58,8 +59,12 @@ class Controls(QWidget):
             combined = catalogue.tr("combination")
             self.polarization.addItem(combined if math.isnan(turn_deg) else f"{turn_deg:g}°")
         self.direction = QComboBox()
-        for axis in (X, Y):
+        for axis in axes:
             self.direction.addItem(catalogue.tr("along {axis}", axis=axis), axis)
+        if len(axes) == 1:
+            only = catalogue.tr("along {axis}: a single line", axis=axes[0])
+            self.direction.setItemText(0, only)
+            self.direction.setEnabled(False)
         self.background = QCheckBox(catalogue.tr("subtract coupling and surface"))
         self.background.setChecked(background)
         self.deepest = _box(*DEEPEST_MM, 0, 10.0, " mm")

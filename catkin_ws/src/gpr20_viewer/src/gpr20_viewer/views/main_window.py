@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Optional, Sequence, Union
+from typing import Callable, List, Optional, Sequence, Tuple, Union
 
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QCloseEvent
 from PyQt5.QtWidgets import (
     QCheckBox,
+    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QMainWindow,
     QMessageBox,
+    QScrollArea,
     QSizePolicy,
     QTabWidget,
     QVBoxLayout,
@@ -85,7 +88,12 @@ class MainWindow(QMainWindow):
         self.status = StatusBar(session.simulated, catalogue)
         self.volume = new_volume_view(catalogue, flat)
         self.controls = Controls(
-            catalogue, session.rotations_deg, first.deepest_m, first.background, RANGE_DB
+            catalogue,
+            session.rotations_deg,
+            session.axes,
+            first.deepest_m,
+            first.background,
+            RANGE_DB,
         )
         self.controls.show_permittivity(first.permittivity or ASSUMED_PERMITTIVITY)
         self.click_picks = QCheckBox(catalogue.tr("a click picks"))
@@ -282,34 +290,42 @@ class MainWindow(QMainWindow):
         tr = self._catalogue.tr
         views = QGridLayout()
         views.setSpacing(4)
-        views.addWidget(self.sections.b_scan, 0, 0)
-        views.addWidget(self.sections.slice, 0, 1)
-        views.addWidget(self.sections.section, 1, 0)
-        views.addWidget(self.volume, 1, 1)
-        shown: Sequence[QWidget] = (*self.sections.plots, self.volume)
-        for view in shown:
-            # All get the same space, whatever they would like.
-            view.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
-        for index in (0, 1):
-            views.setColumnStretch(index, 1)
-            views.setRowStretch(index, 1)
+        columns: List[Tuple[QWidget, QWidget]] = [(self.sections.b_scan, self.sections.section)]
+        if len(self.session.axes) > 1:
+            # Below a single line there is one section, which is the whole image.
+            columns.append((self.sections.slice, self.volume))
+        for column, pair in enumerate(columns):
+            views.setColumnStretch(column, 1)
+            for row, view in enumerate(pair):
+                views.setRowStretch(row, 1)
+                # All get the same space, whatever they would like.
+                view.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+                views.addWidget(view, row, column)
         tabs = QTabWidget()
         tabs.addTab(self.desk.table, tr("Picks"))
         if self.session.find_candidates is not None:
             tabs.addTab(self.candidates, tr("Candidates"))
         tabs.addTab(self.notes, tr("Notes"))
         tabs.addTab(KeysList(self._catalogue), tr("Keys"))
-        side = QWidget()
-        side.setFixedWidth(SIDE_PX)
-        column = QVBoxLayout(side)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self.controls)
-        column.addWidget(self.scale)
-        column.addWidget(self.click_picks)
-        column.addWidget(tabs, 1)
+        settings = QWidget()
+        below = QVBoxLayout(settings)
+        below.setContentsMargins(0, 0, 0, 0)
+        below.addWidget(self.controls)
+        below.addWidget(self.scale)
+        below.addWidget(self.click_picks)
+        below.addWidget(tabs, 1)
+        # On a low screen the settings scroll, so that the pictures are seen whole.
+        side = QScrollArea()
+        side.setWidget(settings)
+        side.setWidgetResizable(True)
+        side.setFrameShape(QFrame.Shape.NoFrame)
+        side.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        bar_px = side.verticalScrollBar().sizeHint().width()
+        side.setMinimumWidth(settings.minimumSizeHint().width() + bar_px)
+        side.setMaximumWidth(SIDE_PX)
         middle = QHBoxLayout()
-        middle.addLayout(views, 1)
-        middle.addWidget(side)
+        middle.addLayout(views, 3)
+        middle.addWidget(side, 2)
         bottom = QHBoxLayout()
         bottom.addWidget(self.cursor_text, 1)
         bottom.addWidget(self.mouse_text, 1)
