@@ -22,18 +22,20 @@ import json
 from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
-from recorded_worlds import AREAS, BORN, UNIANDES, area, line, real_line, truths
+from recorded_worlds import AREAS, BORN, LINES, UNIANDES, area, line, real_line, truths
 from scipy.stats import beta, chi2
 
-from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.image_output import permittivity_range
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.results.candidates import Candidate, CandidateList
@@ -41,6 +43,7 @@ from gpr20_survey.results.candidates import Candidate, CandidateList
 NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
 BAR_M = 0.015
 SEPARATION_M = 0.06
+SHALLOWEST_M = 0.02
 TWO_SIDED = (0.025, 0.975)
 Body = Dict[str, Any]
 
@@ -66,12 +69,13 @@ class Score:
     errors: List[Tuple[float, float]] = field(default_factory=list)
 
 
-def candidates(survey: xr.Dataset, permittivity: float) -> CandidateList:
-    """Return what the default command lists."""
-    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
-    image = image_survey(process_survey(survey, *DEFAULT_STEPS), options)
+def candidates(survey: xr.Dataset, permittivity: Optional[float]) -> CandidateList:
+    """Return what the default command lists; None: the permittivity is not known."""
     # It is the true one, so depths must not be said to be less certain.
-    return find_candidates(image, CandidateOptions(permittivity_uncertainty=0.01))
+    options = ImageOptions(
+        permittivity=permittivity, permittivity_uncertainty=0.01, ground=Ground.LEVEL
+    )
+    return find_candidates(image_survey(process_survey(survey, *DEFAULT_STEPS), options))
 
 
 def is_at(one: Candidate, body: Body) -> bool:
@@ -109,15 +113,16 @@ def add(
         scores[name].area_m2 += found.area_m2
 
 
-def of_lines(count: int) -> Dict[str, Score]:
-    """Return the scores of the computed lines."""
+def of_lines(count: int, is_known: bool = True) -> Dict[str, Score]:
+    """Return the scores of the computed lines, with their permittivity or without it."""
     scores: Dict[str, Score] = defaultdict(Score)
     for number in range(count):
         survey, truth = line(number)
         bodies = [
             {**body, "y_m": 0.0, "half_m": (body["half_width_m"], 0.0)} for body in truth["bodies"]
         ]
-        add(scores, candidates(survey, truth["permittivity"]), bodies, truth["ground"])
+        permittivity = truth["permittivity"] if is_known else None
+        add(scores, candidates(survey, permittivity), bodies, truth["ground"])
     return scores
 
 
@@ -188,25 +193,32 @@ def of_real_line() -> str:
     )
 
 
-def of_permittivity(count: int) -> str:
-    """Return how often the permittivity is estimated from echoes, and its range holds."""
-    scenes = [(f"line {number}", *line(number)) for number in range(count)]
-    for name in (UNIANDES, AREAS, BORN):
-        scenes += [(f"{name} {one}", *area(name, one)) for one in range(len(truths(name)))]
-    accepted, wrong = 0, []
-    for name, survey, truth in scenes:
-        options = ImageOptions(ground=Ground.LEVEL, separation_m=SEPARATION_M)
-        try:
-            image = image_survey(process_survey(survey, *DEFAULT_STEPS), options, with_echoes=False)
-        except WrongDatasetError:
-            continue
-        accepted += 1
-        lowest, highest = (image.attrs[f"permittivity_{end}"] for end in ("lowest", "highest"))
-        if not lowest <= truth["permittivity"] <= highest:
-            wrong.append(f"{name}: {lowest:.2f} to {highest:.2f}, not {truth['permittivity']:.2f}")
+def of_buried_metal(count: int) -> str:
+    """Return how often a buried metal body tells the permittivity, and its range holds."""
+    scenes = [(LINES, number, *line(number)) for number in range(count)]
+    for name in (UNIANDES, AREAS):
+        scenes += [(name, one, *area(name, one)) for one in range(len(truths(name)))]
+    bodies, accepted, wrong = 0, 0, []
+    for name, number, survey, truth in scenes:
+        for body in truth["bodies"]:
+            kind = body.get("kind", body.get("name"))
+            if not ("metal" in kind or kind == "plate") or body["top_m"] < SHALLOWEST_M:
+                continue
+            bodies += 1
+            reference = BuriedReference(body["x_m"], body.get("y_m", 0.0), body["top_m"])
+            options = ImageOptions(buried=reference, ground=Ground.LEVEL, separation_m=SEPARATION_M)
+            try:
+                cleaned = process_survey(survey, *DEFAULT_STEPS)
+                image = image_survey(cleaned, options, with_echoes=False)
+            except WrongDatasetError:
+                continue
+            accepted += 1
+            lowest, highest = permittivity_range(image)
+            if not lowest <= truth["permittivity"] <= highest:
+                wrong.append(f"{name} {number}: {lowest:.2f} to {highest:.2f}")
     return (
-        f"permittivity: estimated in {accepted} of {len(scenes)} scenes, refused in the others; "
-        f"wrong in {len(wrong)}{''.join(f' ({one})' for one in wrong)}"
+        f"permittivity by a buried metal body: told in {accepted} of {bodies}, refused in the "
+        f"others; wrong in {len(wrong)} ({', '.join(wrong) or '-'})"
     )
 
 
@@ -252,7 +264,9 @@ def main() -> None:
     parser.add_argument("--lines", type=int, default=200)
     parser.add_argument("--figure", type=Path)
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--permittivity", action="store_true", help="score its estimate, too")
+    parser.add_argument(
+        "--permittivity", action="store_true", help="score it by buried metal, and unknown, too"
+    )
     chosen = parser.parse_args()
     every = {"lines": of_lines(chosen.lines)}
     every.update((name, of_areas(name)) for name in (UNIANDES, AREAS, BORN))
@@ -260,7 +274,9 @@ def main() -> None:
         print(f"\n{name}\n", *rows(scores), sep="\n")
     print("\n" + of_real_line())
     if chosen.permittivity:
-        print(of_permittivity(chosen.lines))
+        print(of_buried_metal(chosen.lines))
+        unknown = of_lines(chosen.lines, is_known=False)
+        print("\nlines, permittivity unknown\n", *rows(unknown), sep="\n")
     if chosen.json:
         counts = {
             name: {kind: vars(one) for kind, one in scores.items()}

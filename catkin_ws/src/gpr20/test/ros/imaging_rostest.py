@@ -117,15 +117,15 @@ class Imaging(unittest.TestCase):
         self.assertTrue(ratios_db)
         self.assertLess(max(ratios_db), -10.0)
 
-    def test_estimated_permittivity_says_how_far_off_it_may_be(self):
+    def test_an_assumed_permittivity_says_how_far_off_it_may_be(self):
         report = self.echoes()
-        self.assertEqual(report["permittivity_source"], "estimated from echoes")
+        self.assertEqual(report["permittivity_source"], "assumed")
         self.assertLess(report["permittivity_lowest"], self.permittivity)
         self.assertGreater(report["permittivity_highest"], self.permittivity)
         for target in (self.sphere, self.disc):
             _, across_mm, deeper_mm = self.nearest(report, target, 0.0)
             print(
-                f"permittivity estimated {report['permittivity']:.2f} instead of "
+                f"permittivity assumed {report['permittivity']:.2f} instead of "
                 f"{self.permittivity:g}: {target.name} {across_mm:.1f} mm across, "
                 f"{deeper_mm:+.1f} mm in depth"
             )

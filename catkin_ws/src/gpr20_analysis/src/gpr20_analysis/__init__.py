@@ -13,7 +13,7 @@ __version__ = "0.2.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
     "candidates.files": ("write_candidates",),
-    "candidates.focused": ("focus",),
+    "candidates.focused": ("field_options", "focus"),
     "candidates.marker_files": ("write_markers",),
     "candidates.marker_list": ("MarkerList", "survey_markers"),
     "candidates.search": ("Candidate", "CandidateList", "CandidateOptions", "find_candidates"),

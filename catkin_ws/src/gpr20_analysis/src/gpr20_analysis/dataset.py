@@ -33,6 +33,10 @@ SAMPLE_DIMS = (POLARIZATION, Y, X)
 S21_DIMS = (*SAMPLE_DIMS, FREQUENCY)
 S21, A_SCAN, IMAGE = "s21", "a_scan", "image"
 CLUTTER, ECHOES = "clutter", "echoes"
+ANTENNA, TERM = "antenna", "term"
+ANTENNA_DIMS = (POLARIZATION, TERM, FREQUENCY)
+PROCESSING = "processing"
+"""Attribute: the steps by which a Dataset was made, as JSON."""
 AUX_PREFIX = "aux_"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 

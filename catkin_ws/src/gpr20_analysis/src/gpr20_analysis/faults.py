@@ -149,6 +149,13 @@ NO_SURFACE_ECHO = Fault(
     ),
     replaces=True,
 )
+PLATE = Fault(
+    "analysis.plate",
+    Message(
+        "Measure the metal plate at four or more heights, as the guide to calibration says, and "
+        "run gpr20 antenna again."
+    ),
+)
 NO_PERMITTIVITY = Fault(
     "analysis.no_permittivity",
     Message("Give the permittivity of the ground: measure it, or take that of similar ground."),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
@@ -10,6 +9,8 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.imaging.image_output import permittivity_range
+from gpr20_analysis.imaging.permittivity.known_permittivity import Source
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
@@ -19,23 +20,8 @@ from gpr20_survey.results.candidates import CandidateList
 NS_PER_S = 1e9
 
 
-class PermittivitySource(enum.Enum):
-    """Where a permittivity came from."""
-
-    GIVEN = "given"
-    ESTIMATED = "estimated"
-    ASSUMED = "assumed"
-    SLIDER = "slider"
-
-    @property
-    def message(self) -> Message:
-        """What people read."""
-        return {
-            PermittivitySource.GIVEN: Message("as given"),
-            PermittivitySource.ESTIMATED: Message("ESTIMATED from echoes"),
-            PermittivitySource.ASSUMED: Message("ASSUMED, not measured"),
-            PermittivitySource.SLIDER: Message("set with the slider"),
-        }[self]
+SLIDER = "slider"
+"""Where a permittivity is from, besides the sources of images."""
 
 
 @dataclass(frozen=True)
@@ -43,15 +29,14 @@ class ImageRequest:
     """What the image depends on.
 
     Attributes:
-        permittivity: Relative permittivity; None: estimate it.
-        source: Where it came from.
+        permittivity: Relative permittivity that was set with the slider; None: that of the options,
+            or what the data tell.
         background: Whether the background is subtracted.
         deepest_m: Depth of the deepest layer [m].
         candidates: Whether candidates are searched.
     """
 
     permittivity: Optional[float]
-    source: PermittivitySource
     background: bool
     deepest_m: float
     candidates: bool = False
@@ -67,7 +52,6 @@ class LiveImage:
     Args:
         request: What it was made for.
         image: As `image_survey` returns it.
-        source: Where its permittivity came from.
         remarks: What else to show with it.
         candidates: What was found in it; None: not searched.
 
@@ -76,18 +60,18 @@ class LiveImage:
         x_m: Positions along X [m].
         y_m: Positions along Y [m].
         depth_m: Depths [m].
+        source: Where its permittivity is from: `SLIDER`, or the value of a `Source`.
+        caption: Method and permittivity, and where that is from.
     """
 
     def __init__(
         self,
         request: ImageRequest,
         image: xr.Dataset,
-        source: PermittivitySource,
         remarks: Tuple[Message, ...] = (),
         candidates: Optional[CandidateList] = None,
     ) -> None:
         self.request = request
-        self.source = source
         self.candidates = candidates
         self.remarks = (*sentences_of(image, NOTES), *remarks)
         self.permittivity = float(image.attrs["permittivity"])
@@ -100,28 +84,17 @@ class LiveImage:
         # Those that were asked for last: a cursor that moves needs the same again.
         self._levels: Optional[Tuple[Tuple[int, float], np.ndarray]] = None
         self._largest = self.magnitude.max(axis=(2, 3))
-        self.range = tuple(
-            float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest")
-        ) if "permittivity_lowest" in image.attrs else None  # fmt: skip
-
-    @property
-    def caption(self) -> Message:
-        """Method and permittivity of the image, and where the permittivity came from."""
-        if self.range is not None:
-            return Message(
-                "{method}, permittivity {permittivity:.3g} ({lowest:.3g} to {highest:.3g}), "
-                "{source}",
-                method=self.method,
-                permittivity=self.permittivity,
-                source=self.source.message,
-                lowest=self.range[0],
-                highest=self.range[1],
-            )
-        return Message(
-            "{method}, permittivity {permittivity:.3g}, {source}",
+        known = Source(image.attrs.get("permittivity_source", Source.GIVEN.value))
+        is_set = request.permittivity is not None
+        self.source = SLIDER if is_set else known.value
+        lowest, highest = permittivity_range(image)
+        self.caption = Message(
+            "{method}, permittivity {permittivity:.3g} ({lowest:.3g} to {highest:.3g}), {source}",
             method=self.method,
             permittivity=self.permittivity,
-            source=self.source.message,
+            source=Message("set with the slider") if is_set else known.message,
+            lowest=lowest,
+            highest=highest,
         )
 
     def gain_db(self, db_per_ns: float) -> np.ndarray:

@@ -39,7 +39,7 @@ class Pick:
         depth_m: Depth below the surface [m], as the permittivity gives it.
         polarization_deg: Rotation of the antennas [deg]; None: a combination of several.
         permittivity: Relative permittivity with which the depth was read.
-        permittivity_source: Where it came from: given, estimated, assumed or slider.
+        permittivity_source: Where it is from: `slider`, or the source of an image's permittivity.
         level_db: Level of the image there, relative to its brightest voxel [dB]; None: unknown.
         note: What the analyst wrote.
         author: Who picked it; may be empty.

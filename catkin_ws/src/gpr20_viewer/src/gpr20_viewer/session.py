@@ -20,7 +20,7 @@ from gpr20_analysis.dataset import (
     require,
     usable,
 )
-from gpr20_analysis.errors import AnalysisError, WrongDatasetError
+from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
@@ -31,16 +31,13 @@ from gpr20_analysis.processing.chain import process_survey, recipe_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_viewer.live_image import ImageRequest, LiveImage, PermittivitySource
+from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.positions import Line, Place, line_of
 
-ASSUMED_PERMITTIVITY = 4.0
 MOST_DEPTHS = 200
 
 FindCandidates = Callable[[xr.Dataset], CandidateList]
 Loop = Callable[..., Iterable]
-Remarks = List[Message]
-Computed = Tuple[xr.Dataset, PermittivitySource, Remarks]
 
 
 class ViewSession:
@@ -77,10 +74,8 @@ class ViewSession:
         self.options = self._suitable(options)
         traces_of(self.survey, self.options)
         self._data: Dict[bool, xr.Dataset] = {False: self.survey}
-        # Only `compute` uses these, in one thread: the last image, and value, lowest and highest of
-        # the estimate.
-        self._last: Optional[Tuple[ImageRequest, xr.Dataset, PermittivitySource, Remarks]] = None
-        self._estimate: Optional[Tuple[float, ...]] = None
+        # Only `compute` uses it, in one thread: the last image.
+        self._last: Optional[Tuple[ImageRequest, xr.Dataset]] = None
         self._usable = usable(self.survey).transpose(*SAMPLE_DIMS).values
 
     @property
@@ -105,10 +100,8 @@ class ViewSession:
 
         The background is subtracted unless earlier steps were chosen.
         """
-        given = self.options.permittivity
         return ImageRequest(
-            given,
-            PermittivitySource.ESTIMATED if given is None else PermittivitySource.GIVEN,
+            None,
             background=not recipe_of(self.survey),
             deepest_m=float(self.options.depth_m[-1]),
         )
@@ -143,49 +136,21 @@ class ViewSession:
     def compute(self, request: ImageRequest, loop: Loop) -> LiveImage:
         """Return the image of a request.
 
-        If the permittivity is to be estimated and the data do not determine it, the image is made
-        with an assumed one and says so.
-
         Raises:
             AnalysisError: The image cannot be made.
         """
         plain = dataclasses.replace(request, candidates=False)
         if self._last is None or self._last[0] != plain:
-            self._last = (plain, *self._computed(plain, loop))
-        _request, image, source, remarks = self._last
+            survey = self.data(request.background)
+            self._last = (plain, image_survey(survey, self._options(request), loop))
+        _request, image = self._last
         found = None
         if request.candidates and self.find_candidates is not None:
             found = self.find_candidates(image)
         added = sentences_of(image, NOTES)[
             len(sentences_of(self.data(request.background), NOTES)) :
         ]
-        return LiveImage(request, image.assign_attrs(notes=[]), source, (*added, *remarks), found)
-
-    def _computed(self, request: ImageRequest, loop: Loop) -> Computed:
-        survey = self.data(request.background)
-        try:
-            image = image_survey(survey, self._options(request, request.permittivity), loop)
-        except AnalysisError as error:
-            if request.permittivity is not None:
-                raise
-            image = image_survey(survey, self._options(request, ASSUMED_PERMITTIVITY), loop)
-            remark = Message(
-                "the permittivity cannot be estimated ({reason}); {permittivity:g} is ASSUMED, so "
-                "depths are uncertain: set it with the slider",
-                reason=error.message,
-                permittivity=ASSUMED_PERMITTIVITY,
-            )
-            return image, PermittivitySource.ASSUMED, [remark]
-        return self._with_range(image, request.source), request.source, []
-
-    def _with_range(self, image: xr.Dataset, source: PermittivitySource) -> xr.Dataset:
-        # The estimate is kept with other settings, and so is what is said about it.
-        value, names = image.attrs["permittivity"], ("permittivity_lowest", "permittivity_highest")
-        if names[0] in image.attrs:
-            self._estimate = (value, *(image.attrs[name] for name in names))
-        elif source is PermittivitySource.ESTIMATED and self._estimate is not None:
-            return image.assign_attrs(dict(zip(names, self._estimate[1:])))
-        return image
+        return LiveImage(request, image.assign_attrs(notes=[]), tuple(added), found)
 
     def line(self, turn: int, along: str, at_m: float) -> Line:
         """Return the line of a polarization that is nearest to a position."""
@@ -200,12 +165,17 @@ class ViewSession:
             line = dataclasses.replace(line, height_m=heights_m)
         return line
 
-    def _options(self, request: ImageRequest, permittivity: Optional[float]) -> ImageOptions:
+    def _options(self, request: ImageRequest) -> ImageOptions:
         first_m, second_m = self.options.depth_m[:2]
         step_m = max(second_m - first_m, (request.deepest_m - first_m) / (MOST_DEPTHS - 1))
         count = max(2, int(np.floor((request.deepest_m - first_m) / step_m + 1e-6)) + 1)
         depth_m = tuple(np.round(first_m + step_m * np.arange(count), 9))
-        return dataclasses.replace(self.options, permittivity=permittivity, depth_m=depth_m)
+        options = dataclasses.replace(self.options, depth_m=depth_m)
+        if request.permittivity is None:
+            return options
+        return dataclasses.replace(
+            options, permittivity=request.permittivity, soil=None, buried=None
+        )
 
     def _suitable(self, options: ImageOptions) -> ImageOptions:
         if options.method is not Method.PHASE_SHIFT:

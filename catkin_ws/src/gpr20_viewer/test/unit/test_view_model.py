@@ -9,15 +9,14 @@ import pytest
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-import gpr20_analysis.imaging.image as image_module
 from gpr20_analysis import faults, lazy
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.imaging.permittivity.permittivity_estimate import PermittivityEstimate
 from gpr20_analysis.processing.chain import process_survey
+from gpr20_survey.radar.soils import Soils
 from gpr20_viewer.latest_worker import LatestWorker
-from gpr20_viewer.live_image import ImageRequest, PermittivitySource
+from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.pictures import (
     Picture,
     longest_delay_s,
@@ -111,26 +110,21 @@ def test_a_display_gain_changes_the_picture_and_not_the_level_that_is_read(image
     assert abs(image.level_at_db(0, 0.24, 0.24, 0.083)) < 1.0
 
 
-def test_an_estimate_is_said_to_be_one_with_its_range_and_keeps_it(monkeypatch):
-    found = PermittivityEstimate(4.1, 3.5, 4.9, 3)
-    monkeypatch.setattr(image_module, "estimate_permittivity", lambda *_: found)
+def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
     session = ViewSession(small(), ImageOptions())
     first = session.compute(session.first_request, at_once)
-    assert first.source is PermittivitySource.ESTIMATED
-    assert "ESTIMATED" in str(first.caption) and " to " in str(first.caption)
-    again = ImageRequest(first.permittivity, first.source, False, 0.3)
-    assert " to " in str(session.compute(again, at_once).caption)
-    chosen = ImageRequest(5.0, PermittivitySource.SLIDER, False, 0.3)
-    assert " to " not in str(session.compute(chosen, at_once).caption)
+    assert (first.source, first.permittivity) == ("assumed", 5.0)
+    assert "(2 to 16), ASSUMED" in str(first.caption)
+    chosen = session.compute(ImageRequest(8.0, False, 0.3), at_once)
+    assert (chosen.source, chosen.permittivity) == ("slider", 8.0)
+    assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
 
 
-def test_a_refused_estimate_is_replaced_by_an_assumption_that_says_so():
-    session = ViewSession(small(x_mm=PLACES_MM[:2], y_mm=PLACES_MM[:2]), ImageOptions())
-    image = session.compute(session.first_request, at_once)
-    assert image.source is PermittivitySource.ASSUMED and image.permittivity == 4.0
-    said = " ".join(str(one) for one in image.remarks)
-    assert "cannot be estimated" in said and "slider" in said
-    assert "ASSUMED" in str(image.caption)
+def test_the_slider_replaces_a_chosen_soil():
+    session = ViewSession(small(), ImageOptions(soil=Soils.CLAY))
+    first = session.compute(session.first_request, at_once)
+    assert "(5 to 40), TYPICAL" in str(first.caption)
+    assert session.compute(ImageRequest(8.0, False, 0.3), at_once).permittivity == 8.0
 
 
 @pytest.mark.parametrize("axis", ["x_mm", "y_mm"])

@@ -27,6 +27,7 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar.soils import soil_of
 from gpr20_survey.results.focused_image import FocusedImage
 
 # With fewer lines neither the background nor the clutter can be measured.
@@ -38,7 +39,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
 
     Args:
         survey: Dataset of `load_survey`; samples may be missing.
-        permittivity: Relative permittivity of the ground; None: estimate it.
+        permittivity: Relative permittivity of the ground; None: not known.
 
     Returns:
         The image, at the positions of the survey.
@@ -50,8 +51,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     rows, columns = _measured_part(np.any(present, axis=0))
     # Lines without any trace would count as lines without noise.
     part = survey.isel({Y: rows, X: columns})
-    options = ImageOptions(permittivity=permittivity, leave_out_missing=True)
-    image = image_survey(process_survey(part, *DEFAULT_STEPS), options)
+    image = image_survey(process_survey(part, *DEFAULT_STEPS), field_options(permittivity))
     levels_db = np.full((image.sizes[DEPTH], *present.shape[1:]), np.nan, np.float32)
     levels_db[:, rows, columns] = levels_above_clutter_db(image)
     levels_db[:, ~np.any(present, axis=0)] = np.nan
@@ -63,6 +63,18 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
         depth_mm=MM_PER_M * image[DEPTH].values,
         levels_db=levels_db,
         found=find_candidates(image),
+    )
+
+
+def field_options(permittivity: Optional[float]) -> ImageOptions:
+    """Return the options of an image on the robot, whose window offers soils by their value.
+
+    Args:
+        permittivity: As it was chosen; that of a soil has the range of that soil. None: not known.
+    """
+    soil = None if permittivity is None else soil_of(permittivity)
+    return ImageOptions(
+        permittivity=permittivity if soil is None else None, soil=soil, leave_out_missing=True
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,8 @@ from gpr20_analysis.candidates.false_alarms import STRIP_M, FalseAlarms, surveye
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import ECHO_VALUES
+from gpr20_analysis.imaging.image_output import permittivity_range
+from gpr20_analysis.imaging.permittivity.known_permittivity import depth_shares
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
@@ -45,14 +47,11 @@ class CandidateOptions:
         most: Most candidates to list. All that are neither `DOUBTFUL` nor unrated are listed, even
             if there are more.
         height_uncertainty_m: Standard deviation of the antenna height [m].
-        permittivity_uncertainty: What a permittivity that a person gave may be off, as a share of
-            it; depths contain half of that share. An estimated one has a range of its own.
     """
 
     false_alarms_per_m2: float = 10.0
     most: int = 50
     height_uncertainty_m: float = 0.003
-    permittivity_uncertainty: float = 0.1
 
     def __post_init__(self) -> None:
         """Check the options.
@@ -69,17 +68,6 @@ class CandidateOptions:
                     density=self.false_alarms_per_m2,
                     lowest=1e-3,
                     highest=1e3,
-                ),
-                fault=faults.OPTION,
-            )
-        if not 0.01 <= self.permittivity_uncertainty <= 0.9:
-            raise WrongDatasetError(
-                Message(
-                    "the uncertainty of the permittivity is {share:g} of it; it must lie between "
-                    "{lowest:g} and {highest:g}: nothing is known exactly",
-                    share=self.permittivity_uncertainty,
-                    lowest=0.01,
-                    highest=0.9,
                 ),
                 fault=faults.OPTION,
             )
@@ -142,7 +130,7 @@ def find_candidates(
         simulated=bool(image.attrs.get("simulated", False)),
         method=str(image.attrs["method"]),
         permittivity=float(image.attrs["permittivity"]),
-        permittivity_range=_permittivity_range(image, options),
+        permittivity_range=permittivity_range(image),
         area_m2=area_m2,
         false_alarms_per_m2=alarms.per_m2(lowest_db),
         false_alarms_range=alarms.range_per_m2(lowest_db),
@@ -241,10 +229,7 @@ def _candidate(
     depth_m, y_m, x_m = (float(one) for one in echoes.place_m[place.body])
     above_db = float(echoes.above_db[place.members[0]])
     permittivity = float(image.attrs["permittivity"])
-    lowest, highest = _permittivity_range(image, options)
-    of_permittivity_m = depth_m * max(
-        math.sqrt(permittivity / lowest) - 1.0, 1.0 - math.sqrt(permittivity / highest)
-    )
+    of_permittivity_m = depth_m * depth_shares(permittivity, *permittivity_range(image))[0]
     of_height_m = options.height_uncertainty_m / math.sqrt(permittivity)
     # The surface above a body may be as much higher or lower as the heights differ.
     of_relief_m = float(image.attrs.get("relief_m", 0.0))
@@ -329,10 +314,3 @@ def _beside_stronger(place_m: np.ndarray, level_db: np.ndarray) -> np.ndarray:
 
 def _step_m(axis_m: np.ndarray) -> float:
     return float(np.ptp(axis_m)) / (len(axis_m) - 1) if len(axis_m) > 1 else 0.0
-
-
-def _permittivity_range(image: xr.Dataset, options: CandidateOptions) -> Tuple[float, float]:
-    value, share = float(image.attrs["permittivity"]), options.permittivity_uncertainty
-    lowest = float(image.attrs.get("permittivity_lowest", value * (1.0 - share)))
-    highest = float(image.attrs.get("permittivity_highest", value * (1.0 + share)))
-    return max(lowest, 1.0), highest

@@ -45,7 +45,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Find, print and write the candidates; return the exit status."""
     options = image_command.options_of(chosen)
     listed = image_command.candidate_options_of(chosen)
-    steps = inputs.steps_of(chosen)
+    steps = image_command.steps_of(chosen)
     for path in chosen.output:
         check_candidates_path(path)
     written = [Output(one) for path in chosen.output for one in output_paths(path)]

@@ -41,6 +41,7 @@ SUMMARIES: Dict[str, str] = {
     "image": "image the ground below a survey and list the candidates in it",
     "candidates": "list the candidates in the ground below a survey, and write them to files",
     "delay": "fit the delay of cables and antennas to the surface echo",
+    "antenna": "fit the model of the antennas to surveys of a metal plate",
     "plot": "draw a survey, its A-scans or an image",
     "annotate": "set operator, site, notes and position of a survey",
     "markers": "list the markers that people set in a survey, and write them to files",

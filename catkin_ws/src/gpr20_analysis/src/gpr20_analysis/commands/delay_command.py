@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from gpr20_analysis import faults
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.dataset import MM_PER_M
@@ -39,9 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Fit the delay, print it and return the exit status."""
-    _check("--separation", chosen.separation, 0.0, 2.0)
+    inputs.check_range("--separation", chosen.separation, 0.0, 2.0)
     if chosen.height is not None:
-        _check("--height", chosen.height, 0.001, 10.0)
+        inputs.check_range("--height", chosen.height, 0.001, 10.0)
     survey = inputs.load(chosen, catalogue)
     steps = [one["step"] for one in recipe_of(survey)]
     if steps:
@@ -76,21 +75,6 @@ def _separated(fit: SurfaceFit) -> Message:
         "the heights do not separate surface and coupling; the last strong echo of all traces is "
         "taken for the surface"
     )
-
-
-def _check(name: str, value_m: float, lower_m: float, upper_m: float) -> None:
-    # Written so that NaN is refused too.
-    if not lower_m <= value_m <= upper_m:
-        raise WrongDatasetError(
-            Message(
-                "{name} is {value}; it must lie between {lower} and {upper}",
-                name=name,
-                value=f"{value_m:g} m",
-                lower=f"{lower_m:g}",
-                upper=f"{upper_m:g} m",
-            ),
-            fault=faults.OPTION,
-        )
 
 
 COMMAND = Command(

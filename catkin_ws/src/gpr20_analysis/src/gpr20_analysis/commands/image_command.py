@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from gpr20_analysis.candidates.table import candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
-from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, is_line
+from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, PROCESSING, is_line
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
@@ -31,20 +31,24 @@ from gpr20_analysis.imaging.image_output import (
     write_volume,
 )
 from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
+from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
+from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTAINTY
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.chain import PROCESSING, recipe_of
+from gpr20_analysis.processing.chain import Step, checked, recipe_of
 from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar.soils import ANY_SOIL, Soils
 from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
 
 MOST_DEPTHS = 5000
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
+SOILS = {one.name.lower().replace("_", "-"): one for one in Soils}
 OWN_ENDINGS = (NETCDF, ZARR, VTK)
 
 
@@ -76,10 +80,6 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
     add("--false-alarms", type=float, default=standard.false_alarms_per_m2, metavar="N",
         help="how many echoes of the ground's own clutter per m2 may be as strong as a candidate; "
         f"default {standard.false_alarms_per_m2:g}")  # fmt: skip
-    add("--permittivity-uncertainty", type=float, metavar="SHARE",
-        default=standard.permittivity_uncertainty,
-        help="what a given permittivity may be off, as a share of it, for the uncertainty of "
-        f"depths; default {standard.permittivity_uncertainty:g}")  # fmt: skip
     add("--most", type=int, metavar="N",
         help=f"longest list, in files too; default {standard.most}, of which at most "
         f"{MOST_DOUBTFUL} doubtful ones are printed")  # fmt: skip
@@ -92,17 +92,27 @@ def candidate_options_of(chosen: argparse.Namespace) -> CandidateOptions:
         WrongDatasetError: An argument is not allowed.
     """
     most = CandidateOptions().most if chosen.most is None else chosen.most
-    return CandidateOptions(
-        chosen.false_alarms, most, permittivity_uncertainty=chosen.permittivity_uncertainty
-    )
+    return CandidateOptions(chosen.false_alarms, most)
 
 
 def add_image_options(parser: argparse.ArgumentParser) -> None:
     """Declare how an image is made."""
     add = parser.add_argument
     add("--method", choices=METHODS.names(), default=Method.PHASE_SHIFT.name)
+    add("--antenna", type=Path, metavar="MODEL",
+        help="model of the antennas, by gpr20 antenna, which is removed first of all; the "
+        "reflection of the surface then tells the permittivity")  # fmt: skip
     add("--permittivity", type=float,
-        help="relative permittivity; estimated from echoes if not given")  # fmt: skip
+        help="relative permittivity; without this, --soil and --buried it is that of the surface "
+        f"(--antenna), else that of any soil is assumed ({ANY_SOIL.lowest:g} to "
+        f"{ANY_SOIL.highest:g})")  # fmt: skip
+    add("--permittivity-uncertainty", type=float, metavar="SHARE", default=GIVEN_UNCERTAINTY,
+        help="what a given permittivity may be off, as a share of it, for the uncertainty of "
+        f"depths; default {GIVEN_UNCERTAINTY:g}")  # fmt: skip
+    add("--soil", choices=list(SOILS), help="kind of soil, with its usual range of permittivity")
+    add("--buried", type=float, nargs=3, metavar=("X_MM", "Y_MM", "DEPTH_MM"),
+        help="buried metal object: its place and the depth of its top, which tell the "
+        "permittivity")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
         metavar=("FIRST", "LAST", "STEP"),
         help="depths of the image [m]; default 0 0.3 0.003")  # fmt: skip
@@ -121,8 +131,7 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="weights over the band; a method of another package may have its own")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
-        help="distance between the antennas; used by back-projection and by the estimate of the "
-        "permittivity")  # fmt: skip
+        help="distance between the antennas; used by back-projection and --buried")  # fmt: skip
     add("--grid-step", type=float, metavar="MM",
         help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],
@@ -137,7 +146,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Make the image and return the exit status."""
     options = options_of(chosen)
     listed = candidate_options_of(chosen)
-    steps = inputs.steps_of(chosen)
+    steps = steps_of(chosen)
     outputs.check(_outputs(chosen), inputs.inputs_of(chosen, steps), chosen.overwrite)
     image, status = image_of(chosen, options, catalogue)
     found = find_candidates(image, listed)
@@ -156,11 +165,21 @@ def image_of(
     """
     survey = inputs.load(chosen, catalogue)
     default = () if recipe_of(survey) else options.method.default_steps
-    steps = inputs.steps_of(chosen, default)
+    steps = steps_of(chosen, default)
     processed, status = inputs.process(survey, steps, catalogue)
     outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
     progress = inputs.progress_bar(catalogue.tr("imaging"))
     return image_survey(processed, options, progress), status
+
+
+def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[Step]:
+    """Return the step that removes the antennas, if they are given, and the other steps.
+
+    Raises:
+        RecipeError: A step is malformed.
+    """
+    first = [checked("antenna", {"model": str(chosen.antenna)})] if chosen.antenna else []
+    return [*first, *inputs.steps_of(chosen, default)]
 
 
 def options_of(chosen: argparse.Namespace) -> ImageOptions:
@@ -188,6 +207,11 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
     return ImageOptions(
         method=imaging_method(chosen.method),
         permittivity=chosen.permittivity,
+        permittivity_uncertainty=chosen.permittivity_uncertainty,
+        soil=SOILS[chosen.soil] if chosen.soil else None,
+        buried=BuriedReference(*(one / MM_PER_M for one in chosen.buried))
+        if chosen.buried
+        else None,
         depth_m=tuple(first + step * np.arange(int(count))),
         height_m=chosen.height,
         leave_out_missing=chosen.leave_out_missing,
@@ -285,8 +309,7 @@ def print_candidates(
 ) -> None:
     """Print the notes on an image, its permittivity and the table of candidates."""
     notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
-    estimated = [permittivity_line(image)] if "permittivity_lowest" in image.attrs else []
-    for line in [*notes, *estimated]:
+    for line in [*notes, permittivity_line(image)]:
         say(shown(line, catalogue))
     # Who asks for a number gets all of the list.
     most_doubtful = MOST_DOUBTFUL if chosen.most is None else None

@@ -11,8 +11,9 @@ from typing import Any, Iterable, List, Optional, Sequence, Tuple
 import xarray as xr
 from tqdm import tqdm
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
-from gpr20_analysis.errors import RecipeError
+from gpr20_analysis.errors import RecipeError, WrongDatasetError
 from gpr20_analysis.processing.chain import (
     Step,
     apply_steps,
@@ -145,6 +146,26 @@ def process(
     for step in progress_bar(catalogue.tr("processing"))(steps, len(steps)):
         survey = apply_steps(survey, [step], read)
     return survey, max(statuses)
+
+
+def check_range(name: str, value_m: float, lower_m: float, upper_m: float) -> None:
+    """Check the range of a length that was given [m].
+
+    Raises:
+        WrongDatasetError: It is NaN or outside the range.
+    """
+    # Written so that NaN is refused too.
+    if not lower_m <= value_m <= upper_m:
+        raise WrongDatasetError(
+            Message(
+                "{name} is {value}; it must lie between {lower} and {upper}",
+                name=name,
+                value=f"{value_m:g} m",
+                lower=f"{lower_m:g}",
+                upper=f"{upper_m:g} m",
+            ),
+            fault=faults.OPTION,
+        )
 
 
 def require_steps(steps: Sequence[Step]) -> None:

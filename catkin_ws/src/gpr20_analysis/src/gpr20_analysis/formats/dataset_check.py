@@ -18,6 +18,7 @@ VALUES: Dict[str, Tuple[str, ...]] = {
     dataset.S21: dataset.S21_DIMS,
     dataset.A_SCAN: (*dataset.SAMPLE_DIMS, dataset.DELAY),
     dataset.IMAGE: (dataset.POLARIZATION, dataset.DEPTH, dataset.Y, dataset.X),
+    dataset.ANTENNA: dataset.ANTENNA_DIMS,
 }
 """The variables that a Dataset may have, and their dimensions."""
 ASCENDING = (dataset.Y, dataset.X, dataset.FREQUENCY, dataset.DELAY, dataset.DEPTH)
@@ -63,12 +64,13 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
                 fault=FILE_CONTENT,
             )
         _check_axes(data, one, name)
-    if dataset.IMAGE in held and not bool(np.isfinite(data[dataset.IMAGE]).all()):
+    whole = [one for one in held if one in (dataset.IMAGE, dataset.ANTENNA)]
+    if not all(bool(np.isfinite(data[one]).all()) for one in whole):
         raise DamagedSurveyError(
-            Message("{file} is damaged: its image contains NaN or infinite values", file=name),
+            Message("{file} is damaged: it contains NaN or infinite values", file=name),
             fault=FILE_DAMAGED,
         )
-    sampled = [one for one in held if one != dataset.IMAGE]
+    sampled = [one for one in held if one not in whole]
     for one in sampled:
         data = _check_samples(data, one, name, accept_damaged)
     return data

@@ -28,10 +28,7 @@ from gpr20_analysis.imaging.image_grid import image_axes
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.methods import Method, Positions
-from gpr20_analysis.imaging.permittivity.permittivity_estimate import (
-    PermittivityEstimate,
-    estimate_permittivity,
-)
+from gpr20_analysis.imaging.permittivity.permittivity_source import permittivity_of
 from gpr20_analysis.imaging.point_echoes import PointEchoes
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
@@ -81,20 +78,18 @@ def image_survey(
     x, y = image_axes(survey, options)
     traces, notes = traces_of(survey, options)
     focus = Focus(
-        permittivity=options.permittivity or 4.0,
+        permittivity=1.0,
         depth_m=np.asarray(options.depth_m, dtype=np.float64),
         window=options.window,
         widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
         ground=options.ground or Ground.LEVEL,
     )
-    attributes: Dict[str, object] = {"permittivity_source": "given"}
     heights_m = float(np.mean([np.mean(one.height_m) for one in traces]))
-    if options.permittivity is None:
-        estimate = estimate_permittivity(traces, focus)
-        focus = replace(focus, permittivity=estimate.permittivity)
-        attributes = _estimate_attributes(estimate)
-        notes = [*notes, *estimate.notes]
+    known = permittivity_of(survey, traces, focus, options)
+    focus = replace(focus, permittivity=known.permittivity)
+    attributes = known.attributes()
+    notes = [*notes, *known.notes]
     if options.method.own_window is not None:
         focus = replace(focus, window=options.method.own_window)
     notes = [
@@ -230,15 +225,6 @@ def depth_resolution_m(sweep: FrequencyGrid, permittivity: float) -> float:
     """Return the -3 dB width of an echo along depth with the default window [m]."""
     band_hz = sweep.step_hz * (sweep.count - 1)
     return RESOLUTION * float(one_way_path_m(1.0 / band_hz, permittivity))
-
-
-def _estimate_attributes(estimate: PermittivityEstimate) -> Dict[str, object]:
-    return {
-        "permittivity_source": "estimated from echoes",
-        "permittivity_lowest": estimate.lowest,
-        "permittivity_highest": estimate.highest,
-        "depth_uncertainty": estimate.depth_uncertainty,
-    }
 
 
 def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, object]:

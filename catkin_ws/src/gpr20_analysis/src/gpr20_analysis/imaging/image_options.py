@@ -11,11 +11,13 @@ from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
+from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTAINTY
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_delay import check_delay
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
 
 @dataclass(frozen=True)
@@ -24,20 +26,25 @@ class ImageOptions:
 
     Attributes:
         method: How the image is computed.
-        permittivity: Relative permittivity of the soil; None: estimate it from echoes.
+        permittivity: Relative permittivity of the soil that a person gave.
         depth_m: Depths [m], ascending.
         height_m: One antenna height for all traces instead of the recorded ones [m].
         leave_out_missing: Make the image without the missing samples, instead of refusing.
         window: Weights over the band.
         widest_angle_deg: Widest angle to the vertical in air.
-        separation_m: Distance between the antennas [m]; used by back-projection and by the estimate
-            of the permittivity.
+        separation_m: Distance between the antennas [m]; used by back-projection and with a
+            buried reference.
         ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
             level, but the other methods refuse heights that differ much.
         delay_s: Delay of cables and antennas to remove [s]; None: the one that the survey
             records, else none.
         grid_step_m: Step of the image along X and Y, or slightly less so that the first and last
             position are those of the survey [m]; None: the survey's own positions.
+        permittivity_uncertainty: What the given permittivity may be off, as a share of it.
+        soil: Kind of soil that a person chose.
+        buried: A reference that was buried at a known depth. Of permittivity, soil and reference
+            one may be given. Without any, the reflection of the surface tells the permittivity of
+            data after the step `antenna`, else echoes.
     """
 
     method: Method = Method.PHASE_SHIFT
@@ -51,6 +58,9 @@ class ImageOptions:
     ground: Optional[Ground] = None
     delay_s: Optional[float] = None
     grid_step_m: Optional[float] = None
+    permittivity_uncertainty: float = GIVEN_UNCERTAINTY
+    soil: Optional[Soils] = None
+    buried: Optional[BuriedReference] = None
 
     def __post_init__(self) -> None:
         """Check the options.
@@ -73,6 +83,17 @@ class ImageOptions:
             MIN_PERMITTIVITY,
             LARGEST_PERMITTIVITY,
         )
+        _check(
+            Message("the uncertainty of the permittivity"), self.permittivity_uncertainty, 0.01, 0.9
+        )
+        if [self.permittivity, self.soil, self.buried].count(None) < 2:
+            raise WrongDatasetError(
+                Message(
+                    "the permittivity is given more than once; use one of --permittivity, --soil "
+                    "and --buried"
+                ),
+                fault=faults.OPTION,
+            )
         _check(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
         _check(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
         _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import MappingProxyType
-from typing import Dict, Mapping
+from typing import Dict, Mapping, Tuple
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,11 @@ from gpr20_analysis.errors import (
     wrong_ending,
 )
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
+from gpr20_analysis.imaging.permittivity.known_permittivity import (
+    GIVEN_UNCERTAINTY,
+    Source,
+    depth_shares,
+)
 from gpr20_common.message import Message
 
 
@@ -44,7 +49,7 @@ def rotation_word(rotation_deg: float) -> str:
 
 
 def permittivity_line(image: xr.Dataset) -> Message:
-    """Return the permittivity of an image and, if it was estimated, the uncertainty of depths.
+    """Return the permittivity of an image, where it is from, and the uncertainty of depths.
 
     Args:
         image: Dataset with `image`.
@@ -53,19 +58,26 @@ def permittivity_line(image: xr.Dataset) -> Message:
         The sentence.
     """
     value = float(image.attrs["permittivity"])
-    if "permittivity_lowest" not in image.attrs:
-        return Message("relative permittivity {permittivity:.3g}, as given", permittivity=value)
-    lowest, highest = (float(image.attrs[f"permittivity_{end}"]) for end in ("lowest", "highest"))
-    deeper, shallower = (100.0 * (np.sqrt(value / one) - 1.0) for one in (lowest, highest))
+    lowest, highest = permittivity_range(image)
+    _, deeper, shallower = depth_shares(value, lowest, highest)
     return Message(
-        "relative permittivity {permittivity:.3g}, ESTIMATED from echoes; 95 % range {lowest:.3g} "
-        "to {highest:.3g}, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
+        "relative permittivity {permittivity:.3g}, {source}; {lowest:.3g} to {highest:.3g} is "
+        "likely, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
         permittivity=value,
+        source=Source(image.attrs.get("permittivity_source", Source.GIVEN.value)).message,
         lowest=lowest,
         highest=highest,
-        shallower=shallower,
-        deeper=deeper,
+        shallower=-100.0 * shallower,
+        deeper=100.0 * deeper,
     )
+
+
+def permittivity_range(image: xr.Dataset) -> Tuple[float, float]:
+    """Return the lowest and highest likely permittivity of an image, also of other programs."""
+    value = float(image.attrs["permittivity"])
+    lowest = float(image.attrs.get("permittivity_lowest", value * (1.0 - GIVEN_UNCERTAINTY)))
+    highest = float(image.attrs.get("permittivity_highest", value * (1.0 + GIVEN_UNCERTAINTY)))
+    return max(lowest, 1.0), highest
 
 
 SUFFIX = ".vtr"

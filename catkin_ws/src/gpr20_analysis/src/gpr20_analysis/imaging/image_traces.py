@@ -145,12 +145,11 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
             )
     notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
     of_surface = surface_notes(survey, options, delay_s)
-    if of_surface and options.permittivity is None:
+    if of_surface and options.buried is not None:
         raise WrongDatasetError(
             Message(
-                "{note}; with that the permittivity cannot be estimated either: give the delay "
-                "with --delay, the distance of the antennas with --separation, or the "
-                "permittivity with --permittivity",
+                "{note}; with that a buried reference tells a wrong permittivity: give the delay "
+                "with --delay, or the distance of the antennas with --separation",
                 note=of_surface[0],
             ),
             fault=faults.NO_SURFACE_ECHO,

@@ -13,8 +13,7 @@ import numpy as np
 
 from gpr20_analysis.imaging.a_scans import gated_sweep
 from gpr20_analysis.imaging.one_height import unit_phasor
-from gpr20_analysis.imaging.permittivity.wavefront import antenna_offset_m
-from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m
 from gpr20_survey.radar.refraction import one_way_delay_s
 
 # Traces that amplitudes are fitted to, evenly taken from all.

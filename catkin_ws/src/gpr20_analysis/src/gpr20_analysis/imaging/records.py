@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Tuple
 
 import numpy as np
 
@@ -62,3 +63,12 @@ class Focus:
     widest_angle_deg: float = 70.0
     separation_m: float = 0.0
     ground: Ground = Ground.LEVEL
+
+
+def antenna_offset_m(traces: Traces, focus: Focus) -> Tuple[float, float]:
+    """Return the vector (x, y) from the middle of the two antennas to one of them [m]."""
+    half_m, rotation_rad = focus.separation_m / 2.0, np.radians(traces.rotation_deg)
+    # A combination of polarizations has no rotation.
+    if half_m == 0.0 or not np.isfinite(rotation_rad):
+        return 0.0, 0.0
+    return float(half_m * np.cos(rotation_rad)), float(half_m * np.sin(rotation_rad))

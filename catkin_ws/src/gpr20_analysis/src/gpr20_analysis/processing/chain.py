@@ -14,6 +14,7 @@ import xarray as xr
 import yaml
 
 from gpr20_analysis import faults
+from gpr20_analysis.dataset import PROCESSING
 from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.processing.step_functions import StepFunction, StepLibrary
 from gpr20_analysis.processing.surface_echo import with_surface_delay
@@ -25,8 +26,6 @@ Reader = Callable[[str], xr.Dataset]
 
 ORIGIN = "origin"
 """Key of a step in a recipe: where its function comes from, if not from this package."""
-PROCESSING = "processing"
-"""Attribute: the steps by which a Dataset was made, as JSON; a recipe."""
 
 
 @dataclass(frozen=True)

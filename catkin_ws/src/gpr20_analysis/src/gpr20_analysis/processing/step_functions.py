@@ -21,6 +21,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import AnalysisError, RecipeError
+from gpr20_analysis.processing.antenna_step import without_antenna
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
 from gpr20_analysis.processing.display import apply_gain, envelope
@@ -38,6 +39,7 @@ SUM_DIGITS = 16
 PARAMETER_TYPES = "int, float, str, an Enum or xarray.Dataset"
 
 FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
+    "antenna": without_antenna,
     "coupling": subtract_coupling,
     "background": remove_background,
     "rpca": remove_low_rank,

@@ -82,7 +82,7 @@ def fit_delay(
         )
     sweep = FrequencyGrid.of(survey)
     rows, columns = (
-        _spread(survey.sizes[axis], most) for axis, most in ((Y, MOST_ROWS), (X, MOST_COLUMNS))
+        spread(survey.sizes[axis], most) for axis, most in ((Y, MOST_ROWS), (X, MOST_COLUMNS))
     )
     chosen = survey.isel({Y: rows, X: columns})
     heights_m = require(chosen, HEIGHT, SAMPLE_DIMS).values
@@ -161,6 +161,6 @@ def _path_m(height_m: np.ndarray, separation_m: float) -> np.ndarray:
     return np.hypot(2.0 * height_m, separation_m)
 
 
-def _spread(count: int, most: int) -> np.ndarray:
+def spread(count: int, most: int) -> np.ndarray:
     """Return evenly spread indices, all of them if there are no more than `most`."""
     return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(int))

@@ -205,7 +205,6 @@ def test_wrong_options_are_refused():
         {"false_alarms_per_m2": float("nan")},
         {"false_alarms_per_m2": 0.0},
         {"most": 0},
-        {"permittivity_uncertainty": 0.0},
     ):
         with pytest.raises(WrongDatasetError):
             CandidateOptions(**wrong)

@@ -13,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.constants import speed_of_light
 
-from gpr20_analysis.imaging.permittivity.wavefront import Stops, wavefront
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.refraction import refracted_path
@@ -58,20 +57,12 @@ def test_a_sphere_of_a_random_scene_is_where_the_analysis_expects_its_echo(
     )
     here = AntennaPosition(x_mm, y_mm, rotation_deg)
     simulated_s = Ground(scene).echoes(here).delay_s[2]
-    turn, half_m = math.radians(rotation_deg), separation_m / 2.0
-    stops = Stops(
-        np.array([x_mm / 1e3]),
-        np.array([y_mm / 1e3]),
-        np.array([height_m]),
-        (half_m * math.cos(turn), half_m * math.sin(turn)),
-    )
-    place_m = (target_x_mm / 1e3, target_y_mm / 1e3)
-    optical_m = depth_m * math.sqrt(permittivity)
-    expected_s = wavefront(stops, place_m, optical_m, permittivity, radius_m).delay_s[0]
-    if separation_m == 0.0:
-        assert simulated_s == pytest.approx(expected_s, rel=1e-9)
-    else:
-        # The simulator reflects on the ways to the centre, the analysis where both angles are
-        # equal: a little later for a sphere, the same for a point.
-        assert (expected_s - simulated_s) / expected_s >= -1e-6
-        assert expected_s - simulated_s <= 2.0 * radius_m * math.sqrt(permittivity) / speed_of_light
+    turn, index = math.radians(rotation_deg), math.sqrt(permittivity)
+    expected_s = -2.0 * radius_m * index / speed_of_light
+    for side in (0.5, -0.5):
+        away_m = math.hypot(
+            x_mm / 1e3 + side * separation_m * math.cos(turn) - target_x_mm / 1e3,
+            y_mm / 1e3 + side * separation_m * math.sin(turn) - target_y_mm / 1e3,
+        )
+        expected_s += one_way_delay_s(height_m, depth_m + radius_m, away_m, permittivity)
+    assert simulated_s == pytest.approx(float(expected_s), rel=1e-6)

@@ -19,6 +19,7 @@ from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
 from gpr20_analysis.processing.surface_echo import fit_delay
@@ -61,12 +62,14 @@ def test_a_delay_is_fitted_noted_and_corrected():
     assert json.loads(seen.attrs["imaging"])["delay_s"] == fit.delay_s
 
 
-def test_the_permittivity_is_not_estimated_while_the_surface_is_not_where_it_should_be():
+def test_a_buried_reference_is_refused_while_the_surface_is_not_where_it_should_be():
+    buried = BuriedReference(0.1, 0.1, 0.1)
     delayed = process_survey(survey(), "background")
     with raises_fault(faults.NO_SURFACE_ECHO, "+45 mm"):
-        image_survey(delayed, ImageOptions())
+        image_survey(delayed, ImageOptions(buried=buried))
+    options = ImageOptions(height_m=0.25, buried=buried)
     with raises_fault(faults.NO_SURFACE_ECHO):
-        image_survey(process_survey(survey(0.0), "background"), ImageOptions(height_m=0.25))
+        image_survey(process_survey(survey(0.0), "background"), options)
 
 
 def test_a_wrong_height_is_noted_beyond_5_mm():

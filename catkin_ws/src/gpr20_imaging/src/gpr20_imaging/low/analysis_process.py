@@ -51,7 +51,7 @@ class AnalysisProcess:
 
         Args:
             folder: The survey's folder.
-            permittivity: Relative permittivity of the ground; None: estimate it.
+            permittivity: Relative permittivity of the ground; None: not known.
             cancellation: Ends the process.
 
         Raises:
@@ -71,7 +71,7 @@ class AnalysisProcess:
 
         Args:
             folder: The survey's folder.
-            permittivity: Relative permittivity of the ground; None: estimate it.
+            permittivity: Relative permittivity of the ground; None: not known.
             language: Code of the language of the remarks.
             cancellation: Ends the process.
 
@@ -98,7 +98,7 @@ class AnalysisProcess:
             what: "report" or "candidates".
             folder: The survey's folder.
             output: The file; its ending says the format.
-            permittivity: Relative permittivity of the ground; None: estimate it.
+            permittivity: Relative permittivity of the ground; None: not known.
             language: Code of the language of reports.
             cancellation: Ends the process.
 

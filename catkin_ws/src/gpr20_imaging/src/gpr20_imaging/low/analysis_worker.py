@@ -48,7 +48,7 @@ class Analysis:
     ) -> None:
         """Write the report on a survey."""
         survey = self._load(folder)
-        options = _options(permittivity)
+        options = gpr20_analysis.field_options(permittivity)
         gpr20_analysis.write_report(survey, folder, output, options, language=language)
 
     def _load(self, folder: Path) -> Any:
@@ -56,13 +56,9 @@ class Analysis:
         return gpr20_analysis.load_survey(folder)
 
 
-def _options(permittivity: Optional[float]) -> Any:
-    return gpr20_analysis.ImageOptions(permittivity=permittivity, leave_out_missing=True)
-
-
 def _candidates(survey: Any, permittivity: Optional[float]) -> CandidateList:
     cleaned = gpr20_analysis.process_survey(survey, STEP)
-    image = gpr20_analysis.image_survey(cleaned, _options(permittivity))
+    image = gpr20_analysis.image_survey(cleaned, gpr20_analysis.field_options(permittivity))
     found: CandidateList = gpr20_analysis.find_candidates(image)
     return found
 

@@ -84,7 +84,7 @@ class Imaging:
         Args:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: estimate it.
+            permittivity: Relative permittivity of the ground; 0: not known.
 
         Raises:
             Gpr20Error: There is no image; the message says why.
@@ -102,7 +102,7 @@ class Imaging:
         Args:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: estimate it.
+            permittivity: Relative permittivity of the ground; 0: not known.
             language: Code of the language of the remarks.
 
         Raises:
@@ -133,7 +133,7 @@ class Imaging:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
             kinds: Values of `ExportKind`.
-            permittivity: Relative permittivity of the ground; 0: estimate it.
+            permittivity: Relative permittivity of the ground; 0: not known.
             language: Code of the language of reports.
             volume: Path of the stick.
 
@@ -209,7 +209,7 @@ def _permittivity(value: float) -> Optional[float]:
         raise ImagingError(
             Message(
                 "the permittivity is {value:g}; it must lie between {lowest:g} and {highest:g}, "
-                "or be 0 to estimate it",
+                "or be 0 if it is not known",
                 value=value,
                 lowest=MIN_PERMITTIVITY,
                 highest=LARGEST_PERMITTIVITY,

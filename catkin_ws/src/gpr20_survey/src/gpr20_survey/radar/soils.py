@@ -4,7 +4,7 @@ The values lie within the ranges at 100 MHz of Davis and Annan, "Ground-penetrat
 high-resolution mapping of soil and rock stratigraphy", Geophysical Prospecting 37 (1989), table 1:
 dry sand 3 to 5, saturated sand 20 to 30, clay 5 to 40. Between dry and saturated the equation of
 Topp, Davis and Annan, "Electromagnetic determination of soil water content", Water Resources
-Research 16 (1980), gives 8 for 16 % water by volume.
+Research 16 (1980), gives 5 for 9 %, 8 for 16 % and 12 for 23 % water by volume.
 """
 
 from __future__ import annotations
@@ -28,19 +28,27 @@ class Soil:
     Args:
         name: What the operator calls it.
         permittivity: Relative permittivity.
+        lowest: Lowest usual value.
+        highest: Highest usual value.
     """
 
     name: Message
     permittivity: float
+    lowest: float
+    highest: float
 
 
 class Soils(enum.Enum):
     """The soils to choose from, in the order of their permittivity but for clay, which is last."""
 
-    DRY_SAND = Soil(Message("Dry sand"), 4.0)
-    MOIST_SAND = Soil(Message("Moist sand"), 8.0)
-    WET_SAND = Soil(Message("Wet sand"), 20.0)
-    CLAY = Soil(Message("Clay"), 15.0)
+    DRY_SAND = Soil(Message("Dry sand"), 4.0, 3.0, 5.0)
+    MOIST_SAND = Soil(Message("Moist sand"), 8.0, 5.0, 12.0)
+    WET_SAND = Soil(Message("Wet sand"), 20.0, 12.0, 30.0)
+    CLAY = Soil(Message("Clay"), 15.0, 5.0, 40.0)
+
+
+ANY_SOIL = Soil(Message("Any soil"), 5.0, 2.0, 16.0)
+"""What is assumed if nothing is known: the soils that surveys for mines have met."""
 
 
 def soil_of(permittivity: float) -> Optional[Soils]:

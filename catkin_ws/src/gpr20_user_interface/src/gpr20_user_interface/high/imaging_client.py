@@ -48,7 +48,7 @@ class ImagingClient(RosEvents):
         self._subscribe_raw("imaging_progress", ImagingProgress, self._on_progress, 20)
 
     def focus(self, survey_id: str, permittivity: float) -> None:
-        """Ask for the focused image of a survey; permittivity 0: estimate it."""
+        """Ask for the focused image of a survey; permittivity 0: not known."""
         self._ask(
             lambda: self._focus.call(
                 FOCUS_TIMEOUT_S, request_id="", survey=survey_id, permittivity=permittivity
@@ -60,7 +60,7 @@ class ImagingClient(RosEvents):
     def find_candidates(
         self, request_id: str, survey: str, permittivity: float, language: str
     ) -> None:
-        """Ask for the candidates of a survey, by its id or folder; permittivity 0: estimate it."""
+        """Ask for the candidates of a survey, by its id or folder; permittivity 0: not known."""
         self._ask(
             lambda: self._find.call(
                 LONG_TIMEOUT_S,

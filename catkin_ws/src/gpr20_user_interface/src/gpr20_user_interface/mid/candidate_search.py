@@ -90,7 +90,7 @@ class CandidateSearch:
         """Start the search.
 
         Args:
-            permittivity: As it was entered and checked; empty: estimate it.
+            permittivity: As it was entered and checked; empty: not known.
             language: Code of the language of the analysis' sentences.
         """
         if not self.can_start or self.survey is None:

@@ -19,7 +19,7 @@ class SearchRequests(CancelRequests, Protocol):
     def find_candidates(
         self, request_id: str, survey: str, permittivity: float, language: str
     ) -> None:
-        """Ask for the candidates of a survey, by its id or folder; permittivity 0: estimate it."""
+        """Ask for the candidates of a survey, by its id or folder; permittivity 0: not known."""
 
 
 class ExportRequests(CancelRequests, Protocol):
@@ -44,7 +44,7 @@ class FocusRequests(Protocol):
     """Focuses images, without waiting; the answers come as events."""
 
     def focus(self, survey_id: str, permittivity: float) -> None:
-        """Ask for the focused image of a survey; permittivity 0: estimate it."""
+        """Ask for the focused image of a survey; permittivity 0: not known."""
 
 
 class ImagingRequests(SearchRequests, ExportRequests, FocusRequests, Protocol):

@@ -1,4 +1,4 @@
-"""A permittivity as it is entered; empty: it is estimated."""
+"""A permittivity as it is entered; empty: it is not known."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 ESTIMATE = 0.0
 """What is sent for an empty entry."""
 PERMITTIVITY_RANGE = Message(
-    "{lowest:g} to {highest:g}; empty: estimate it from the survey",
+    "{lowest:g} to {highest:g}; empty: not known",
     lowest=MIN_PERMITTIVITY,
     highest=LARGEST_PERMITTIVITY,
 )

@@ -128,7 +128,7 @@ class SurveyExport:
         """Start the export.
 
         Args:
-            permittivity: As it was entered and checked; empty: estimate it.
+            permittivity: As it was entered and checked; empty: not known.
             language: Code of the language of reports.
         """
         if not self.can_start or self.survey is None:

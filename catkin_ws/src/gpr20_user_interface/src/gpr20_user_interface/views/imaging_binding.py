@@ -21,7 +21,7 @@ class ImagingBinding(Binding):
         traces: Which survey they show.
         imaging: The imaging node.
         is_seen: Returns whether one of them is looked at.
-        permittivity: Returns that of the ground, as it was chosen; 0: estimate it.
+        permittivity: Returns that of the ground, as it was chosen; 0: not known.
     """
 
     def __init__(

@@ -18,10 +18,8 @@ from PyQt5.QtWidgets import (
 from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import Message
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_viewer.live_image import PermittivitySource
 from gpr20_viewer.views.colours import QUIET, SMALL
 
 
@@ -59,7 +57,7 @@ class CandidatesTable(QWidget):
         layout.addWidget(self.table, 1)
         self.table.itemSelectionChanged.connect(self._selected)
 
-    def show_candidates(self, found: Optional[CandidateList], source: PermittivitySource) -> None:
+    def show_candidates(self, found: Optional[CandidateList]) -> None:
         """Show candidates; None: none were searched.
 
         Args:
@@ -75,20 +73,12 @@ class CandidatesTable(QWidget):
         self.table.clearSelection()
         self.table.resizeColumnsToContents()
         self.table.blockSignals(False)
-        self.notes.setText("\n".join(self._notes(found, source)))
+        self.notes.setText("\n".join(self._notes(found)))
 
-    def _notes(self, found: Optional[CandidateList], source: PermittivitySource) -> List[str]:
+    def _notes(self, found: Optional[CandidateList]) -> List[str]:
         if found is None:
             return [self._catalogue.tr("No search was made for the image that is shown.")]
         messages = [*tail_sentences(found, found.candidates), *found.notes]
-        if source is not PermittivitySource.ESTIMATED:
-            messages.append(
-                Message(
-                    "the permittivity is {source}; the uncertainty of depths does not include its "
-                    "error",
-                    source=source.message,
-                )
-            )
         return [shown(one, self._catalogue) for one in messages]
 
     def _selected(self) -> None:

@@ -25,12 +25,13 @@ from PyQt5.QtWidgets import (
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
+from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Candidate
-from gpr20_viewer.live_image import ImageRequest, LiveImage, PermittivitySource
+from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.picks import Pick
 from gpr20_viewer.positions import Place
 from gpr20_viewer.scene import Scene
-from gpr20_viewer.session import ASSUMED_PERMITTIVITY, ViewSession
+from gpr20_viewer.session import ViewSession
 from gpr20_viewer.views.candidates_table import CandidatesTable
 from gpr20_viewer.views.colour_scale import ColourScale
 from gpr20_viewer.views.controls import Controls
@@ -95,7 +96,7 @@ class MainWindow(QMainWindow):
             first.background,
             RANGE_DB,
         )
-        self.controls.show_permittivity(first.permittivity or ASSUMED_PERMITTIVITY)
+        self.controls.show_permittivity(session.options.permittivity or ANY_SOIL.permittivity)
         self.click_picks = QCheckBox(catalogue.tr("a click picks"))
         self.candidates = CandidatesTable(catalogue)
         self.notes = NotesList(catalogue)
@@ -156,12 +157,9 @@ class MainWindow(QMainWindow):
         self._problem = None
         self.is_computing = image.request != self._last_request
         if self._wanted.permittivity is None and not self.is_computing:
-            # From now on the slider starts at the estimate, or at what was assumed.
-            self._wanted = replace(
-                self._wanted, permittivity=image.permittivity, source=image.source
-            )
+            # The slider starts at what the data told, or at what was assumed.
             self.controls.show_permittivity(image.permittivity)
-        self.candidates.show_candidates(image.candidates, image.source)
+        self.candidates.show_candidates(image.candidates)
         self._search()
         self._refresh_image()
 
@@ -178,14 +176,7 @@ class MainWindow(QMainWindow):
         self._refresh_image()
 
     def _set_permittivity(self, permittivity: float) -> None:
-        self._request(
-            replace(
-                self._wanted,
-                permittivity=permittivity,
-                source=PermittivitySource.SLIDER,
-                candidates=False,
-            )
-        )
+        self._request(replace(self._wanted, permittivity=permittivity, candidates=False))
 
     def _request_again(self) -> None:
         self._request(
@@ -231,14 +222,12 @@ class MainWindow(QMainWindow):
             caption = tr("no image yet")
         else:
             caption = tr("Image: {caption}", caption=image.caption)
-        if self.is_computing and self._wanted.permittivity is None:
-            caption += " · " + tr("computing, the permittivity is being estimated ...")
-        elif self.is_computing and self._last_request.candidates:
+        if self.is_computing and self._last_request.candidates:
             caption += " · " + tr("searching candidates ...")
         elif self.is_computing:
             caption += " · " + tr(
                 "computing for permittivity {permittivity:.3g} ...",
-                permittivity=self._wanted.permittivity,
+                permittivity=self.controls.permittivity,
             )
         if self.controls.display.db_per_ns > 0.0:
             gain = self.controls.display.db_per_ns

@@ -13,7 +13,6 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_viewer.live_image import PermittivitySource
 from gpr20_viewer.picks import Pick, PickEditor, PickRefusedError
 from gpr20_viewer.picks_file import PicksFile
 from gpr20_viewer.positions import Place
@@ -73,13 +72,13 @@ class PickDesk(QObject):
         self,
         place: Place,
         polarization_deg: Optional[float],
-        permittivity: Tuple[float, PermittivitySource],
+        permittivity: Tuple[float, str],
         level_db: Optional[float],
     ) -> None:
         """Pick a place; say so if one is there already."""
         value, source = permittivity
         pick = Pick(
-            "", place.x_m, place.y_m, place.depth_m, polarization_deg, value, source.value,
+            "", place.x_m, place.y_m, place.depth_m, polarization_deg, value, source,
             level_db, "", self._author, self._now(),
         )  # fmt: skip
         try:

@@ -1,1 +1,1 @@
-"""The permittivity of the ground, estimated from the echoes of what is buried."""
+"""The permittivity of the ground, and how it is known."""

@@ -1,0 +1,82 @@
+"""How the permittivity of an image is known."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, Tuple
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_survey.radar.soils import Soil
+
+GIVEN_UNCERTAINTY = 0.1
+"""What a value that a person gave may be off, as a share of it: a good probe, at another place."""
+
+WIDEST_RATIO = 2.25
+"""Of the ends of a measured range: depths are then known to a factor of 1.5."""
+
+
+class Source(enum.Enum):
+    """Where a permittivity is from, the most reliable first; the value is for files."""
+
+    SURFACE = "measured at the surface"
+    BURIED = "measured with a buried reference"
+    GIVEN = "given"
+    SOIL = "typical of the soil"
+    ASSUMED = "assumed"
+
+    @property
+    def message(self) -> Message:
+        """For people."""
+        return _MESSAGES[self]
+
+
+_MESSAGES = {
+    Source.SURFACE: Message("MEASURED at the surface against a metal plate"),
+    Source.BURIED: Message("MEASURED with the buried reference"),
+    Source.GIVEN: Message("as given"),
+    Source.SOIL: Message("TYPICAL of the chosen soil, not measured"),
+    Source.ASSUMED: Message("ASSUMED, as nothing is known of the ground"),
+}
+
+
+@dataclass(frozen=True)
+class KnownPermittivity:
+    """A permittivity and how well it is known.
+
+    Attributes:
+        permittivity: Best value.
+        lowest: Lowest likely value (95 % range).
+        highest: Highest likely value.
+        source: Where it is from.
+        notes: What the range assumes.
+    """
+
+    permittivity: float
+    lowest: float
+    highest: float
+    source: Source
+    notes: Tuple[Message, ...] = ()
+
+    @classmethod
+    def of_soil(cls, soil: Soil, source: Source) -> KnownPermittivity:
+        """Return the usual permittivity of a soil."""
+        return cls(soil.permittivity, soil.lowest, soil.highest, source)
+
+    def attributes(self) -> Dict[str, object]:
+        """Return the attributes of an image."""
+        return {
+            "permittivity_source": self.source.value,
+            "permittivity_lowest": self.lowest,
+            "permittivity_highest": self.highest,
+            "depth_uncertainty": depth_shares(self.permittivity, self.lowest, self.highest)[0],
+        }
+
+
+def depth_shares(permittivity: float, lowest: float, highest: float) -> Tuple[float, float, float]:
+    """Return by what share depths are uncertain at most, may be too small, and too large."""
+    deeper = float(np.sqrt(permittivity / lowest)) - 1.0
+    shallower = 1.0 - float(np.sqrt(permittivity / highest))
+    return max(deeper, shallower), deeper, shallower

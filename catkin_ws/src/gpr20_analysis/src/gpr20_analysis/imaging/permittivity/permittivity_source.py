@@ -1,0 +1,63 @@
+"""The permittivity of an image, from the best source that there is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Optional, Sequence
+
+import xarray as xr
+
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.permittivity.buried_reference import permittivity_of_reference
+from gpr20_analysis.imaging.permittivity.known_permittivity import KnownPermittivity, Source
+from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.antenna_step import ENDS, SURFACE_PERMITTIVITY
+from gpr20_common.message import Message
+from gpr20_survey.radar.soils import ANY_SOIL
+
+
+def permittivity_of(
+    survey: xr.Dataset, traces: Sequence[Traces], focus: Focus, options: ImageOptions
+) -> KnownPermittivity:
+    """Return the permittivity of an image, and how it is known.
+
+    Args:
+        survey: The survey; after the step `antenna` its surface tells a permittivity.
+        traces: Its traces, one item per polarization.
+        focus: Window and antenna separation.
+        options: What a person gave; without anything, and without that of the surface, any soil
+            is assumed.
+
+    Raises:
+        WrongDatasetError: The buried reference does not tell it.
+    """
+    measured = _of_surface(survey)
+    given, share = options.permittivity, options.permittivity_uncertainty
+    if given is not None:
+        lowest = max(given * (1.0 - share), 1.0)
+        known = KnownPermittivity(given, lowest, given * (1.0 + share), Source.GIVEN)
+    elif options.soil is not None:
+        known = KnownPermittivity.of_soil(options.soil.value, Source.SOIL)
+    elif options.buried is not None:
+        known = permittivity_of_reference(traces, focus, options.buried)
+    else:
+        return measured or KnownPermittivity.of_soil(ANY_SOIL, Source.ASSUMED)
+    if measured is None:
+        return known
+    if known.lowest <= measured.highest and measured.lowest <= known.highest:
+        return known
+    contradiction = Message(
+        "the surface reflects like soil of permittivity {lowest:.3g} to {highest:.3g}, but the "
+        "image is made with {used:.3g}",
+        lowest=measured.lowest,
+        highest=measured.highest,
+        used=known.permittivity,
+    )
+    return replace(known, notes=(contradiction,))
+
+
+def _of_surface(survey: xr.Dataset) -> Optional[KnownPermittivity]:
+    if SURFACE_PERMITTIVITY not in survey.attrs:
+        return None
+    lowest, best, highest = (float(survey.attrs[SURFACE_PERMITTIVITY + end]) for end in ENDS)
+    return KnownPermittivity(best, lowest, highest, Source.SURFACE)

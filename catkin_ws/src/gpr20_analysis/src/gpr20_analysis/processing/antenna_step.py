@@ -1,0 +1,248 @@
+"""The antennas of a robot: their model from surveys of a metal plate, and the step without it."""
+
+from __future__ import annotations
+
+import json
+from typing import Sequence
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis import faults, lazy
+from gpr20_analysis.dataset import (
+    ANTENNA,
+    ANTENNA_DIMS,
+    FREQUENCY,
+    MM_PER_M,
+    POLARIZATION,
+    PROCESSING,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    TERM,
+    X,
+    Y,
+    require,
+    usable,
+)
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.processing.antenna_delay import REMOVED
+from gpr20_analysis.processing.antenna_model import FEWEST_HEIGHTS, AntennaModel, fit_antenna
+from gpr20_analysis.processing.delay import known_height
+from gpr20_analysis.processing.surface_echo import (
+    MOST_COLUMNS,
+    MOST_ROWS,
+    SURFACE_DELAY,
+    spread,
+)
+from gpr20_analysis.processing.surface_reflection import surface_permittivity
+from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.processing.time_zero import strongest_s
+from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.sentences import with_notes
+from gpr20_common.message import Message
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+
+SURFACE_PERMITTIVITY = "surface_permittivity"
+"""Attribute: permittivity by the reflection of the surface; with the ends of its range."""
+ENDS = ("_lowest", "", "_highest")
+SEPARATION, PLATE_HEIGHT, CENTRE, MISFIT = "separation_m", "plate_height", "centre_m", "misfit"
+# Of heights that are to be one, and of the largest and smallest of all.
+MOST_SPREAD_M, LEAST_RANGE_M = 0.006, 0.03
+MOST_MISFIT = 0.25
+# Of the largest transmission: what is fainter is attenuated, since its noise would be amplified.
+FAINT = 10.0 ** (-30.0 / 20.0)
+SURFACE_WITHIN_S = 0.4e-9
+LEAST_SHARE = 0.6
+# Steps that leave the spectra of a trace as they were measured.
+HARMLESS = ("fill", "polarization")
+
+
+def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Dataset:
+    """Return the model of the antennas from surveys over a metal plate, each at one height.
+
+    Args:
+        plates: Surveys as measured, of the same sweep and rotations.
+        separation_m: Distance between the antennas [m].
+
+    Returns:
+        Dataset with `antenna` (polarization, term, frequency), the terms of `AntennaModel`, and
+        what describes the fit.
+
+    Raises:
+        WrongDatasetError: The surveys do not determine the model, or no plate explains them.
+    """
+    for one in plates:
+        _require_measured(one)
+    heights_m = np.array([_height_m(one) for one in plates])
+    if len(set(np.round(heights_m, 3))) < FEWEST_HEIGHTS or np.ptp(heights_m) < LEAST_RANGE_M:
+        raise WrongDatasetError(
+            Message(
+                "the heights above the plate are {heights_mm} mm; measure at {fewest} or more that "
+                "differ by {range_mm:.0f} mm, in uneven steps, such as 60, 75, 95, 125, 170 mm",
+                heights_mm=", ".join(f"{MM_PER_M * one:.0f}" for one in heights_m),
+                fewest=FEWEST_HEIGHTS,
+                range_mm=MM_PER_M * LEAST_RANGE_M,
+            ),
+            fault=faults.PLATE,
+        )
+    for one in plates[1:]:
+        _check_sweep(one, plates[0])
+    path_m = np.hypot(2.0 * heights_m, separation_m)
+    means = np.stack([require(one, S21, S21_DIMS).mean([Y, X]).values for one in plates], axis=1)
+    models = [fit_antenna(one, path_m, plates[0][FREQUENCY].values) for one in means]
+    for model in models:
+        if not model.misfit <= MOST_MISFIT:
+            raise WrongDatasetError(
+                Message(
+                    "a plate explains the measurements only to {misfit:.0f} % (limit {limit:.0f} "
+                    "%); check the heights, and that the plate is level and at least 1 m by 1 m",
+                    misfit=100.0 * model.misfit,
+                    limit=100.0 * MOST_MISFIT,
+                ),
+                fault=faults.PLATE,
+            )
+    terms = np.stack([np.stack([one.internal, one.transmission, one.feedback]) for one in models])
+    return xr.Dataset(
+        {
+            ANTENNA: (ANTENNA_DIMS, terms),
+            CENTRE: (POLARIZATION, [one.centre_m for one in models]),
+            MISFIT: (POLARIZATION, [one.misfit for one in models]),
+            PLATE_HEIGHT: ("plate", heights_m),
+        },
+        {POLARIZATION: plates[0][POLARIZATION], TERM: [0, 1, 2], FREQUENCY: plates[0][FREQUENCY]},
+        {SEPARATION: separation_m},
+    )
+
+
+def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
+    """Remove what the antennas add: coupling, ringing, delay and the colour of their response.
+
+    What is left is what comes back from the ground: a mirror at a path of 1 m would have magnitude
+    1. The reflection of the surface tells its permittivity, which images use if none is given.
+
+    Args:
+        survey: Dataset with `s21` as measured.
+        model: Written by `gpr20 antenna`.
+
+    Raises:
+        WrongDatasetError: The model is of another sweep or rotation, or the data were changed.
+        DamagedSurveyError: A usable sample has no height.
+    """
+    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    terms = require(model, ANTENNA, ANTENNA_DIMS)
+    _require_measured(survey)
+    _check_sweep(survey, model)
+    internal, transmission, feedback = (terms.isel({TERM: one}) for one in range(3))
+    received = measured - internal
+    # A share of what is lost in noise, so that it is not amplified.
+    faint = FAINT * float(np.abs(transmission).max())
+    kept = np.abs(transmission) ** 2 / (np.abs(transmission) ** 2 + faint**2)
+    ground = (received / (transmission + feedback * received) * kept).transpose(*S21_DIMS)
+    cleaned = survey.assign({S21: ground.astype(measured.dtype).assign_attrs(measured.attrs)})
+    return _described(cleaned, model)
+
+
+def _described(cleaned: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
+    """Return data without antennas with what their surface tells."""
+    antennas = [_model(model, turn) for turn in range(model.sizes[POLARIZATION])]
+    separation_m = float(model.attrs[SEPARATION])
+    rows, columns = (
+        spread(cleaned.sizes[axis], most) for axis, most in ((Y, MOST_ROWS), (X, MOST_COLUMNS))
+    )
+    chosen = cleaned.isel({Y: rows, X: columns})
+    height_m, known = known_height(chosen).values, usable(chosen).transpose(*SAMPLE_DIMS).values
+    sweep = FrequencyGrid.of(cleaned)
+    found, later_s = [], []
+    for turn, antenna in enumerate(antennas):
+        spectra = chosen[S21].values[turn][known[turn]]
+        expected_s = np.hypot(2.0 * height_m[turn][known[turn]], separation_m) / SPEED_OF_LIGHT_M_S
+        picked_s = strongest_s(spectra, expected_s, sweep, SURFACE_WITHIN_S)
+        clear = np.isfinite(picked_s)
+        if np.count_nonzero(clear) < LEAST_SHARE * len(clear) or not clear.any():
+            continue
+        later_s.append(float(np.median((picked_s - expected_s)[clear])))
+        path_m = picked_s[clear] * SPEED_OF_LIGHT_M_S
+        found.append(surface_permittivity(spectra[clear], path_m, antenna, separation_m))
+    delay_s = float(np.mean([_delay_s(one) for one in antennas]))
+    attributes = {ANTENNA_DELAY: 0.0, REMOVED: delay_s}
+    if later_s:
+        attributes[SURFACE_DELAY] = delay_s + float(np.median(later_s))
+    cleaned = cleaned.assign_attrs({**cleaned.attrs, **attributes})
+    known_ones = [one for one in found if one is not None]
+    if not known_ones:
+        note = Message(
+            "the reflection of the surface does not tell its permittivity: it is not clear, or the "
+            "antennas are too near for the distance between them"
+        )
+        return cleaned.assign_attrs(with_notes(cleaned, [note]))
+    ends = np.mean(np.log([(one.lowest, one.permittivity, one.highest) for one in known_ones]), 0)
+    values = dict(zip(ENDS, np.exp(ends).tolist()))
+    return cleaned.assign_attrs({SURFACE_PERMITTIVITY + end: values[end] for end in ENDS})
+
+
+def _model(model: xr.Dataset, turn: int) -> AntennaModel:
+    internal, transmission, feedback = model[ANTENNA].transpose(*ANTENNA_DIMS).values[turn]
+    centre_m, misfit = (float(model[name].values[turn]) for name in (CENTRE, MISFIT))
+    frequency_hz = model[FREQUENCY].values.astype(np.float64)
+    return AntennaModel(frequency_hz, internal, transmission, feedback, centre_m, misfit)
+
+
+def _delay_s(model: AntennaModel) -> float:
+    """Return the delay of cables and antennas: of the transmission, weighted by its power."""
+    step = model.transmission[1:] * model.transmission[:-1].conj()
+    turn_rad = float(np.angle(np.sum(step)))
+    return -turn_rad / (2.0 * np.pi * float(np.mean(np.diff(model.frequency_hz))))
+
+
+def _require_measured(survey: xr.Dataset) -> None:
+    steps = [one["step"] for one in json.loads(survey.attrs.get(PROCESSING, "[]"))]
+    changed = [one for one in steps if one not in HARMLESS]
+    if changed:
+        raise WrongDatasetError(
+            Message(
+                "the data were changed by the steps {steps}; the antennas are removed from a "
+                "survey as measured, so apply the step antenna first",
+                steps=", ".join(changed),
+            )
+        )
+
+
+def _height_m(plate: xr.Dataset) -> float:
+    """Return the one height of a survey over a plate [m]."""
+    heights_m = known_height(plate).where(usable(plate))
+    spread_m = float(heights_m.std())
+    if not spread_m <= MOST_SPREAD_M:
+        raise WrongDatasetError(
+            Message(
+                "the heights of one survey over the plate differ by {spread_mm:.1f} mm (standard "
+                "deviation; limit {limit_mm:.0f} mm); level the plate, and make one survey for "
+                "each height",
+                spread_mm=MM_PER_M * spread_m,
+                limit_mm=MM_PER_M * MOST_SPREAD_M,
+            ),
+            fault=faults.PLATE,
+        )
+    return float(heights_m.mean())
+
+
+def _check_sweep(data: xr.Dataset, other: xr.Dataset) -> None:
+    """Check that two Datasets have the same rotations and frequencies."""
+    for name, digits in ((POLARIZATION, 1), (FREQUENCY, 0)):
+        own, others = (np.asarray(one[name].values, dtype=np.float64) for one in (data, other))
+        if len(own) != len(others) or not np.array_equal(own.round(digits), others.round(digits)):
+            raise WrongDatasetError(
+                Message(
+                    "the {name} values differ: {count} from {first:g} to {last:g} here, "
+                    "{other_count} from {other_first:g} to {other_last:g} over the plate; measure "
+                    "the plate with the sweep and rotations of the survey",
+                    name=name,
+                    count=len(own),
+                    first=own[0],
+                    last=own[-1],
+                    other_count=len(others),
+                    other_first=others[0],
+                    other_last=others[-1],
+                ),
+                fault=faults.PLATE,
+            )
