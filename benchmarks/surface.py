@@ -29,7 +29,7 @@ import area_field
 import line_field
 
 CELL_M, SEPARATION_M = 0.004, 0.04
-BESIDE, ABOVE, BELOW = 50, 10, 25
+BESIDE, ABOVE, BELOW = 85, 10, 40
 PLATE_CELLS = (13, 16, 20, 25, 32)
 HIGHEST_CELLS = 36
 STOPS = np.array([0, 20])

@@ -186,7 +186,7 @@ def test_the_slider_makes_a_new_image_and_the_latest_value_wins(windows, survey)
     for steps in range(150, 260, 2):
         window.controls.slider.setValue(steps)
     assert window.is_computing and "computing" in window.status.caption.text()
-    assert "permittivity 4," in window.status.caption.text()  # of the image that is still shown
+    assert "permittivity 4 (3.6 to 4.4)," in window.status.caption.text()  # of the image that is still shown
     computed(window)
     assert window.image.permittivity == window.controls.permittivity > 10.0
     assert window.image.source == "slider"
@@ -229,7 +229,7 @@ def test_an_image_that_cannot_be_made_says_why_and_the_last_one_keeps_its_captio
     window.controls.permittivity_box.setValue(30.0)
     computed(window)
     assert "frequency step" in window.status.problem.text()
-    assert "permittivity 4," in window.status.caption.text()
+    assert "permittivity 4 (3.6 to 4.4)," in window.status.caption.text()
     QTest.keyClick(window, Qt.Key_P)
     assert window.desk.editor.picks == ()
     window.controls.deepest.setValue(300.0)

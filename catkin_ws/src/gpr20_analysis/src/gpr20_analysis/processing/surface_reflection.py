@@ -19,8 +19,8 @@ from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 BLOCKS = 8
 # Half of a 95 % range, as a share of the reflection: plate and antennas are not perfect.
 OF_MODEL = 0.01
-# Times the inverse of wave number and path: the field near the antennas spreads otherwise.
-OF_NEAR_FIELD = 0.5
+# Over wave number and path, squared: near a dipole the reflection of soil is smaller by that much.
+OF_NEAR_FIELD = 3.0
 LEAST, MOST = 0.02, 0.85
 # Of the ends of the range: depths are then known to a factor of 1.5.
 WIDEST_RATIO = 2.25
@@ -63,7 +63,7 @@ def surface_permittivity(
     scatter = np.sqrt((len(left_out) - 1.0) * np.var(left_out)) if left_out else level
     mean_m = float(np.mean(path_m))
     aslant = (separation_m / mean_m) ** 2
-    near = OF_NEAR_FIELD / (float(np.average(wave, weights=weights)) * mean_m)
+    near = (OF_NEAR_FIELD / (float(np.average(wave, weights=weights)) * mean_m)) ** 2
     share = OF_MODEL + aslant + max(near, model.misfit)
     half = at_once * share + 2.0 * float(scatter) + 0.5 * abs(at_once - level)
     ends = at_once - half, at_once, at_once + half
