@@ -3,7 +3,7 @@
 Usage: scripts/bench.sh surface [--soils 6] [--seed 1]
 
 Plate and soil are computed by finite differences in three dimensions (benchmarks/worlds), with two
-dipoles 40 mm apart: a plate at five heights, and random soils whose surface is a random field with
+dipoles 24 mm apart: a plate at five heights, and random soils whose surface is a random field with
 a deviation of up to 5 mm, at four positions each.
 """
 
@@ -28,12 +28,12 @@ sys.path.append(str(Path(__file__).resolve().parent / "worlds"))
 import area_field
 import line_field
 
-CELL_M, SEPARATION_M = 0.004, 0.04
+CELL_M, SEPARATION_M = 0.004, 0.024
 BESIDE, ABOVE, BELOW = 85, 10, 40
 PLATE_CELLS = (13, 16, 20, 25, 32)
 HIGHEST_CELLS = 36
 STOPS = np.array([0, 20])
-FREQUENCY_HZ = np.linspace(0.8e9, 3e9, 45)
+FREQUENCY_HZ = np.linspace(1e9, 4e9, 61)
 RECORD_S = 3.5e-9
 SPREAD = BESIDE + area_field.ABSORBING_CELLS
 NOISE = 10.0 ** (-65.0 / 20.0)
@@ -64,7 +64,7 @@ def measured(
         ground, np.stack([rows, columns], 1), (depths, 2 * SPREAD + 1, 2 * SPREAD + 1), *places
     )
     step_s = area_field.step_s(CELL_M)
-    sent = line_field.pulse(1.8e9, step_s, round(RECORD_S / step_s))
+    sent = line_field.pulse(2.4e9, step_s, round(RECORD_S / step_s))
     echoes = area_field.received(boxes, materials, CELL_M, sent, False)
     s21 = line_field.transfer(echoes, sent, step_s, FREQUENCY_HZ)
     noise = random.standard_normal((*s21.shape, 2)) @ np.array([1.0, 1j]) * np.abs(s21).max()

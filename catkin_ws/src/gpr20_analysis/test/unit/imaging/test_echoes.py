@@ -65,7 +65,10 @@ def test_the_level_of_a_body_hardly_depends_on_the_depths_shown(seed, method):
     assert np.ptp(levels) < 3.0
 
 
-@pytest.mark.parametrize(("count", "stop_hz"), [(2, 2e9), (3, 2e9), (3, 3e9), (4, 3e9), (4, 6e9)])
+@pytest.mark.parametrize(
+    ("count", "stop_hz"),
+    [(2, 2e9), (2, 3e9), (2, 6e9), (3, 2e9), (3, 3e9), (3, 6e9), (4, 3e9), (4, 6e9)],
+)
 def test_bodies_at_one_depth_are_all_candidates(count, stop_hz):
     middle_m = (np.arange(count) + 0.5) / count * PLACE_M[-1]
     bodies = [(x_m, y_m, 0.08) for x_m in middle_m for y_m in middle_m]
@@ -77,11 +80,28 @@ def test_bodies_at_one_depth_are_all_candidates(count, stop_hz):
     assert max(rank_of(found, *one[:2], within_m=0.03) for one in bodies) < len(bodies) + 2
 
 
-@pytest.mark.parametrize("below_db", [20.0, 30.0])
-@pytest.mark.parametrize("apart_m", [0.15, 0.25, 0.4])
-def test_a_mine_beside_a_fragment_is_among_the_first_three(below_db, apart_m):
-    random = np.random.default_rng(int(apart_m * 100 + below_db))
+@pytest.mark.parametrize(
+    ("count", "stop_hz"), [(2, 2e9), (2, 3e9), (3, 3e9), (4, 3e9), (3, 6e9), (4, 6e9)]
+)
+def test_bodies_at_one_depth_under_a_line_are_all_candidates(count, stop_hz):
+    at_m = (np.arange(count) + 0.5) / count * PLACE_M[-1]
+    data = survey(
+        np.random.default_rng(1), 0.02, [(x_m, PLACE_M[20], 0.08) for x_m in at_m],
+        rotations=(0.0,), place_m=PLACE_M, frequency_hz=FREQUENCY_HZ[stop_hz],
+    )  # fmt: skip
+    found = primary(imaged(data.isel(y=[20])))
+    assert all(min(abs(one.x_m - x_m) for one in found) < 0.03 for x_m in at_m)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("below_db", [20.0, 24.0, 30.0])
+@pytest.mark.parametrize("apart_m", [0.15, 0.25, 0.45])
+def test_a_mine_beside_a_fragment_is_among_the_first_three(below_db, apart_m, seed):
+    random = np.random.default_rng([int(apart_m * 100 + below_db), seed])
     turn = random.uniform(0.0, 2.0 * np.pi)
+    if apart_m > 0.4:
+        # Only along a diagonal both are within the area.
+        turn = np.pi / 4.0 + np.pi / 2.0 * random.integers(4)
     away_m = apart_m / 2.0 * np.array([np.cos(turn), np.sin(turn)])
     fragment, mine = PLACE_M[-1] / 2.0 - away_m, PLACE_M[-1] / 2.0 + away_m
     grid = 0.015 * np.arange(-2, 3)
