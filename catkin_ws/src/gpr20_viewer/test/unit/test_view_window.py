@@ -186,7 +186,8 @@ def test_the_slider_makes_a_new_image_and_the_latest_value_wins(windows, survey)
     for steps in range(150, 260, 2):
         window.controls.slider.setValue(steps)
     assert window.is_computing and "computing" in window.status.caption.text()
-    assert "permittivity 4 (3.6 to 4.4)," in window.status.caption.text()  # of the image that is still shown
+    # Of the image that is still shown.
+    assert "permittivity 4 (3.6 to 4.4)," in window.status.caption.text()
     computed(window)
     assert window.image.permittivity == window.controls.permittivity > 10.0
     assert window.image.source == "slider"
