@@ -33,6 +33,8 @@ UNRATED_DB = 10.0
 OF_BODY_M = 0.012
 # A line shows bodies beside it, and shows them deeper.
 BESIDE_LINE_M, DEEPER_BESIDE_M = 0.07, 0.015
+# Of two resolutions that are alike.
+ALIKE = 0.7
 # Of the depth resolution: how well the first edge of an echo is known.
 OF_RESOLUTION = 0.25
 
@@ -86,29 +88,32 @@ DEFAULT_OPTIONS = CandidateOptions()
 
 
 def find_candidates(
-    image: xr.Dataset, options: CandidateOptions = DEFAULT_OPTIONS
+    image: xr.Dataset,
+    options: CandidateOptions = DEFAULT_OPTIONS,
+    clean_ground: Optional[xr.Dataset] = None,
 ) -> CandidateList:
     """Return the candidates of all polarizations as one list.
 
     Args:
         image: Dataset of `image_survey`.
         options: What is listed.
+        clean_ground: Image of ground of this kind without bodies, made in the same way, whose
+            echoes tell the density of false alarms. None: those of this ground tell it.
 
     Returns:
         The list: the brightest echo whatever its flags, then the others, the strongest above
         clutter first; what may be the rest of the surface after these, and doubtful ones last.
 
     Raises:
-        WrongDatasetError: The data are no image, or one without its echoes.
+        WrongDatasetError: The data are no image, or one without its echoes; or the image of clean
+            ground was made in another way.
     """
-    require(image, IMAGE, (POLARIZATION, DEPTH, Y, X))
-    if ECHOES not in image:
-        raise WrongDatasetError(
-            Message("the image has no list of its echoes; make it again with gpr20 image")
-        )
     echoes = _Echoes(image)
     area_m2 = surveyed_m2(image[X].values, image[Y].values)
-    alarms = FalseAlarms(echoes.above_db[~echoes.fitted], area_m2)
+    if clean_ground is None:
+        alarms = FalseAlarms(echoes.above_db[~echoes.fitted], area_m2)
+    else:
+        alarms = _alarms_of(clean_ground, image)
     least_db = alarms.level_db(options.false_alarms_per_m2) if alarms.are_known else UNRATED_DB
     places = _places(echoes, least_db)
     flags = _flags(places, echoes, image, least_db, alarms.are_known)
@@ -136,17 +141,49 @@ def find_candidates(
         false_alarms_range=alarms.range_per_m2(lowest_db),
         omitted=len(order) - len(listed),
         candidates=listed,
-        notes=tuple([*sentences_of(image, NOTES), *_notes(alarms)]),
+        notes=tuple([*sentences_of(image, NOTES), *_notes(alarms, clean_ground)]),
         position=area_position(image.attrs),
         omitted_primary=int(np.count_nonzero(~doubtful[order[count:]])),
         length_m=area_m2 / STRIP_M if is_line(image) else None,
     )
 
 
+def _alarms_of(clean_ground: xr.Dataset, image: xr.Dataset) -> FalseAlarms:
+    """Return the false alarms by all echoes of ground without bodies."""
+    method, resolution_m, turns = (
+        [one.attrs["method"] for one in (image, clean_ground)],
+        [float(one.attrs["depth_resolution_m"]) for one in (image, clean_ground)],
+        [one.sizes[POLARIZATION] for one in (image, clean_ground)],
+    )
+    alike = method[0] == method[1] and turns[0] == turns[1]
+    if not (alike and ALIKE < resolution_m[0] / resolution_m[1] < 1.0 / ALIKE):
+        raise WrongDatasetError(
+            Message(
+                "the image of clean ground was made in another way: {method}, {turns} rotations, "
+                "resolution {resolution_mm:.0f} mm, and not {own_method}, {own_turns}, "
+                "{own_resolution_mm:.0f} mm; make both with the same sweep, rotations and options",
+                method=method[1],
+                turns=turns[1],
+                resolution_mm=1e3 * resolution_m[1],
+                own_method=method[0],
+                own_turns=turns[0],
+                own_resolution_mm=1e3 * resolution_m[0],
+            ),
+            fault=faults.OPTION,
+        )
+    area_m2 = surveyed_m2(clean_ground[X].values, clean_ground[Y].values)
+    return FalseAlarms(_Echoes(clean_ground).above_db, area_m2)
+
+
 class _Echoes:
     """The echoes of an image, as columns."""
 
     def __init__(self, image: xr.Dataset) -> None:
+        require(image, IMAGE, (POLARIZATION, DEPTH, Y, X))
+        if ECHOES not in image:
+            raise WrongDatasetError(
+                Message("the image has no list of its echoes; make it again with gpr20 image")
+            )
         rows = np.asarray(image[ECHOES].values, dtype=np.float64)
         rows = rows[np.argsort(-rows[:, ECHO_VALUES.index("above_clutter_db")], kind="stable")]
         # Of an image of which one polarization was selected.
@@ -207,9 +244,12 @@ def _order(places: Sequence[_Place], echoes: _Echoes, flags: Dict[Flag, np.ndarr
     )
 
 
-def _notes(alarms: FalseAlarms) -> List[Message]:
+def _notes(alarms: FalseAlarms, clean_ground: Optional[xr.Dataset]) -> List[Message]:
     if alarms.are_known:
-        return []
+        if clean_ground is None:
+            return []
+        name = str(clean_ground.attrs.get("survey_id", "")) or "-"
+        return [Message("the density of false alarms is that of clean ground: {name}", name=name)]
     return [
         Message(
             "the clutter of so small an area or so coarse an image cannot be measured, so nothing "

@@ -53,7 +53,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.publish:
         _require_master()
     image, status = image_command.image_of(chosen, options, catalogue)
-    found = find_candidates(image, listed)
+    found = find_candidates(image, listed, image_command.clean_ground_of(chosen))
     for path in chosen.output:
         write_candidates(found, path)
     if chosen.json:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -36,6 +36,7 @@ from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTA
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import Step, checked, recipe_of
 from gpr20_analysis.read.antenna_attributes import S_PER_NS
+from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -80,6 +81,9 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
     add("--false-alarms", type=float, default=standard.false_alarms_per_m2, metavar="N",
         help="how many echoes of the ground's own clutter per m2 may be as strong as a candidate; "
         f"default {standard.false_alarms_per_m2:g}")  # fmt: skip
+    add("--clean-ground", type=Path, metavar="IMAGE",
+        help="image, made in the same way, of such ground without bodies: its echoes tell the "
+        "density of false alarms")  # fmt: skip
     add("--most", type=int, metavar="N",
         help=f"longest list, in files too; default {standard.most}, of which at most "
         f"{MOST_DOUBTFUL} doubtful ones are printed")  # fmt: skip
@@ -149,10 +153,19 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = steps_of(chosen)
     outputs.check(_outputs(chosen), inputs.inputs_of(chosen, steps), chosen.overwrite)
     image, status = image_of(chosen, options, catalogue)
-    found = find_candidates(image, listed)
+    found = find_candidates(image, listed, clean_ground_of(chosen))
     _write(image, found, chosen, catalogue)
     _print(image, found, chosen, catalogue)
     return status
+
+
+def clean_ground_of(chosen: argparse.Namespace) -> Optional[xr.Dataset]:
+    """Return the image of clean ground; None if there is none.
+
+    Raises:
+        AnalysisError: It cannot be read.
+    """
+    return None if chosen.clean_ground is None else load_survey(chosen.clean_ground)
 
 
 def image_of(

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fault_kit import raises_fault
 from random_scenes_kit import Clutter, random_noise
 from recorded_worlds import LINES, line, truths
 
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import X, Y
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 
@@ -38,7 +41,7 @@ def density(lists):
 def test_of_noise_and_of_a_rough_surface(kind, rows, columns):
     lists = []
     for seed in range(60):
-        survey = random_noise(seed, kind).isel(y=slice(rows), x=slice(columns), polarization=[0])
+        survey = random_noise(seed, kind).isel(y=slice(rows), x=slice(columns))
         if (survey.sizes[Y] == 1) == (rows == 1) and max(survey.sizes[X], survey.sizes[Y]) > 20:
             lists.append(found_in(survey))
     # Noise alone falls off otherwise than the clutter of ground.
@@ -68,3 +71,36 @@ def test_the_default_command_images_every_shape(tmp_path, capsys, rows, columns)
     text = capsys.readouterr().out
     assert "C01" in text or "No candidate was found." in text
     assert ("length:" in text) == (1 in (rows, columns)) != ("area:" in text)
+
+
+@pytest.mark.parametrize("ground", ["cluttered", "rough, cluttered and lossy"])
+def test_clean_ground_of_the_site_tells_no_smaller_density_than_there_is(ground):
+    images = [
+        image_survey(
+            process_survey(line(number)[0], *DEFAULT_STEPS),
+            ImageOptions(permittivity=5.0, ground=Ground.LEVEL),
+        )
+        for number, truth in enumerate(truths(LINES))
+        if truth["ground"] == ground and not truth["bodies"]
+    ]
+    # Each by another line of such ground.
+    lists = [
+        find_candidates(image, clean_ground=images[place - 1]) for place, image in enumerate(images)
+    ]
+    assert len(lists) >= 10
+    assert all("clean ground" in str(one.notes[-1]) for one in lists)
+    assert 2.0 < density(lists) < 1.2 * ASKED_PER_M2
+
+
+def test_clean_ground_that_was_imaged_in_another_way_is_refused(tmp_path, capsys):
+    survey = process_survey(line(0)[0], *DEFAULT_STEPS)
+    image = image_survey(survey, ImageOptions(permittivity=5.0))
+    for other in (ImageOptions(permittivity=16.0), ImageOptions(Method.BACK_PROJECTION, 5.0)):
+        with raises_fault(faults.OPTION):
+            find_candidates(image, clean_ground=image_survey(survey, other))
+    write_dataset(survey, tmp_path / "survey.nc")
+    write_dataset(image, tmp_path / "clean.nc")
+    paths = [str(tmp_path / "survey.nc"), "--permittivity", "5", "--clean-ground"]
+    assert main(["candidates", *paths, str(tmp_path / "clean.nc")]) == DONE
+    assert "clean ground" in capsys.readouterr().out
+    assert main(["candidates", *paths, str(tmp_path / "survey.nc")]) == REFUSED
