@@ -39,7 +39,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     outputs.check([outputs.dataset_output(chosen.output)], chosen.plates, chosen.overwrite)
     plates = [load_survey(one) for one in chosen.plates]
     if chosen.height is not None:
-        plates = [_at(*one) for one in zip(plates, _heights_m(chosen))]
+        plates = [
+            plate.assign({HEIGHT: xr.full_like(plate[HEIGHT], height_m)})
+            for plate, height_m in zip(plates, _heights_m(chosen))
+        ]
     for path, plate in zip(chosen.plates, plates):
         inputs.print_warnings(plate, catalogue, str(path))
     model = antenna_of(plates, chosen.separation)
@@ -68,10 +71,6 @@ def _heights_m(chosen: argparse.Namespace) -> List[float]:
         inputs.check_range("--height", height_m, 0.001, 10.0)
     heights_m: List[float] = chosen.height
     return heights_m
-
-
-def _at(plate: xr.Dataset, height_m: float) -> xr.Dataset:
-    return plate.assign({HEIGHT: xr.full_like(plate[HEIGHT], height_m)})
 
 
 COMMAND = Command(

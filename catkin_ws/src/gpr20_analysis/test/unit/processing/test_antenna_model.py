@@ -203,6 +203,13 @@ def test_a_model_of_another_sweep_or_rotation_is_refused(antennas, model):
             without_antenna(other, model)
 
 
+def test_frequencies_that_differ_by_rounding_lose_nothing(antennas, model):
+    survey = antennas.survey(0.1, 5.0)
+    rounded = survey.assign_coords(frequency=survey["frequency"] + 0.3)
+    found = without_antenna(rounded, model)["s21"].values
+    np.testing.assert_allclose(found, without_antenna(survey, model)["s21"].values)
+
+
 def test_data_that_were_changed_are_refused(antennas, model):
     survey = process_survey(antennas.survey(0.1, 5.0), "background")
     with pytest.raises(WrongDatasetError, match="background"):
