@@ -25,7 +25,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "formats.csv_cells": ("cell_text",),
     "formats.dataset_files": ("write_dataset",),
     "imaging.image": ("image_survey",),
-    "imaging.image_options": ("ImageOptions",),
+    "imaging.image_options": ("BuriedReference", "Ground", "ImageOptions", "Soils"),
     "imaging.methods": ("Method", "imaging_method"),
     "imaging.image_output": ("permittivity_line",),
     "plotting.maps": ("coverage_figure", "height_figure"),

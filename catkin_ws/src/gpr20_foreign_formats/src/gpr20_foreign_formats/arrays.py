@@ -181,7 +181,9 @@ def _opened(path: Path) -> _Arrays:
     except YamlFileError as error:
         text = Message("{file}: {reason}", file=beside.name, reason=error.message)
         raise UnreadableFileError(text) from error
-    file = _Arrays(path, [*arrays_in(path)], given if isinstance(given, dict) else {given: None})
+    file = _Arrays(
+        path, [*arrays_in(path)], given if isinstance(given, dict) else {str(given): None}
+    )
     for key in file.given:
         if key not in KEYS:
             allowed = Message("one of the keys {keys}", keys=", ".join(KEYS))

@@ -150,24 +150,14 @@ def find_candidates(
 
 def _alarms_of(clean_ground: xr.Dataset, image: xr.Dataset) -> FalseAlarms:
     """Return the false alarms by all echoes of ground without bodies."""
-    method, resolution_m, turns = (
-        [one.attrs["method"] for one in (image, clean_ground)],
-        [float(one.attrs["depth_resolution_m"]) for one in (image, clean_ground)],
-        [one.sizes[POLARIZATION] for one in (image, clean_ground)],
-    )
-    alike = method[0] == method[1] and turns[0] == turns[1]
-    if not (alike and ALIKE < resolution_m[0] / resolution_m[1] < 1.0 / ALIKE):
+    turns = {one.sizes[POLARIZATION] for one in (image, clean_ground)}
+    methods = {one.attrs["method"] for one in (image, clean_ground)}
+    finer = float(image.attrs["depth_resolution_m"]) / clean_ground.attrs["depth_resolution_m"]
+    if len(turns) > 1 or len(methods) > 1 or not ALIKE < finer < 1.0 / ALIKE:
         raise WrongDatasetError(
             Message(
-                "the image of clean ground was made in another way: {method}, {turns} rotations, "
-                "resolution {resolution_mm:.0f} mm, and not {own_method}, {own_turns}, "
-                "{own_resolution_mm:.0f} mm; make both with the same sweep, rotations and options",
-                method=method[1],
-                turns=turns[1],
-                resolution_mm=1e3 * resolution_m[1],
-                own_method=method[0],
-                own_turns=turns[0],
-                own_resolution_mm=1e3 * resolution_m[0],
+                "the image of clean ground was made in another way; make both with the same sweep, "
+                "rotations, permittivity and method"
             ),
             fault=faults.OPTION,
         )
@@ -336,7 +326,7 @@ def _flags(
     return {
         Flag.SURFACE_RESIDUE: depth_m < float(image.attrs["depth_resolution_m"]),
         Flag.EDGE: at_edge,
-        Flag.ONE_POLARIZATION: (np.array(seen) < 2) & (image.sizes[POLARIZATION] > 1),
+        Flag.ONE_POLARIZATION: (np.array(seen) == 1) & (image.sizes[POLARIZATION] > 1),
         Flag.CLUTTER: above_db < least_db,
         Flag.UNRATED: np.full(len(places), not are_rated),
         Flag.SIDELOBE: _beside_stronger(place_m, level_db),

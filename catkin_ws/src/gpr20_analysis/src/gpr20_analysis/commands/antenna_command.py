@@ -14,6 +14,7 @@ from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.dataset import HEIGHT, MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.imaging.image_options import check_range
 from gpr20_analysis.processing.antenna_step import MISFIT, PLATE_HEIGHT, antenna_of
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.catalogue import Catalogue
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Fit the model, write it and return the exit status."""
-    inputs.check_range("--separation", chosen.separation, 0.0, 2.0)
+    check_range("--separation", chosen.separation, 0.0, 2.0, "m")
     outputs.check([outputs.dataset_output(chosen.output)], chosen.plates, chosen.overwrite)
     plates = [load_survey(one) for one in chosen.plates]
     if chosen.height is not None:
@@ -48,7 +49,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     model = antenna_of(plates, chosen.separation)
     write_dataset(model, chosen.output)
     say(catalogue.tr("{path}: antennas by {count} heights from {lowest_mm:.0f} to {highest_mm:.0f} "
-                     "mm; a plate explains the measurements to {misfit:.1f} %",
+                     "mm; a plate leaves {misfit:.1f} % of their difference unexplained",
                      path=chosen.output,
                      count=len(plates),
                      lowest_mm=MM_PER_M * float(model[PLATE_HEIGHT].min()),
@@ -68,7 +69,7 @@ def _heights_m(chosen: argparse.Namespace) -> List[float]:
             fault=faults.OPTION,
         )
     for height_m in chosen.height:
-        inputs.check_range("--height", height_m, 0.001, 10.0)
+        check_range("--height", height_m, 0.001, 10.0, "m")
     heights_m: List[float] = chosen.height
     return heights_m
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import copy
 import json
+import re
 import shlex
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Sequence, Tuple
@@ -162,6 +163,8 @@ def _made_of(command: str, survey: Path) -> str:
     """Return what a result is made of, in words that differ where it may differ."""
     # A running survey gets traces before its description changes.
     parts = [survey, survey / SURVEY_FILE, survey / TRACES_FOLDER]
+    # Of the files that the command names, such as a recipe or a model.
+    parts += [Path(one) for word in shlex.split(command) for one in re.split("[=:,]", word) if one]
     changed_ns = max((one.stat().st_mtime_ns for one in parts if one.exists()), default=None)
     return f"{' '.join(shlex.split(command))} of {survey}, changed {changed_ns}"
 

@@ -8,6 +8,7 @@ from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.image_options import check_range
 from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.chain import recipe_of
 from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
@@ -38,9 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Fit the delay, print it and return the exit status."""
-    inputs.check_range("--separation", chosen.separation, 0.0, 2.0)
+    check_range("--separation", chosen.separation, 0.0, 2.0, "m")
     if chosen.height is not None:
-        inputs.check_range("--height", chosen.height, 0.001, 10.0)
+        check_range("--height", chosen.height, 0.001, 10.0, "m")
     survey = inputs.load(chosen, catalogue)
     steps = [one["step"] for one in recipe_of(survey)]
     if steps:

@@ -34,6 +34,7 @@ from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
 from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
 from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTAINTY
 from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.antenna_step import HARMLESS
 from gpr20_analysis.processing.chain import Step, checked, recipe_of
 from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.read.load import load_survey
@@ -160,11 +161,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def clean_ground_of(chosen: argparse.Namespace) -> Optional[xr.Dataset]:
-    """Return the image of clean ground; None if there is none.
-
-    Raises:
-        AnalysisError: It cannot be read.
-    """
+    """Return the image of clean ground; None if there is none."""
     return None if chosen.clean_ground is None else load_survey(chosen.clean_ground)
 
 
@@ -177,8 +174,7 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
-    default = () if recipe_of(survey) else options.method.default_steps
-    steps = steps_of(chosen, default)
+    steps = steps_of(chosen, _default_steps(survey, options))
     processed, status = inputs.process(survey, steps, catalogue)
     outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
     progress = inputs.progress_bar(catalogue.tr("imaging"))
@@ -191,8 +187,19 @@ def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[St
     Raises:
         RecipeError: A step is malformed.
     """
-    first = [checked("antenna", {"model": str(chosen.antenna)})] if chosen.antenna else []
-    return [*first, *inputs.steps_of(chosen, default)]
+    return [*antenna_steps(chosen), *inputs.steps_of(chosen, default)]
+
+
+def antenna_steps(chosen: argparse.Namespace) -> List[Step]:
+    """Return the step that removes the antennas, if they are given."""
+    return [checked("antenna", {"model": str(chosen.antenna)})] if chosen.antenna else []
+
+
+def _default_steps(survey: xr.Dataset, options: ImageOptions) -> Sequence[str]:
+    """Return the steps of the method, unless a step before has left no surface echo to remove."""
+    before = {one["step"] for one in recipe_of(survey)}
+    is_measured = not before or ("antenna" in before and before <= {"antenna", *HARMLESS})
+    return options.method.default_steps if is_measured else ()
 
 
 def options_of(chosen: argparse.Namespace) -> ImageOptions:

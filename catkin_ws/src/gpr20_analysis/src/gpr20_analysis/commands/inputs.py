@@ -13,6 +13,7 @@ from tqdm import tqdm
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
+from gpr20_analysis.dataset import ANTENNA
 from gpr20_analysis.errors import RecipeError, WrongDatasetError
 from gpr20_analysis.processing.chain import (
     Step,
@@ -52,6 +53,14 @@ def load(chosen: argparse.Namespace, catalogue: Catalogue) -> xr.Dataset:
     """
     progress = progress_bar(catalogue.tr("reading traces"))
     survey = load_survey(chosen.survey, chosen.accept_damaged, progress)
+    if ANTENNA in survey:
+        raise WrongDatasetError(
+            Message(
+                "{path} is a model of antennas and no survey; use it with --antenna",
+                path=chosen.survey,
+            ),
+            fault=faults.NO_INPUT,
+        )
     print_warnings(survey, catalogue)
     return survey
 
@@ -146,26 +155,6 @@ def process(
     for step in progress_bar(catalogue.tr("processing"))(steps, len(steps)):
         survey = apply_steps(survey, [step], read)
     return survey, max(statuses)
-
-
-def check_range(name: str, value_m: float, lower_m: float, upper_m: float) -> None:
-    """Check the range of a length that was given [m].
-
-    Raises:
-        WrongDatasetError: It is NaN or outside the range.
-    """
-    # Written so that NaN is refused too.
-    if not lower_m <= value_m <= upper_m:
-        raise WrongDatasetError(
-            Message(
-                "{name} is {value}; it must lie between {lower} and {upper}",
-                name=name,
-                value=f"{value_m:g} m",
-                lower=f"{lower_m:g}",
-                upper=f"{upper_m:g} m",
-            ),
-            fault=faults.OPTION,
-        )
 
 
 def require_steps(steps: Sequence[Step]) -> None:

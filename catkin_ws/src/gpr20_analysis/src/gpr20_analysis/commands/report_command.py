@@ -10,7 +10,6 @@ from gpr20_analysis import dataset
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.terminal_text import say
 
@@ -35,14 +34,17 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
     check_report_path(chosen.output)
     options = image_command.options_of(chosen)
-    steps = image_command.steps_of(chosen, DEFAULT_STEPS)
-    outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
+    antenna, steps = image_command.antenna_steps(chosen), inputs.steps_of(chosen)
+    outputs.check(
+        [Output(chosen.output)], inputs.inputs_of(chosen, [*antenna, *steps]), chosen.overwrite
+    )
     survey = inputs.load(chosen, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    survey, status = inputs.process(survey, antenna, catalogue)
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
     write_report(survey, chosen.survey, chosen.output, options, steps, chosen.language, progress)
     say(json.dumps({"output": str(chosen.output)}) if chosen.json else chosen.output)
-    return inputs.status_of(survey)
+    return status
 
 
 COMMAND = Command(

@@ -77,7 +77,9 @@ def find_echoes(
         if len(found) == 0:
             break
         place_m = np.concatenate([place_m, between_voxels_m(left, axes_m, found)])
-        strength = np.concatenate([strength, left[tuple(found.T)]])
+        # What is left may be more than the image shows, but nothing is brighter than its brightest.
+        shown = np.minimum(left, np.abs(volume))[tuple(found.T)]
+        strength = np.concatenate([strength, shown])
         points.add(place_m[-len(found) :])
         left = np.abs(imager(points.left()))
     return _with_weak(left, axes_m, resolution_m, place_m, strength)

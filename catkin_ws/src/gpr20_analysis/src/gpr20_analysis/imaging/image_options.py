@@ -77,13 +77,13 @@ class ImageOptions:
                 ),
                 fault=faults.OPTION,
             )
-        _check(
+        check_range(
             Message("the permittivity"),
             self.permittivity,
             MIN_PERMITTIVITY,
             LARGEST_PERMITTIVITY,
         )
-        _check(
+        check_range(
             Message("the uncertainty of the permittivity"), self.permittivity_uncertainty, 0.01, 0.9
         )
         if [self.permittivity, self.soil, self.buried].count(None) < 2:
@@ -94,14 +94,17 @@ class ImageOptions:
                 ),
                 fault=faults.OPTION,
             )
-        _check(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
-        _check(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
-        _check(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
+        if self.buried is not None:
+            name = Message("the depth of the buried reference")
+            check_range(name, self.buried.depth_m, 0.02, 1.0, "m")
+        check_range(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
+        check_range(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
+        check_range(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
         if self.delay_s is not None:
             check_delay(self.delay_s)
         # As the command line gives it.
         step_mm = None if self.grid_step_m is None else MM_PER_M * self.grid_step_m
-        _check(Message("the step of the image"), step_mm, 1.0, 1000.0, "mm")
+        check_range(Message("the step of the image"), step_mm, 1.0, 1000.0, "mm")
         if self.grid_step_m is not None and not self.method.any_positions:
             raise WrongDatasetError(
                 Message(
@@ -124,9 +127,14 @@ class ImageOptions:
             )
 
 
-def _check(
-    name: Message, value: Optional[float], lowest: float, highest: float, unit: str = ""
+def check_range(
+    name: object, value: Optional[float], lowest: float, highest: float, unit: str = ""
 ) -> None:
+    """Check a number that a person gave, unless it is None.
+
+    Raises:
+        WrongDatasetError: It is NaN or outside the range.
+    """
     # Written so that NaN is refused too.
     if value is not None and not lowest <= value <= highest:
         raise WrongDatasetError(

@@ -42,7 +42,7 @@ def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
     if given_s and REMOVED in survey.attrs:
         raise WrongDatasetError(
             Message(
-                "the step delay has removed {delay_ns:g} ns, so --delay would remove a second "
+                "a step has removed {delay_ns:g} ns, so --delay would remove a second "
                 "delay; use one of them",
                 delay_ns=survey.attrs[REMOVED] * 1e9,
             ),

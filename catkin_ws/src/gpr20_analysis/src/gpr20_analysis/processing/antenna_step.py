@@ -90,13 +90,19 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
         _check_sweep(one, plates[0])
     path_m = np.hypot(2.0 * heights_m, separation_m)
     means = np.stack([require(one, S21, S21_DIMS).mean([Y, X]).values for one in plates], axis=1)
+    for number in np.flatnonzero(~np.isfinite(means).all(axis=(0, 2))):
+        raise WrongDatasetError(
+            Message("survey {number} of the plate has a rotation without data", number=number + 1),
+            fault=faults.PLATE,
+        )
     models = [fit_antenna(one, path_m, plates[0][FREQUENCY].values) for one in means]
     for model in models:
         if not model.misfit <= MOST_MISFIT:
             raise WrongDatasetError(
                 Message(
-                    "a plate explains the measurements only to {misfit:.0f} % (limit {limit:.0f} "
-                    "%); check the heights, and that the plate is level and at least 1 m by 1 m",
+                    "a plate leaves {misfit:.0f} % of the measurements unexplained (limit "
+                    "{limit:.0f} %); check the heights, and that the plate is level and at least 1 "
+                    "m by 1 m",
                     misfit=100.0 * model.misfit,
                     limit=100.0 * MOST_MISFIT,
                 ),
@@ -130,6 +136,11 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
         DamagedSurveyError: A usable sample has no height.
     """
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    if not {ANTENNA, CENTRE, MISFIT, SEPARATION} <= {*model.variables, *model.attrs}:
+        raise WrongDatasetError(
+            Message("the file that was given as model is none: make one with gpr20 antenna"),
+            fault=faults.PLATE,
+        )
     terms = require(model, ANTENNA, ANTENNA_DIMS)
     _require_measured(survey)
     _check_sweep(survey, model)
@@ -172,13 +183,14 @@ def _described(cleaned: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
         attributes[SURFACE_DELAY] = delay_s + float(np.median(later_s))
     cleaned = cleaned.assign_attrs({**cleaned.attrs, **attributes})
     told = [one for one in found if one is not None]
-    if not told:
+    if not told or max(one[0] for one in told) > min(one[2] for one in told):
         note = Message(
-            "the reflection of the surface does not tell its permittivity: it is not clear, or the "
-            "antennas are too near for the distance between them"
+            "the reflection of the surface does not tell its permittivity: it is not clear, the "
+            "antennas are too near for the distance between them, or the rotations contradict each "
+            "other"
         )
         return cleaned.assign_attrs(with_notes(cleaned, [note]))
-    ends = np.mean(np.log([(one.lowest, one.permittivity, one.highest) for one in told]), 0)
+    ends = np.mean(np.log(told), axis=0)
     names = (SURFACE_PERMITTIVITY + end for end in ENDS)
     return cleaned.assign_attrs(dict(zip(names, np.exp(ends).tolist())))
 
@@ -235,16 +247,11 @@ def _check_sweep(data: xr.Dataset, other: xr.Dataset) -> None:
         if len(own) != len(others) or not np.allclose(own, others, 1e-7, 0.05):
             raise WrongDatasetError(
                 Message(
-                    "the {name} values differ: {count} from {first:g} to {last:g} here, "
-                    "{other_count} from {other_first:g} to {other_last:g} over the plate; measure "
-                    "the plate with the sweep and rotations of the survey",
+                    "the {name} values are {own} and {others}; measure plate and survey with the "
+                    "same sweep and rotations",
                     name=name,
-                    count=len(own),
-                    first=own[0],
-                    last=own[-1],
-                    other_count=len(others),
-                    other_first=others[0],
-                    other_last=others[-1],
+                    own=f"{len(own)} from {own[0]:g} to {own[-1]:g}",
+                    others=f"{len(others)} from {others[0]:g} to {others[-1]:g}",
                 ),
                 fault=faults.PLATE,
             )

@@ -8,7 +8,6 @@ rough surface", Proceedings of the IRE 41 (1953), 142 to 146): it is extrapolate
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Optional, Tuple
 
 import numpy as np
@@ -22,23 +21,14 @@ OF_MODEL = 0.01
 # Over wave number and path, squared: near a dipole the reflection of soil is smaller by that much.
 OF_NEAR_FIELD = 3.0
 LEAST, MOST = 0.02, 0.85
-# Of the ends of the range: depths are then known to a factor of 1.5.
 WIDEST_RATIO = 2.25
-
-
-@dataclass(frozen=True)
-class SurfacePermittivity:
-    """The permittivity by the reflection of the surface, and its 95 % range."""
-
-    permittivity: float
-    lowest: float
-    highest: float
+"""Of the ends of a measured range: depths are then known to a factor of 1.5."""
 
 
 def surface_permittivity(
     ground: np.ndarray, path_m: np.ndarray, model: AntennaModel, separation_m: float
-) -> Optional[SurfacePermittivity]:
-    """Return the permittivity, or None if the reflection tells too little.
+) -> Optional[Tuple[float, float, float]]:
+    """Return lowest, best and highest permittivity, or None if the reflection tells too little.
 
     Args:
         ground: What comes back from the ground (trace, frequency).
@@ -73,7 +63,7 @@ def surface_permittivity(
     lowest, best, highest = (((1.0 + one) / (1.0 - one)) ** 2 for one in ends)
     if highest > WIDEST_RATIO * lowest:
         return None
-    return SurfacePermittivity(best, lowest, highest)
+    return lowest, best, highest
 
 
 def _reflection(mean: np.ndarray, wave: np.ndarray, weights: np.ndarray) -> Tuple[float, float]:

@@ -66,7 +66,7 @@ def test_a_reference_where_nothing_is_or_outside_is_refused():
 @pytest.mark.parametrize("depth_m", [0.0, -0.1, 1.5, np.nan])
 def test_a_depth_that_cannot_be_is_refused(depth_m):
     with raises_fault(faults.OPTION):
-        BuriedReference(0.1, 0.1, depth_m)
+        ImageOptions(buried=BuriedReference(0.1, 0.1, depth_m))
 
 
 def test_more_than_one_source_is_refused():
@@ -81,3 +81,14 @@ def test_a_chosen_soil_has_its_usual_range():
     image = image_survey(process_survey(survey, *DEFAULT_STEPS), ImageOptions(soil=Soils.DRY_SAND))
     assert image.attrs["permittivity_source"] == "typical of the soil"
     assert [image.attrs[f"permittivity{end}"] for end in ("_lowest", "", "_highest")] == [3, 4, 5]
+
+
+def test_where_nothing_is_buried_hardly_any_place_tells_a_permittivity():
+    told = []
+    for number in range(0, len(truths(LINES)), 8):
+        survey, truth = line(number)
+        for x_m in np.arange(0.1, 0.9, 0.2):
+            if all(abs(body["x_m"] - x_m) > 0.12 for body in truth["bodies"]):
+                told.append(holds(survey, truth, {"x_m": float(x_m), "top_m": 0.1}) is not None)
+    assert len(told) > 50
+    assert np.mean(told) < 0.06

@@ -8,6 +8,7 @@ functions in integral equation formulations", IEEE Transactions on Antennas and 
 
 from __future__ import annotations
 
+import json
 import os
 
 import numpy as np
@@ -19,6 +20,7 @@ from scipy.constants import speed_of_light
 from scipy.special import jv
 
 from gpr20_analysis import faults
+from gpr20_analysis.commands.batch_command import _made_of
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import WrongDatasetError
@@ -238,3 +240,67 @@ def test_lazy_data_give_the_same(antennas, model):
     survey = antennas.survey(0.1, 5.0)
     lazy = without_antenna(survey.chunk({"y": 2}), model)
     xr.testing.assert_allclose(lazy.compute(), without_antenna(survey, model))
+
+
+def two(survey, other):
+    """Return a survey of two rotations."""
+    return xr.concat([survey, other.assign_coords(polarization=[90.0])], "polarization")
+
+
+def test_rotations_that_contradict_each_other_tell_nothing(antennas):
+    plates = [antennas.survey(one, METAL, PLACE_M[:2]) for one in PLATE_M]
+    model = antenna_of([two(one, one) for one in plates])
+    dry, wet = (antennas.survey(0.1, one) for one in (3.0, 12.0))
+    assert SURFACE_PERMITTIVITY in without_antenna(two(dry, dry), model).attrs
+    told = without_antenna(two(dry, wet), model)
+    assert SURFACE_PERMITTIVITY not in told.attrs
+    assert "contradict" in " ".join(map(str, sentences_of(told, "notes")))
+
+
+def test_a_plate_without_data_of_a_rotation_is_named(antennas):
+    plates = [antennas.survey(one, METAL, PLACE_M[:2]) for one in PLATE_M]
+    plates = [two(one, one) for one in plates]
+    plates[2]["s21"][1] = np.nan
+    with raises_fault(faults.PLATE, "survey 3"):
+        antenna_of(plates)
+
+
+def test_files_that_are_taken_for_one_another_are_refused(antennas, model, tmp_path, capsys):
+    survey, plate = tmp_path / "survey.nc", tmp_path / "antenna.nc"
+    write_dataset(antennas.survey(0.1, 5.0), survey)
+    write_dataset(model, plate)
+    write_dataset(model.drop_vars("misfit"), tmp_path / "part.nc")
+    for name in (survey, tmp_path / "part.nc"):
+        assert main(["image", str(survey), "--antenna", str(name)]) == REFUSED
+        assert "gpr20 antenna" in capsys.readouterr().err
+    for command in ("info", "image", "delay"):
+        assert main([command, str(plate)]) == REFUSED
+        assert "is a model of antennas" in capsys.readouterr().err
+
+
+def test_every_way_to_the_image_removes_the_surface_too(antennas, model, tmp_path, capsys):
+    survey, plate, cleaned = (tmp_path / f"{name}.nc" for name in ("survey", "antenna", "cleaned"))
+    write_dataset(antennas.survey(0.1, 5.0, np.arange(9) * 0.02, 0.001), survey)
+    write_dataset(model, plate)
+    step = f"antenna:model={plate}"
+    assert main(["process", str(survey), "--step", step, "-o", str(cleaned)]) == DONE
+    capsys.readouterr()
+    printed = []
+    for given in ([str(survey), "--antenna", str(plate)], [str(cleaned)]):
+        assert main(["candidates", *given, "--json"]) == DONE
+        printed.append(json.loads(capsys.readouterr().out)["candidates"])
+    assert printed[0] == printed[1]
+    page = tmp_path / "report.html"
+    depth = ["--depth", "0", "0.1", "0.01"]
+    assert main(["report", str(survey), "--antenna", str(plate), "-o", str(page), *depth]) == DONE
+    assert "MEASURED at the surface" in page.read_text(encoding="utf-8")
+
+
+def test_a_batch_is_computed_again_with_another_model(antennas, model, tmp_path):
+    survey, plate = tmp_path / "survey.nc", tmp_path / "antenna.nc"
+    write_dataset(antennas.survey(0.1, 5.0), survey)
+    write_dataset(model, plate)
+    first = _made_of(f"image --antenna {plate}", survey)
+    assert _made_of(f"image --antenna {plate}", survey) == first
+    os.utime(plate, ns=(0, 2**62))
+    assert _made_of(f"image --antenna {plate}", survey) != first

@@ -12,12 +12,9 @@ from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.permittivity.aligned_sums import levels_at
-from gpr20_analysis.imaging.permittivity.known_permittivity import (
-    WIDEST_RATIO,
-    KnownPermittivity,
-    Source,
-)
+from gpr20_analysis.imaging.permittivity.known_permittivity import KnownPermittivity, Source
 from gpr20_analysis.imaging.records import Focus, Traces
+from gpr20_analysis.processing.surface_reflection import WIDEST_RATIO
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import one_way_path_m
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY
@@ -25,13 +22,14 @@ from gpr20_survey.radar.soils import MAX_PERMITTIVITY
 # How far the object may be from the place that was given.
 AWAY_M = np.linspace(-0.03, 0.03, 5)
 OPTICAL_STEP_M = 0.003
-SHALLOWEST_M = 0.02
 # Of depth and height as people and sensors measure them; twice that is the 95 % range.
 DEPTH_DEVIATION_M, HEIGHT_DEVIATION_M = 0.003, 0.003
 # Of the resolution in air: how well the delay of an echo is known.
 OF_RESOLUTION = 0.2
 # Of the median over all depths, and of the strongest echo.
 CLEAR, STRONG = 4.0, 0.5
+# Of the median of the strongest echoes at places beside it.
+STANDS_OUT, BESIDE_M, BESIDE_STEP_M, FEWEST_BESIDE = 3.0, 0.12, 0.06, 3
 
 
 @dataclass(frozen=True)
@@ -47,27 +45,6 @@ class BuriedReference:
     x_m: float
     y_m: float
     depth_m: float
-
-    def __post_init__(self) -> None:
-        """Check the depth.
-
-        Raises:
-            WrongDatasetError: It is not allowed.
-        """
-        # Written so that NaN is refused too.
-        if not (SHALLOWEST_M <= self.depth_m <= 1.0 and np.isfinite(self.x_m + self.y_m)):
-            raise WrongDatasetError(
-                Message(
-                    "the buried reference is at x {x_mm:g} mm, y {y_mm:g} mm, depth {depth_mm:g} "
-                    "mm; the depth of its top must lie between {lowest_mm:g} and {highest_mm:g} mm",
-                    x_mm=MM_PER_M * self.x_m,
-                    y_mm=MM_PER_M * self.y_m,
-                    depth_mm=MM_PER_M * self.depth_m,
-                    lowest_mm=MM_PER_M * SHALLOWEST_M,
-                    highest_mm=MM_PER_M,
-                ),
-                fault=faults.OPTION,
-            )
 
 
 def permittivity_of_reference(
@@ -105,11 +82,23 @@ def permittivity_of_reference(
 
 
 def _is_over(traces: Traces, reference: BuriedReference) -> bool:
-    reach_m = float(AWAY_M[-1])
-    return all(
-        axis_m.min() - reach_m <= at_m <= axis_m.max() + reach_m
-        for axis_m, at_m in ((traces.x_m, reference.x_m), (traces.y_m, reference.y_m))
+    at_m, reach_m = (reference.x_m, reference.y_m), float(AWAY_M[-1])
+    axes_m = (traces.x_m, traces.y_m)
+    return all(a.min() - reach_m <= at <= a.max() + reach_m for a, at in zip(axes_m, at_m))
+
+
+def _beside(traces: Traces, reference: BuriedReference) -> List[Tuple[float, float]]:
+    """Return places of the survey that are away from the reference."""
+    x_m, y_m = (
+        np.arange(axis_m.min(), axis_m.max() + 1e-9, BESIDE_STEP_M)
+        for axis_m in (traces.x_m, traces.y_m)
     )
+    return [
+        (float(x), float(y))
+        for x in x_m
+        for y in y_m
+        if np.hypot(x - reference.x_m, y - reference.y_m) > BESIDE_M
+    ]
 
 
 def _echo(traces: Traces, focus: Focus, reference: BuriedReference) -> Tuple[float, float]:
@@ -132,6 +121,10 @@ def _echo(traces: Traces, focus: Focus, reference: BuriedReference) -> Tuple[flo
         return 0.0, 0.0
     first = 1 + int(np.argmax(tops))
     before, top, after = level[first - 1 : first + 2]
+    around = levels_at(traces, focus, _beside(traces, reference), optical_m)
+    # Where nothing was buried some echo is the strongest, too, but no stronger than elsewhere.
+    if len(around) < FEWEST_BESIDE or top < STANDS_OUT * np.median(around.max(axis=1)):
+        return 0.0, 0.0
     offset = 0.5 * (after - before) / max(2.0 * top - before - after, 1e-300)
     return float(top / np.median(level)), float(optical_m[first] + offset * OPTICAL_STEP_M)
 

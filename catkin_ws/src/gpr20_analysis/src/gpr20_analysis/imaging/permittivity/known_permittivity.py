@@ -14,9 +14,6 @@ from gpr20_survey.radar.soils import Soil
 GIVEN_UNCERTAINTY = 0.1
 """What a value that a person gave may be off, as a share of it: a good probe, at another place."""
 
-WIDEST_RATIO = 2.25
-"""Of the ends of a measured range: depths are then known to a factor of 1.5."""
-
 
 class Source(enum.Enum):
     """Where a permittivity is from, the most reliable first; the value is for files."""
