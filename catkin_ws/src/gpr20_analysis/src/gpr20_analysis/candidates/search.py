@@ -150,6 +150,7 @@ def find_candidates(
 
 def _alarms_of(clean_ground: xr.Dataset, image: xr.Dataset) -> FalseAlarms:
     """Return the false alarms by all echoes of ground without bodies."""
+    weak_db = _Echoes(clean_ground).above_db
     turns = {one.sizes[POLARIZATION] for one in (image, clean_ground)}
     methods = {one.attrs["method"] for one in (image, clean_ground)}
     finer = float(image.attrs["depth_resolution_m"]) / clean_ground.attrs["depth_resolution_m"]
@@ -162,7 +163,7 @@ def _alarms_of(clean_ground: xr.Dataset, image: xr.Dataset) -> FalseAlarms:
             fault=faults.OPTION,
         )
     area_m2 = surveyed_m2(clean_ground[X].values, clean_ground[Y].values)
-    return FalseAlarms(_Echoes(clean_ground).above_db, area_m2)
+    return FalseAlarms(weak_db, area_m2)
 
 
 class _Echoes:

@@ -17,7 +17,7 @@ from gpr20_analysis.candidates.table import candidate_lines
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
-from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, PROCESSING, is_line
+from gpr20_analysis.dataset import DEPTH, HEIGHT, MM_PER_M, POLARIZATION, PROCESSING, is_line
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
@@ -174,6 +174,8 @@ def image_of(
         AnalysisError: The survey cannot be read or imaged.
     """
     survey = inputs.load(chosen, catalogue)
+    if chosen.antenna and options.height_m is not None:
+        survey = survey.assign({HEIGHT: xr.full_like(survey[HEIGHT], options.height_m)})
     steps = steps_of(chosen, _default_steps(survey, options))
     processed, status = inputs.process(survey, steps, catalogue)
     outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)

@@ -104,3 +104,4 @@ def test_clean_ground_that_was_imaged_in_another_way_is_refused(tmp_path, capsys
     assert main(["candidates", *paths, str(tmp_path / "clean.nc")]) == DONE
     assert "clean ground" in capsys.readouterr().out
     assert main(["candidates", *paths, str(tmp_path / "survey.nc")]) == REFUSED
+    assert "program error" not in capsys.readouterr().err

@@ -63,6 +63,14 @@ def test_a_reference_where_nothing_is_or_outside_is_refused():
             image_survey(process_survey(survey, *DEFAULT_STEPS), options)
 
 
+@pytest.mark.parametrize(("rows", "columns"), [(1, 1), (2, 2), (1, 5), (5, 1), (5, 5)])
+def test_a_survey_without_ground_beside_the_reference_is_refused(rows, columns):
+    survey, _ = area(UNIANDES, 0)
+    survey = process_survey(survey, *DEFAULT_STEPS).isel(y=slice(rows), x=slice(columns))
+    with raises_fault(faults.NO_PERMITTIVITY):
+        image_survey(survey, ImageOptions(buried=BuriedReference(0.0, 0.0, 0.1)))
+
+
 @pytest.mark.parametrize("depth_m", [0.0, -0.1, 1.5, np.nan])
 def test_a_depth_that_cannot_be_is_refused(depth_m):
     with raises_fault(faults.OPTION):

@@ -296,6 +296,16 @@ def test_every_way_to_the_image_removes_the_surface_too(antennas, model, tmp_pat
     assert "MEASURED at the surface" in page.read_text(encoding="utf-8")
 
 
+def test_a_height_that_is_given_counts_for_the_antennas_too(antennas, model, tmp_path, capsys):
+    survey = antennas.survey(0.1, 5.0)
+    write_dataset(survey.assign(height=survey["height"] * np.nan), tmp_path / "survey.nc")
+    write_dataset(model, tmp_path / "antenna.nc")
+    given = [str(tmp_path / "survey.nc"), "--antenna", str(tmp_path / "antenna.nc")]
+    assert main(["image", *given]) == REFUSED
+    assert main(["image", *given, "--height", "0.1"]) == DONE
+    assert "MEASURED at the surface" in capsys.readouterr().out
+
+
 def test_a_batch_is_computed_again_with_another_model(antennas, model, tmp_path):
     survey, plate = tmp_path / "survey.nc", tmp_path / "antenna.nc"
     write_dataset(antennas.survey(0.1, 5.0), survey)

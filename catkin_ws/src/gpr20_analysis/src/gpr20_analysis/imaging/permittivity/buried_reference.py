@@ -117,13 +117,14 @@ def _echo(traces: Traces, focus: Focus, reference: BuriedReference) -> Tuple[flo
     # Residue of the surface or another body may be as strong: then nothing tells them apart.
     inner = level[1:-1]
     tops = (inner > level[:-2]) & (inner >= level[2:]) & (inner >= STRONG * level.max())
-    if np.count_nonzero(tops) != 1:
+    beside = _beside(traces, reference)
+    if np.count_nonzero(tops) != 1 or len(beside) < FEWEST_BESIDE:
         return 0.0, 0.0
     first = 1 + int(np.argmax(tops))
     before, top, after = level[first - 1 : first + 2]
-    around = levels_at(traces, focus, _beside(traces, reference), optical_m)
+    around = levels_at(traces, focus, beside, optical_m).max(axis=1)
     # Where nothing was buried some echo is the strongest, too, but no stronger than elsewhere.
-    if len(around) < FEWEST_BESIDE or top < STANDS_OUT * np.median(around.max(axis=1)):
+    if top < STANDS_OUT * np.median(around):
         return 0.0, 0.0
     offset = 0.5 * (after - before) / max(2.0 * top - before - after, 1e-300)
     return float(top / np.median(level)), float(optical_m[first] + offset * OPTICAL_STEP_M)
