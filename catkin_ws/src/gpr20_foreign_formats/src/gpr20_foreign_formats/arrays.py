@@ -118,7 +118,8 @@ class _Arrays:
         if isinstance(spec, str) and spec in self.names:
             spec = self.array(key, spec, "fiu", Message("real numbers"))
         found = np.squeeze(np.asarray(spec, np.float64)) * factor
-        if spec is None or isinstance(spec, bool) or not found.size:
+        single = key == DELAY and found.ndim > 0
+        if spec is None or np.asarray(spec).dtype.kind == "b" or not found.size or single:
             raise ValueError(spec)
         return found
 

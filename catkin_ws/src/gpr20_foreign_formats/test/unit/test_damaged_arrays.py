@@ -112,6 +112,8 @@ def test_whatever_the_file_beside_it_says_is_understood_or_refused(key, value):
         ({}, {"height_m": [0.1, 0.1]}, ["height_m", "one for each trace: 5"]),
         ({}, {"height_m": 11}, ["11", "between 0 and 10"]),
         ({}, {"delay_s": 1.0}, ["1e-07"]),
+        ({}, {"delay_s": [0.0, 0.0]}, ["delay_s", "a number"]),
+        ({}, {"x_m": [False, True, True, True, True]}, ["x_m", "a number"]),
         ({}, {"simulated": "no"}, ["true or false"]),
         ({"frequency_hz": np.arange(21.0) + 600}, {}, ["600", "1e+06"]),
         ({"frequency_hz": np.full(21, 1e9)}, {}, ["frequency_hz", "ascend"]),

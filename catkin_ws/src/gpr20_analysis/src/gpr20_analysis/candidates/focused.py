@@ -71,6 +71,12 @@ def field_options(permittivity: Optional[float]) -> ImageOptions:
 
     Args:
         permittivity: As it was chosen; that of a soil has the range of that soil. None: not known.
+
+    Returns:
+        The options, which leave out missing samples.
+
+    Raises:
+        WrongDatasetError: The permittivity is not allowed.
     """
     soil = None if permittivity is None else soil_of(permittivity)
     return ImageOptions(

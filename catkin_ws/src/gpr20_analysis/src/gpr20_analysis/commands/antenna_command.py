@@ -70,8 +70,7 @@ def _heights_m(chosen: argparse.Namespace) -> List[float]:
         )
     for height_m in chosen.height:
         check_range("--height", height_m, 0.001, 10.0, "m")
-    heights_m: List[float] = chosen.height
-    return heights_m
+    return list(chosen.height)
 
 
 COMMAND = Command(

@@ -62,8 +62,7 @@ def permittivity_of_reference(
     """
     if not all(_is_over(one, reference) for one in traces):
         raise _refused(Message("it is outside of the survey"), reference)
-    found: List[Tuple[float, float]] = [_echo(one, focus, reference) for one in traces]
-    level, optical_m = max(found)
+    level, optical_m = max(_echo(one, focus, reference) for one in traces)
     if not level >= CLEAR:
         raise _refused(Message("not one clear echo is below that place"), reference)
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
