@@ -194,7 +194,7 @@ def of_real_line() -> str:
 
 
 def of_buried_metal(count: int) -> str:
-    """Return how often a buried metal body tells the permittivity, and its range holds."""
+    """Return how often a buried metal body gives the permittivity, and its range holds."""
     scenes = [(LINES, number, *line(number)) for number in range(count)]
     for name in (UNIANDES, AREAS):
         scenes += [(name, one, *area(name, one)) for one in range(len(truths(name)))]
@@ -217,7 +217,7 @@ def of_buried_metal(count: int) -> str:
             if not lowest <= truth["permittivity"] <= highest:
                 wrong.append(f"{name} {number}: {lowest:.2f} to {highest:.2f}")
     return (
-        f"permittivity by a buried metal body: told in {accepted} of {bodies}, refused in the "
+        f"permittivity by a buried metal body: found in {accepted} of {bodies}, refused in the "
         f"others; wrong in {len(wrong)} ({', '.join(wrong) or '-'})"
     )
 

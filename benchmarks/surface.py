@@ -1,4 +1,4 @@
-"""The permittivity that the surface of rough soil tells, by fields of Maxwell's equations.
+"""The permittivity from the surface echo of rough soil, by fields of Maxwell's equations.
 
 Usage: scripts/bench.sh surface [--soils 6] [--seed 1]
 
@@ -73,7 +73,7 @@ def measured(
 
 
 def main() -> None:
-    """Print the permittivity of each soil and what its surface tells."""
+    """Print the permittivity of each soil and what is found from its surface echo."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--soils", type=int, default=6)
     parser.add_argument("--seed", type=int, default=1)
@@ -99,8 +99,8 @@ def main() -> None:
         spots = gaussian_filter(surface.astype(float), 5)[SPREAD:, SPREAD:][np.ix_(STOPS, STOPS)]
         place_m = STOPS * CELL_M
         survey = dataset(s21, spots[None] * CELL_M, place_m, place_m, FREQUENCY_HZ)
-        told = without_antenna(survey, model).attrs
-        lowest, best, highest = (told.get(SURFACE_PERMITTIVITY + end, np.nan) for end in ENDS)
+        found = without_antenna(survey, model).attrs
+        lowest, best, highest = (found.get(SURFACE_PERMITTIVITY + end, np.nan) for end in ENDS)
         print(
             f"{permittivity:.2f}, {1e3 * cells * CELL_M:.0f}, {1e3 * rough_m:.1f}: "
             f"{lowest:.2f} to {highest:.2f} ({best:.2f})",

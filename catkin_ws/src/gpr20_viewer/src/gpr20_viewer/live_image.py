@@ -30,7 +30,7 @@ class ImageRequest:
 
     Attributes:
         permittivity: Relative permittivity that was set with the slider; None: that of the options,
-            or what the data tell.
+            or the value found in the data.
         background: Whether the background is subtracted.
         deepest_m: Depth of the deepest layer [m].
         candidates: Whether candidates are searched.

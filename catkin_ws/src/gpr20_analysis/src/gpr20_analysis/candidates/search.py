@@ -98,7 +98,7 @@ def find_candidates(
         image: Dataset of `image_survey`.
         options: What is listed.
         clean_ground: Image of ground of this kind without bodies, made in the same way, whose
-            echoes tell the density of false alarms. None: those of this ground tell it.
+            echoes give the density of false alarms. None: those of this ground do.
 
     Returns:
         The list: the brightest echo whatever its flags, then the others, the strongest above

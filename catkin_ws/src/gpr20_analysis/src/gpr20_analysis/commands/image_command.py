@@ -83,7 +83,7 @@ def add_candidate_options(parser: argparse.ArgumentParser) -> None:
         help="how many echoes of the ground's own clutter per m2 may be as strong as a candidate; "
         f"default {standard.false_alarms_per_m2:g}")  # fmt: skip
     add("--clean-ground", type=Path, metavar="IMAGE",
-        help="image, made in the same way, of such ground without bodies: its echoes tell the "
+        help="image, made in the same way, of such ground without bodies: its echoes give the "
         "density of false alarms")  # fmt: skip
     add("--most", type=int, metavar="N",
         help=f"longest list, in files too; default {standard.most}, of which at most "
@@ -106,7 +106,7 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
     add("--method", choices=METHODS.names(), default=Method.PHASE_SHIFT.name)
     add("--antenna", type=Path, metavar="MODEL",
         help="model of the antennas, by gpr20 antenna, which is removed first of all; the "
-        "reflection of the surface then tells the permittivity")  # fmt: skip
+        "reflection of the surface then gives the permittivity")  # fmt: skip
     add("--permittivity", type=float,
         help="relative permittivity; without this, --soil and --buried it is that of the surface "
         f"(--antenna), else that of any soil is assumed ({ANY_SOIL.lowest:g} to "
@@ -116,7 +116,7 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         f"depths; default {GIVEN_UNCERTAINTY:g}")  # fmt: skip
     add("--soil", choices=list(SOILS), help="kind of soil, with its usual range of permittivity")
     add("--buried", type=float, nargs=3, metavar=("X_MM", "Y_MM", "DEPTH_MM"),
-        help="buried metal object: its place and the depth of its top, which tell the "
+        help="buried metal object: its place and the depth of its top, which give the "
         "permittivity")  # fmt: skip
     add("--depth", type=float, nargs=3, default=(0.0, 0.3, 0.003),
         metavar=("FIRST", "LAST", "STEP"),

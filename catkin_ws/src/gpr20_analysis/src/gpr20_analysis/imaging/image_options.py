@@ -43,7 +43,7 @@ class ImageOptions:
         permittivity_uncertainty: What the given permittivity may be off, as a share of it.
         soil: Kind of soil that a person chose.
         buried: A reference that was buried at a known depth. Of permittivity, soil and reference
-            one may be given. Without any, the reflection of the surface tells the permittivity of
+            one may be given. Without any, the reflection of the surface gives the permittivity of
             data after the step `antenna`, else echoes.
     """
 

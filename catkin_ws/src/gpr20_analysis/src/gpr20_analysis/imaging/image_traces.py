@@ -148,7 +148,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     if of_surface and options.buried is not None:
         raise WrongDatasetError(
             Message(
-                "{note}; with that a buried reference tells a wrong permittivity: give the delay "
+                "{note}; with that a buried reference gives a wrong permittivity: give the delay "
                 "with --delay, or the distance of the antennas with --separation",
                 note=of_surface[0],
             ),

@@ -125,7 +125,7 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
     """Remove what the antennas add: coupling, ringing, delay and the colour of their response.
 
     What is left is what comes back from the ground: a mirror at a path of 1 m would have magnitude
-    1. The reflection of the surface tells its permittivity, which images use if none is given.
+    1. The reflection of the surface gives its permittivity, which images use if none is given.
 
     Args:
         survey: Dataset with `s21` as measured.
@@ -157,7 +157,7 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
 
 
 def _described(cleaned: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
-    """Return data without antennas with what their surface tells."""
+    """Return data without antennas with what is known of their surface."""
     antennas = [_model(model, turn) for turn in range(model.sizes[POLARIZATION])]
     separation_m = float(model.attrs[SEPARATION])
     rows, columns = (
@@ -182,15 +182,15 @@ def _described(cleaned: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
     if later_s:
         attributes[SURFACE_DELAY] = delay_s + float(np.median(later_s))
     cleaned = cleaned.assign_attrs({**cleaned.attrs, **attributes})
-    told = [one for one in found if one is not None]
-    if not told or max(one[0] for one in told) > min(one[2] for one in told):
+    accepted = [one for one in found if one is not None]
+    if not accepted or max(one[0] for one in accepted) > min(one[2] for one in accepted):
         note = Message(
-            "the reflection of the surface does not tell its permittivity: it is not clear, the "
+            "the reflection of the surface does not give its permittivity: it is not clear, the "
             "antennas are too near for the distance between them, or the rotations contradict each "
             "other"
         )
         return cleaned.assign_attrs(with_notes(cleaned, [note]))
-    ends = np.mean(np.log(told), axis=0)
+    ends = np.mean(np.log(accepted), axis=0)
     names = (SURFACE_PERMITTIVITY + end for end in ENDS)
     return cleaned.assign_attrs(dict(zip(names, np.exp(ends).tolist())))
 

@@ -28,7 +28,7 @@ WIDEST_RATIO = 2.25
 def surface_permittivity(
     ground: np.ndarray, path_m: np.ndarray, model: AntennaModel, separation_m: float
 ) -> Optional[Tuple[float, float, float]]:
-    """Return lowest, best and highest permittivity, or None if the reflection tells too little.
+    """Return lowest, best and highest permittivity, or None if the reflection is not clear enough.
 
     Args:
         ground: What comes back from the ground (trace, frequency).

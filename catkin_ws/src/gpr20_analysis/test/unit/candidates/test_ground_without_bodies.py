@@ -74,7 +74,7 @@ def test_the_default_command_images_every_shape(tmp_path, capsys, rows, columns)
 
 
 @pytest.mark.parametrize("ground", ["cluttered", "rough, cluttered and lossy"])
-def test_clean_ground_of_the_site_tells_no_smaller_density_than_there_is(ground):
+def test_clean_ground_of_the_site_gives_no_smaller_density_than_there_is(ground):
     images = [
         image_survey(
             process_survey(line(number)[0], *DEFAULT_STEPS),

@@ -32,7 +32,7 @@ def holds(survey, truth, body, y_m=0.0):
     return lowest <= truth["permittivity"] <= highest
 
 
-def test_metal_under_lines_tells_the_permittivity():
+def test_metal_under_lines_gives_the_permittivity():
     held = []
     for number, truth in enumerate(truths(LINES)):
         metal = [body for body in truth["bodies"] if "metal" in body["kind"]]
@@ -43,7 +43,7 @@ def test_metal_under_lines_tells_the_permittivity():
 
 
 @pytest.mark.parametrize("name", [UNIANDES, AREAS])
-def test_flat_metal_under_areas_tells_it_too(name):
+def test_flat_metal_under_areas_gives_it_too(name):
     accepted = 0
     for number, truth in enumerate(truths(name)):
         survey, _ = area(name, number)
@@ -91,12 +91,12 @@ def test_a_chosen_soil_has_its_usual_range():
     assert [image.attrs[f"permittivity{end}"] for end in ("_lowest", "", "_highest")] == [3, 4, 5]
 
 
-def test_where_nothing_is_buried_hardly_any_place_tells_a_permittivity():
-    told = []
+def test_where_nothing_is_buried_hardly_any_place_gives_a_permittivity():
+    accepted = []
     for number in range(0, len(truths(LINES)), 8):
         survey, truth = line(number)
         for x_m in np.arange(0.1, 0.9, 0.2):
             if all(abs(body["x_m"] - x_m) > 0.12 for body in truth["bodies"]):
-                told.append(holds(survey, truth, {"x_m": float(x_m), "top_m": 0.1}) is not None)
-    assert len(told) > 50
-    assert np.mean(told) < 0.06
+                accepted.append(holds(survey, truth, {"x_m": float(x_m), "top_m": 0.1}) is not None)
+    assert len(accepted) > 50
+    assert np.mean(accepted) < 0.06

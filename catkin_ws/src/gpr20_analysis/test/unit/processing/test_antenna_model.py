@@ -1,4 +1,4 @@
-"""The model of the antennas from a metal plate, and what the surface tells with it.
+"""The model of the antennas from a metal plate, and what is found from the surface with it.
 
 Ground and plate are computed exactly: the field that a horizontal dipole gets back from a layered
 half space, as an integral over plane waves (Michalski and Mosig, "Multilayered media Green's
@@ -123,7 +123,7 @@ def model(antennas):
     return antennas.model()
 
 
-def test_the_reflection_of_the_surface_tells_the_permittivity():
+def test_the_reflection_of_the_surface_gives_the_permittivity():
     held = []
     widths = []
     for seed in range(SCENES):
@@ -247,14 +247,14 @@ def two(survey, other):
     return xr.concat([survey, other.assign_coords(polarization=[90.0])], "polarization")
 
 
-def test_rotations_that_contradict_each_other_tell_nothing(antennas):
+def test_rotations_that_contradict_each_other_give_nothing(antennas):
     plates = [antennas.survey(one, METAL, PLACE_M[:2]) for one in PLATE_M]
     model = antenna_of([two(one, one) for one in plates])
     dry, wet = (antennas.survey(0.1, one) for one in (3.0, 12.0))
     assert SURFACE_PERMITTIVITY in without_antenna(two(dry, dry), model).attrs
-    told = without_antenna(two(dry, wet), model)
-    assert SURFACE_PERMITTIVITY not in told.attrs
-    assert "contradict" in " ".join(map(str, sentences_of(told, "notes")))
+    differing = without_antenna(two(dry, wet), model)
+    assert SURFACE_PERMITTIVITY not in differing.attrs
+    assert "contradict" in " ".join(map(str, sentences_of(differing, "notes")))
 
 
 def test_a_plate_without_data_of_a_rotation_is_named(antennas):

@@ -157,7 +157,7 @@ class MainWindow(QMainWindow):
         self._problem = None
         self.is_computing = image.request != self._last_request
         if self._wanted.permittivity is None and not self.is_computing:
-            # The slider starts at what the data told, or at what was assumed.
+            # The slider starts at the value found, or at what was assumed.
             self.controls.show_permittivity(image.permittivity)
         self.candidates.show_candidates(image.candidates)
         self._search()

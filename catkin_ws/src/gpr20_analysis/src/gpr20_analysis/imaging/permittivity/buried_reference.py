@@ -113,7 +113,7 @@ def _echo(traces: Traces, focus: Focus, reference: BuriedReference) -> Tuple[flo
         for y_m in (AWAY_M if len(traces.y_m) > 1 else [0.0])
     ]
     level = levels_at(traces, focus, places, optical_m).max(axis=0)
-    # Residue of the surface or another body may be as strong: then nothing tells them apart.
+    # Residue of the surface or another body may be as strong: then they cannot be distinguished.
     inner = level[1:-1]
     tops = (inner > level[:-2]) & (inner >= level[2:]) & (inner >= STRONG * level.max())
     beside = _beside(traces, reference)
@@ -132,7 +132,7 @@ def _echo(traces: Traces, focus: Focus, reference: BuriedReference) -> Tuple[flo
 def _refused(reason: Message, reference: BuriedReference) -> WrongDatasetError:
     return WrongDatasetError(
         Message(
-            "the buried reference at x {x_mm:.0f} mm, y {y_mm:.0f} mm tells no permittivity: "
+            "the buried reference at x {x_mm:.0f} mm, y {y_mm:.0f} mm gives no permittivity: "
             "{reason}; check its place, or give the permittivity",
             x_mm=MM_PER_M * reference.x_m,
             y_mm=MM_PER_M * reference.y_m,

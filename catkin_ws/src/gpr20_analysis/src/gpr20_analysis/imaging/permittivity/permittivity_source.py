@@ -22,14 +22,14 @@ def permittivity_of(
     """Return the permittivity of an image, and how it is known.
 
     Args:
-        survey: The survey; after the step `antenna` its surface tells a permittivity.
+        survey: The survey; after the step `antenna` its surface gives a permittivity.
         traces: Its traces, one item per polarization.
         focus: Window and antenna separation.
         options: What a person gave; without anything, and without that of the surface, any soil
             is assumed.
 
     Raises:
-        WrongDatasetError: The buried reference does not tell it.
+        WrongDatasetError: The buried reference does not give it.
     """
     measured = _of_surface(survey)
     given, share = options.permittivity, options.permittivity_uncertainty
