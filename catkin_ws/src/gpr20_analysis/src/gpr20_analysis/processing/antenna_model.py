@@ -101,12 +101,15 @@ def _of_centre(
         # By how much each path is longer, from the phase that is left.
         level = np.abs(explained) ** 2
         turned = np.angle((s21 - model.internal) * explained.conj())
-        step_m = -np.sum(level * turned * wave, axis=1) / np.sum(level * wave**2, axis=1)
+        weight = np.maximum(np.sum(level * wave**2, axis=1), 1e-300)
+        step_m = -np.sum(level * turned * wave, axis=1) / weight
         step_m -= step_m.mean()
         moved_m = moved_m + step_m
         if np.abs(step_m).max() < SETTLED_M:
             break
-    misfit = float(np.sqrt(np.sum(np.abs(left) ** 2) / max(differing, 1e-300)))
+    # Surveys that do not differ are explained by anything, which explains nothing.
+    alike = differing <= 1e-20 * float(np.sum(np.abs(s21) ** 2))
+    misfit = 1.0 if alike else float(np.sqrt(np.sum(np.abs(left) ** 2) / differing))
     return replace(model, misfit=misfit, moved_m=tuple((0.5 * moved_m).tolist()))
 
 
@@ -124,6 +127,5 @@ def _solved(
     scale = np.maximum(np.linalg.norm(columns, axis=1), 1e-300)
     inverse = np.linalg.pinv(columns / scale[:, None], rcond=SMALLEST_SHARE)
     found = np.einsum("fkh,hf->kf", inverse, s21) / scale.T
-    internal, feedback = found[0], found[2]
-    transmission = found[1] + internal * feedback
-    return AntennaModel(frequency_hz, internal, transmission, feedback, centre_m)
+    transmission = found[1] + found[0] * found[2]
+    return AntennaModel(frequency_hz, found[0], transmission, found[2], centre_m)

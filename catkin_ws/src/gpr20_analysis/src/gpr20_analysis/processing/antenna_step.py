@@ -29,15 +29,10 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.antenna_delay import REMOVED
 from gpr20_analysis.processing.antenna_model import FEWEST_HEIGHTS, AntennaModel, fit_antenna
 from gpr20_analysis.processing.delay import known_height
-from gpr20_analysis.processing.surface_echo import (
-    MOST_COLUMNS,
-    MOST_ROWS,
-    SURFACE_DELAY,
-    spread,
-)
+from gpr20_analysis.processing.surface_echo import MOST_COLUMNS, MOST_ROWS, SURFACE_DELAY, spread
 from gpr20_analysis.processing.surface_reflection import surface_permittivity
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.processing.time_zero import strongest_s
+from gpr20_analysis.processing.time_zero import LEAST_SHARE, strongest_s
 from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
@@ -53,7 +48,6 @@ MOST_MISFIT = 0.25
 # Of the largest transmission: what is fainter is attenuated, since its noise would be amplified.
 FAINT = 10.0 ** (-30.0 / 20.0)
 SURFACE_WITHIN_S = 0.4e-9
-LEAST_SHARE = 0.6
 # Steps that leave the spectra of a trace as they were measured.
 HARMLESS = ("fill", "polarization")
 

@@ -198,6 +198,14 @@ def test_what_is_no_plate_is_refused(antennas):
         antenna_of(plates)
 
 
+def test_one_survey_under_many_names_is_refused(antennas):
+    plate = antennas.survey(0.1, METAL, PLACE_M[:2])
+    heights_m = [0.06, 0.075, 0.095, 0.125, 0.17]
+    for one in (plate, plate.assign(s21=plate["s21"] * 0.0)):
+        with raises_fault(faults.PLATE):
+            antenna_of([one.assign(height=one["height"] * 0.0 + height) for height in heights_m])
+
+
 def test_a_model_of_another_sweep_or_rotation_is_refused(antennas, model):
     survey = antennas.survey(0.1, 5.0)
     for other in (survey.isel(frequency=slice(1, None)), survey.assign_coords(polarization=[90.0])):
