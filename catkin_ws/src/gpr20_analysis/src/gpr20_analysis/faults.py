@@ -47,6 +47,11 @@ NOT_INTACT = Fault(
     ),
     replaces=True,
 )
+IMPORT_NOT_INTACT = Fault(
+    "analysis.import_not_intact",
+    Message("Import the source again, and use that survey in place of this one."),
+    replaces=True,
+)
 ZEROS_UNPROVEN = Fault(
     "analysis.zeros_unproven",
     Message(

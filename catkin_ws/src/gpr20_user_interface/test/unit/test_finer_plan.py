@@ -12,7 +12,7 @@ from gpr20_user_interface.mid.finer_plan import (
     proposed_spacing,
     spacing_of,
 )
-from gpr20_user_interface.mid.map_grid import SurveyGrid
+from gpr20_user_interface.mid.map_grid import SurveyGrid, planned_places
 
 
 def test_a_plan_has_half_the_spacing_and_all_else_of_the_survey():
@@ -23,9 +23,9 @@ def test_a_plan_has_half_the_spacing_and_all_else_of_the_survey():
     assert (p.x_start_mm, p.x_stop_mm, p.x_points) == (100.0, 200.0, 21)
     assert (p.y_start_mm, p.y_stop_mm, p.y_points) == (30.0, 130.0, 21)
     assert plan.refines == SURVEY
-    assert p.polarizations_deg == grid.parameters.polarizations_deg
-    assert p.sweep_settings == grid.parameters.sweep_settings
-    assert p.vna_address == grid.parameters.vna_address
+    assert p.polarizations_deg == grid.plan[0].polarizations_deg
+    assert p.sweep_settings == grid.plan[0].sweep_settings
+    assert p.vna_address == grid.plan[0].vna_address
 
 
 def test_any_plan_can_be_measured_and_reaches_its_place():
@@ -35,7 +35,7 @@ def test_any_plan_can_be_measured_and_reaches_its_place():
         travel = RobotTravel(
             Travel(lowest, highest, source.choice([0.01, 0.1, 0.0125])), TRAVEL.y, TRAVEL.z
         )
-        grid = SurveyGrid(SURVEY, make_grid().parameters, travel, True)
+        grid = SurveyGrid(SURVEY, planned_places(make_grid().plan[0], travel), True)
         x_mm, y_mm = source.uniform(lowest, min(highest, 800)), source.uniform(0, 800)
         size_mm = source.choice([*SIZES_MM, 3.0])
         spacing_mm = source.choice([0.1, 1.0, 2.5, 7.3, 20.0, 90.0])
@@ -66,8 +66,8 @@ def test_a_place_at_the_edge_of_travel_gets_the_part_that_can_be_reached():
 
 def test_an_axis_without_travel_is_refused():
     travel = RobotTravel(Travel(0.0, 0.005, 0.01), TRAVEL.y, TRAVEL.z)
-    grid = SurveyGrid(SURVEY, make_grid().parameters, TRAVEL, True)
-    grid.travel = travel
+    grid = SurveyGrid(SURVEY, planned_places(make_grid().plan[0], TRAVEL), True)
+    grid.plan = (grid.plan[0], travel)
     with pytest.raises(InvalidValueError):
         plan_finer(grid, 0.0, 0.0, 100.0, 5.0)
 

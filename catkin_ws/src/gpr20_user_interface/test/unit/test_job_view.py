@@ -26,7 +26,7 @@ def shown(code, message="as it is", **other):
     values = {
         "state": ControlState(code, verbatim(message), "id", True),
         "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
-        "job_parameters": make_grid().parameters,
+        "job_parameters": make_grid().plan[0],
         **other,
     }
     return snapshot(code, **values)

@@ -38,7 +38,7 @@ def runs_of(coverage, survey_id=SURVEY):
 def test_every_place_of_the_plan_is_where_main_control_goes(columns, rows, rotations, reverse):
     ends = {"x_start_mm": 200.0, "x_stop_mm": 100.0} if reverse else {}
     grid = make_grid(columns, rows, rotations, **ends)
-    points = survey_points(grid.parameters, TRAVEL)
+    points = survey_points(grid.plan[0], TRAVEL)
     assert grid.planned == len(points)
     for point in points:
         found = grid.cell(point.index)

@@ -15,7 +15,7 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.mid.axis_report import AxisReport
 from gpr20_user_interface.mid.events import ControlState, RobotDefaults
-from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid
+from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid, planned_places
 from gpr20_user_interface.mid.survey_model import Snapshot
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
@@ -48,7 +48,8 @@ def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVE
         "y_points": y_points,
         "polarizations_deg": tuple(rotations_deg),
     }
-    return SurveyGrid(survey_id, SurveyParameters(**{**values, **changes}), TRAVEL, True)
+    parameters = SurveyParameters(**{**values, **changes})
+    return SurveyGrid(survey_id, planned_places(parameters, TRAVEL), True)
 
 
 def description(**changes):
@@ -60,7 +61,7 @@ def description(**changes):
         "simulated": True,
         "axes": {"x": axis, "y": {**axis, "max_coord": 800.0}, "z": turning},
         "parameters": {
-            **make_grid().parameters.__dict__,
+            **make_grid().plan[0].__dict__,
             "polarizations_deg": [0.0, 90.0],
         },
     }

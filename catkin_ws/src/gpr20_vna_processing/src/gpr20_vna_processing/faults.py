@@ -20,6 +20,7 @@ FOLDER_EXISTS = Fault(
     Message("Choose another survey id: the window does so when you start again."),
 )
 COMPLETE = Fault("survey.complete", remedies.NEW_SURVEY, severity=Severity.NOTE, can_continue=False)
+IMPORTED = Fault("survey.imported", remedies.NEW_SURVEY, severity=Severity.NOTE, can_continue=False)
 TRACES_NOT_PLANNED = Fault("survey.traces_not_planned", DESCRIPTION_LOST.remedy, can_continue=False)
 OTHER_DESCRIPTION = Fault("survey.other_description", DESCRIPTION_LOST.remedy, can_continue=False)
 TRACE_ALREADY_STORED = Fault("trace.already_stored", remedies.KEEP_SURVEY)

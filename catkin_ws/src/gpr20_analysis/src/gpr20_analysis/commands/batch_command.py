@@ -30,6 +30,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_common.terminal_text import say
+from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.survey_folder import SURVEY_FILE, TRACES_FOLDER
 
 FAILURE = 1
@@ -145,6 +146,8 @@ def _jobs(chosen: argparse.Namespace) -> List[Job]:
 def _surveys(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
     """Yield each survey at a path, and the name of its result."""
     below = [] if (given / SURVEY_FILE).exists() else sorted(given.rglob(SURVEY_FILE))
+    # An import that is being written, or was cut off, is no survey.
+    below = [one for one in below if not is_temporary(one.parent.name)]
     # An export can look like a survey.
     found = [one for one in below if into not in one.absolute().parents]
     for described in found:

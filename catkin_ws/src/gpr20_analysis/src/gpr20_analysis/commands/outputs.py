@@ -92,6 +92,22 @@ def check(outputs: Sequence[Output], inputs: Sequence[Path], overwrite: bool) ->
             _check_parent(output.path, place)
 
 
+def check_survey_folders(data: Path, inputs: Sequence[Path]) -> None:
+    """Check that a folder of surveys can take another one.
+
+    Args:
+        data: The folder.
+        inputs: Inputs of the command, which are never written.
+
+    Raises:
+        ExportError: It cannot or must not be written.
+    """
+    inside = data.absolute().resolve() / "survey"
+    for place in (inside, inside.parent):
+        _check_apart(data, place, inputs)
+    _check_parent(data, inside)
+
+
 def _check_apart(path: Path, place: Path, inputs: Sequence[Path]) -> None:
     if place in [one.resolve() for one in inputs]:
         raise ExportError(

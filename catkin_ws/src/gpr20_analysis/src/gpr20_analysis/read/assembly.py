@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 import xarray as xr
@@ -19,8 +19,9 @@ from gpr20_analysis.read.aux_variables import aux_variables
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
-from gpr20_analysis.sentences import first_of, with_sentences
+from gpr20_analysis.sentences import NOTES, first_of, sentences_of, with_sentences
 from gpr20_common.message import Message
+from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
 from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.trace.utc_time import NS_PER_US
 
@@ -111,6 +112,9 @@ class _Assembly:
     def __init__(self, source: SurveySource, plan: Optional[Plan], table: TraceTable) -> None:
         self._source = source
         self._plan = plan
+        imported = import_of(source.description or {})
+        # Of an import: of a sample one time at most, and none of its sweep.
+        self._known = (imported.get(TIMES_KNOWN) is True, False, False) if imported else 3 * (True,)
         self._table = table
         self._notes = source.notes + table.notes()
         self.faults = source.faults + table.faults
@@ -211,7 +215,13 @@ class _Assembly:
             return placed(values, "", f"<U{max([1, *map(len, values)])}")
 
         never = np.datetime64("NaT", "ns").astype(np.int64)
-        times_ns = [[NS_PER_US * one for one in sample.times_us] for sample in samples]
+        times_ns = [
+            [
+                NS_PER_US * one if known else never
+                for one, known in zip(sample.times_us, self._known)
+            ]
+            for sample in samples
+        ]
         timestamp, started, ended = (
             placed([one[place] for one in times_ns], never, np.int64).astype("datetime64[ns]")
             for place in range(3)
@@ -252,7 +262,10 @@ class _Assembly:
 
     def _attributes(self) -> Dict[str, Any]:
         description = self._source.description or {}
+        imported = _imported_attributes(description)
+        self._notes += sentences_of(xr.Dataset(attrs=imported), NOTES)
         attributes: Dict[str, Any] = {
+            **imported,
             "format": dataset.FORMAT,
             "source": self._source.name,
             "survey_id": self._table.survey_id,
@@ -266,8 +279,23 @@ class _Assembly:
         faults = [fault.message for fault in self.faults]
         attributes = with_sentences(attributes, missing=[], faults=faults, notes=self._notes)
         if description:
-            attributes["simulated"] = int(bool(description.get("simulated")))
+            if "simulated" in description or not is_imported(description):
+                attributes["simulated"] = int(bool(description.get("simulated")))
             attributes["survey_json"] = json.dumps(description)
-        if self._plan:
+        if self._plan and not is_imported(description):
             attributes["planned"] = len(self._plan.points)
         return attributes
+
+
+def _imported_attributes(description: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return what an import kept of its source's attributes."""
+    found = import_of(description).get("attributes")
+    return {
+        str(name): value
+        for name, value in (found.items() if isinstance(found, Mapping) else ())
+        if isinstance(value, (str, int, float)) or _is_list_of_texts(value)
+    }
+
+
+def _is_list_of_texts(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(one, str) for one in value)

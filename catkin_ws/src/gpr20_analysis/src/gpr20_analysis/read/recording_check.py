@@ -53,7 +53,8 @@ class RecordingCheck:
             stored: Fingerprint of each trace that has a readable JSON file.
             on_trace: Called with each trace in the order of measurement.
         """
-        if self._indexed:
+        # An imported survey has none.
+        if self._indexed and self._found.imported is None:
             self._check_traces(survey_folder.BAG_FILE, stored, _ignore)
         before = len(self._found.faults)
         self._check_traces(survey_folder.MCAP_FILE, stored, on_trace)

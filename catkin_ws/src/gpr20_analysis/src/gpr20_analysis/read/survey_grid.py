@@ -11,6 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_survey.plan.imported import ImportedFit, is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.trace.trace import Trace
@@ -133,7 +134,10 @@ def _filled(values: Tuple[float, ...], name: str, notes: List[Message]) -> Tuple
 
 
 class Plan:
-    """The planned samples of a survey, computed from its survey.json."""
+    """The planned samples of a survey, computed from its survey.json.
+
+    Of an imported survey, which has no plan, the places of its grid.
+    """
 
     def __init__(self, description: Dict[str, Any]) -> None:
         """Compute the plan.
@@ -142,7 +146,8 @@ class Plan:
             AnalysisError: Parameters or axes are missing or invalid.
         """
         try:
-            self._fit = PlanFit(description)
+            fit = ImportedFit if is_imported(description) else PlanFit
+            self._fit = fit(description)
         except InvalidValueError as error:
             raise AnalysisError(
                 Message("the plan is unknown: survey.json: {reason}", reason=error.message),

@@ -26,12 +26,14 @@ from gpr20_survey.folder import (
     survey_metadata,
     trace_files,
 )
+from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
     recover_with_recording,
     unconfirmed_message,
 )
+from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
 from gpr20_survey.plan.zero_history import unproven_zeros
 
 FILES = (
@@ -120,6 +122,7 @@ class _Verifier:
             closed=self._indexed and not interrupted,
             writer=writer or "",
             has_log=recovered.found.has_log,
+            imported=import_sentence(description) if is_imported(description) else None,
         )
         self._zeros: List[Zeros] = []
         self._is_adding = False  # the manifest names an entry that is being added to the log
@@ -246,8 +249,33 @@ class _Verifier:
         except AnalysisError as error:
             self._found.fault(error.message)
             return None
-        self._found.planned = len(plan.points)
+        if self._found.imported is None:
+            self._found.planned = len(plan.points)
+        else:
+            self._note_import(len(plan.points))
         return plan
+
+    def _note_import(self, places: int) -> None:
+        found = import_of(self._description)
+        self._found.note(
+            Message(
+                "imported by {software} at {time} from {source} (files: {files}, SHA-256 {sha256})",
+                software=str(found.get("software")),
+                time=str(found.get("time")),
+                source=str(found.get("source")),
+                files=str(found.get("files")),
+                sha256=str(found.get("sha256")),
+            )
+        )
+        absent = places - int(self._description.get("stored_traces") or 0)
+        if absent > 0:
+            self._found.note(
+                Message("the source has no data at {count} places of its grid", count=absent)
+            )
+        if found.get(TIMES_KNOWN) is not True:
+            self._found.note(
+                Message("the source says no times: those of the traces are that of the import")
+            )
 
     def _check_trace(self, plan: Optional[Plan], index: int, name: str) -> None:
         if plan is None:
@@ -295,6 +323,7 @@ class _Verifier:
             ]
             if log.behind:
                 self._note_behind()
+        self._found.faults += photo_faults(self._folder, log.records)
         named = self._recovered.all_unconfirmed
         self._found.unconfirmed = tuple(named)
         if named:
@@ -327,6 +356,8 @@ class _Verifier:
                     readable=readable,
                 )
             )
+        if self._found.imported is not None:
+            return  # it claims nothing else
         planned = recorded.get("planned_traces", self._found.planned)
         if self._found.planned is not None and planned != self._found.planned:
             self._found.fault(

@@ -40,6 +40,8 @@ class Verification:
     """Names of the entries of survey.json that nothing vouches for."""
     writer: str = ""
     """Number of the process that writes the survey; empty: nobody does."""
+    imported: Optional[Message] = None
+    """From what an imported survey was made, which has no plan; None: a survey of the robot."""
     has_log: bool = True
     """Whether it has a log; a survey of an earlier version has none."""
 
@@ -57,6 +59,7 @@ class Verification:
             "status": self.status,
             "planned": self.planned,
             "stored": self.stored,
+            "imported": self.imported is not None,
             "unproven": self.unproven,
             "sealed": self.sealed,
             "closed": self.closed,
@@ -72,7 +75,10 @@ class Verification:
 
     @property
     def status(self) -> int:
-        """0 complete and intact, 2 damaged or contradictory, 1 anything between."""
+        """0 complete and intact, 2 damaged or contradictory, 1 anything between.
+
+        An imported survey is never 0: nothing says what was to be measured.
+        """
         if self.faults:
             return DAMAGED
         return COMPLETE if self._is_whole and not self._has_doubts else INCOMPLETE
@@ -91,10 +97,15 @@ class Verification:
         """The result in one sentence, with the fault that it reports."""
         if self.faults:
             of_manifest = all(one.fault_code == faults.MANIFEST.code for one in self.faults)
-            return self._sentence.with_fault(faults.MANIFEST if of_manifest else faults.NOT_INTACT)
+            if of_manifest:
+                return self._sentence.with_fault(faults.MANIFEST)
+            imported = self.imported is not None
+            return self._sentence.with_fault(
+                faults.IMPORT_NOT_INTACT if imported else faults.NOT_INTACT
+            )
         if self.writer:
             return self._sentence.with_fault(LOCKED)
-        if not self._is_whole:
+        if self.imported is None and not self._is_whole:
             return self._sentence.with_fault(faults.NOT_COMPLETE)
         if self.unproven:
             return self._sentence.with_fault(faults.ZEROS_UNPROVEN)
@@ -116,6 +127,8 @@ class Verification:
                 process=self.writer,
                 counted=self._counted,
             )
+        if self.imported is not None:
+            return self._imported_sentence(self.imported)
         if self._is_whole and self.unproven:
             return Message(
                 "POSITIONS NOT PROVEN: all {planned} planned traces are stored and intact, but "
@@ -150,8 +163,26 @@ class Verification:
             counted=self._counted,
         )
 
+    def _imported_sentence(self, imported: Message) -> Message:
+        if self.unconfirmed:
+            return Message(
+                "IMPORTED, except {count} entries UNCONFIRMED: {counted}, but nothing vouches for "
+                "{names}",
+                count=len(self.unconfirmed),
+                counted=self._counted,
+                names=", ".join(self.unconfirmed[:SHOWN]),
+            )
+        return Message(
+            "IMPORTED, files intact: {counted}, {imported}; it has no plan, so nothing says what "
+            "is missing",
+            counted=self._counted,
+            imported=imported,
+        )
+
     @property
     def _counted(self) -> Message:
+        if self.imported is not None:
+            return Message("{stored} traces are stored and readable", stored=self.stored)
         if self.planned is None:
             return Message(
                 "{stored} of an unknown number of planned traces are stored and readable",

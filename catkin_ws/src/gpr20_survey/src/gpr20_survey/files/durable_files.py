@@ -130,16 +130,28 @@ def _holds(path: Path, data: bytes) -> bool:
         return stream.read(len(data) + 1) == data
 
 
+def write_in_new_folder(path: Path, data: bytes) -> None:
+    """Write a new file into a folder that nobody reads yet; return when its content is durable.
+
+    Its name is durable after `sync_path` of the folder.
+
+    Raises:
+        FileExistsError: The file exists.
+        OSError: The disk refused; the file may be there in part.
+    """
+    descriptor = access.open_new(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+    with open(descriptor, "wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(descriptor)
+
+
 def _write_temporary(path: Path, data: bytes) -> Path:
     temporary = temporary_path(path)
-    descriptor = access.open_new(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
     try:
-        with open(descriptor, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(descriptor)
+        write_in_new_folder(temporary, data)
     except OSError:
-        temporary.unlink()
+        temporary.unlink(missing_ok=True)
         raise
     return temporary
 

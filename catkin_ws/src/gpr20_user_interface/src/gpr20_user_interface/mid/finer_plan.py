@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Tuple
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
     SurveyParameters,
@@ -102,11 +104,16 @@ def plan_finer(
     Raises:
         InvalidValueError: The robot cannot measure it.
     """
+    if grid.plan is None:
+        raise InvalidValueError(
+            Message("an imported survey has no plan that could be measured more finely")
+        )
+    own, travel = grid.plan
     spacing_mm = clipped_spacing(spacing_mm)
-    x_start_mm, x_stop_mm, x_points = _stops(x_mm, size_mm, spacing_mm, grid.travel.x)
-    y_start_mm, y_stop_mm, y_points = _stops(y_mm, size_mm, spacing_mm, grid.travel.y)
+    x_start_mm, x_stop_mm, x_points = _stops(x_mm, size_mm, spacing_mm, travel.x)
+    y_start_mm, y_stop_mm, y_points = _stops(y_mm, size_mm, spacing_mm, travel.y)
     parameters = replace(
-        grid.parameters,
+        own,
         x_start_mm=x_start_mm,
         x_stop_mm=x_stop_mm,
         x_points=x_points,
@@ -114,7 +121,7 @@ def plan_finer(
         y_stop_mm=y_stop_mm,
         y_points=y_points,
     )
-    check(parameters, grid.travel)
+    check(parameters, travel)
     return FinerPlan(grid.survey_id, x_mm, y_mm, size_mm, spacing_mm, parameters)
 
 

@@ -11,6 +11,8 @@ import numpy as np
 SMALLEST_PART = 1.0 / 2.0
 # What is then shown of the ground around it, as a part of its own size on each side.
 GROUND_AROUND = 0.25
+# How wide a single line is drawn, as a part of its length.
+LINE_PART = 0.1
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ def fit(
         around: Areas of other surveys that should be seen too, unless the stops would become
             too small.
     """
-    own = Area(*_span(xs_mm), *_span(ys_mm))
+    own = Area(*_span(xs_mm, ys_mm), *_span(ys_mm, xs_mm))
     shown = _shown(own, around)
     left_px, top_px, room_width_px, room_height_px = screen_px
     scale = max(min(room_width_px / shown.width_mm, room_height_px / shown.height_mm), 1e-6)
@@ -138,7 +140,10 @@ def _shown(own: Area, around: Iterable[Area]) -> Area:
     return own.grown(GROUND_AROUND * max(own.width_mm, own.height_mm))
 
 
-def _span(places_mm: np.ndarray) -> Tuple[float, float]:
-    spacing_mm = abs(places_mm[1] - places_mm[0])
+def _span(places_mm: np.ndarray, others_mm: np.ndarray) -> Tuple[float, float]:
+    if len(places_mm) > 1:
+        spacing_mm = abs(places_mm[1] - places_mm[0])
+    else:
+        spacing_mm = max(LINE_PART * float(np.ptp(others_mm)), 1.0)
     lowest_mm, highest_mm = float(places_mm.min()), float(places_mm.max())
     return lowest_mm - spacing_mm / 2.0, highest_mm + spacing_mm / 2.0

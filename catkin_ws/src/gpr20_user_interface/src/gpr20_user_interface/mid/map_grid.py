@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Any, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.recorded_plan import recorded_plan
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_plan import grid, on_step
@@ -34,29 +36,53 @@ class Cell:
     polarization: int
 
 
+@dataclass(frozen=True)
+class Places:
+    """Where the traces of a survey lie.
+
+    Attributes:
+        xs_mm: Columns.
+        ys_mm: Rows.
+        rotations_deg: Polarizations.
+        tolerances: How far a trace may be from its place along x and y [mm], and z [deg].
+        plan: What the survey measures, and the limits of the axes; None: it was imported.
+    """
+
+    xs_mm: np.ndarray
+    ys_mm: np.ndarray
+    rotations_deg: Tuple[float, ...]
+    tolerances: Tuple[float, float, float]
+    plan: Optional[Tuple[SurveyParameters, RobotTravel]] = None
+
+
+def planned_places(parameters: SurveyParameters, travel: RobotTravel) -> Places:
+    """Return the places of a plan, which lie on motor steps."""
+    p = parameters
+    return Places(
+        np.array(grid(p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
+        np.array(grid(p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
+        tuple(on_step(one, travel.z) for one in p.polarizations_deg),
+        (travel.x.step / 2, travel.y.step / 2, travel.z.step / 2),
+        (parameters, travel),
+    )
+
+
 class SurveyGrid:
-    """The planned places of one survey.
+    """The places of one survey: those that were planned, or those of an import.
 
     Args:
         survey_id: UUID.
-        parameters: What the survey measures.
-        travel: Limits of the axes; coordinates lie on motor steps.
+        places: Where its traces lie.
         simulated: The data show no real ground.
     """
 
-    def __init__(
-        self, survey_id: str, parameters: SurveyParameters, travel: RobotTravel, simulated: bool
-    ) -> None:
-        p = parameters
+    def __init__(self, survey_id: str, places: Places, simulated: bool) -> None:
         self.survey_id = survey_id
         self.simulated = simulated
-        self.parameters = p
-        self.travel = travel
-        self.xs_mm = np.array(grid(p.x_start_mm, p.x_stop_mm, p.x_points, travel.x))
-        self.ys_mm = np.array(grid(p.y_start_mm, p.y_stop_mm, p.y_points, travel.y))
-        self.rotations_deg: Tuple[float, ...] = tuple(
-            on_step(one, travel.z) for one in p.polarizations_deg
-        )
+        self.plan = places.plan
+        self.xs_mm, self.ys_mm = places.xs_mm, places.ys_mm
+        self.rotations_deg = places.rotations_deg
+        self._tolerances = places.tolerances
 
     @property
     def shape(self) -> Tuple[int, int]:
@@ -119,12 +145,15 @@ class SurveyGrid:
 
     def holds(self, cell: Cell, x_mm: float, y_mm: float, z_deg: float) -> bool:
         """Return whether a place is that of a cell, to half a motor step."""
-        planned = (
-            (self.xs_mm[cell.stop.column], x_mm, self.travel.x.step),
-            (self.ys_mm[cell.stop.row], y_mm, self.travel.y.step),
-            (self.rotations_deg[cell.polarization], z_deg, self.travel.z.step),
+        own = (
+            self.xs_mm[cell.stop.column],
+            self.ys_mm[cell.stop.row],
+            self.rotations_deg[cell.polarization],
         )
-        return all(abs(own - place) <= step / 2 for own, place, step in planned)
+        return all(
+            abs(one - place) <= most
+            for one, place, most in zip(own, (x_mm, y_mm, z_deg), self._tolerances)
+        )
 
 
 def grid_from_description(text: str) -> SurveyGrid:
@@ -139,7 +168,7 @@ def grid_from_description(text: str) -> SurveyGrid:
             raise InvalidValueError(
                 Message("survey.json has no survey id"), fault=faults.PLAN_UNREADABLE
             )
-        parameters, travel = recorded_plan(values)
+        places = _places(values)
     except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(
             Message("the survey's plan cannot be read: {reason}", reason=error.message),
@@ -147,12 +176,21 @@ def grid_from_description(text: str) -> SurveyGrid:
         ) from error
     # Data of unknown origin are never shown as those of real ground.
     simulated = values.get("simulated") is not False
-    return SurveyGrid(values["survey_id"], parameters, travel, simulated)
+    return SurveyGrid(values["survey_id"], places, simulated)
+
+
+def _places(description: Mapping[str, Any]) -> Places:
+    if not is_imported(description):
+        return planned_places(*recorded_plan(description))
+    found = imported_grid(description)
+    xs_mm, ys_mm = np.array(found.x_mm), np.array(found.y_mm)
+    return Places(xs_mm, ys_mm, found.polarization_deg, 3 * (TOLERANCE,))
 
 
 def _nearest(places_mm: np.ndarray, place_mm: float) -> Optional[int]:
     distances_mm = np.abs(places_mm - place_mm)
     number = int(np.argmin(distances_mm))
-    spacing_mm = abs(places_mm[1] - places_mm[0])
+    # A line that was imported is near to every place beside it.
+    spacing_mm = abs(places_mm[1] - places_mm[0]) if len(places_mm) > 1 else math.inf
     # Written so that NaN, which fails every comparison, is off the grid too.
     return number if distances_mm[number] <= spacing_mm / 2 + 1e-9 else None

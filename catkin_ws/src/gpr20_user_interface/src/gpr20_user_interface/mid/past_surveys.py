@@ -6,6 +6,7 @@ import enum
 from typing import List, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 
 NO_LIST = Message("During a replay no list of surveys is available.")
@@ -18,6 +19,8 @@ class Verdict(enum.Enum):
     INCOMPLETE = "incomplete"
     RUNNING = "running"
     UNREADABLE = "unreadable"
+    IMPORTED = "imported"
+    """It has no plan: nothing says whether it is complete."""
 
 
 class PastSurveys:
@@ -92,6 +95,8 @@ class PastSurveys:
             return Verdict.UNREADABLE
         if self._running_id and survey.survey_id == self._running_id:
             return Verdict.RUNNING
+        if survey.outcome == IMPORTED:
+            return Verdict.IMPORTED
         return Verdict.COMPLETE if survey.complete else Verdict.INCOMPLETE
 
     def can_resume(self, survey: SurveySummary) -> bool:

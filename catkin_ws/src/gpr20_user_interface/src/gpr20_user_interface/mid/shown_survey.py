@@ -39,7 +39,7 @@ class ShownSurvey:
         Raises:
             SurveyNotReadableError: Its coverage contradicts the plan.
         """
-        if grid.survey_id == self.survey_id and grid.parameters == self._parameters():
+        if grid.survey_id == self.survey_id and grid.plan == self._plan():
             return
         self._lacking = None
         self.radar.begin(grid)
@@ -89,8 +89,8 @@ class ShownSurvey:
         states = self.map.trace_states
         return np.zeros(0, np.intp) if states is None else self.radar.absent(states)
 
-    def _parameters(self) -> object:
-        return None if self.map.grid is None else self.map.grid.parameters
+    def _plan(self) -> object:
+        return None if self.map.grid is None else self.map.grid.plan
 
 
 def _about(index: int, reason: Message) -> Message:

@@ -194,7 +194,9 @@ class MapView(TranslatedWidget):
         self.set_marker.setEnabled(there and self._additions.can_mark)
         kept = not there and self._additions.plan is not None
         self.finer.setText(self.tr("Finer\nplan") if kept else self.tr("Measure\nfiner"))
-        self.finer.setEnabled(kept or (there and self._additions.can_mark))
+        grid = self._model.grid
+        has_plan = grid is not None and grid.plan is not None
+        self.finer.setEnabled(kept or (there and has_plan and self._additions.can_mark))
         lines = (
             summary_lines(self._model, self._additions)
             if selected is None or not there

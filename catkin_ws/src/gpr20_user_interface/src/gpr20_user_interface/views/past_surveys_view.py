@@ -125,8 +125,11 @@ class PastSurveysView(TranslatedWidget):
 
     def _show_row(self, row: int, survey: SurveySummary) -> None:
         counted = f"{survey.stored_traces} / {survey.planned_traces}"
+        if self._surveys.verdict(survey) is Verdict.IMPORTED:
+            counted = str(survey.stored_traces)
         area = survey.thumbnail
-        size = f"{area.width_mm:.0f} x {area.height_mm:.0f} mm" if area.width_mm else "—"
+        known = area.width_mm or area.height_mm
+        size = f"{area.width_mm:.0f} x {area.height_mm:.0f} mm" if known else "—"
         when = survey.local_time()
         texts = {
             MAP: "",
@@ -156,6 +159,7 @@ class PastSurveysView(TranslatedWidget):
             Verdict.INCOMPLETE: self.tr("INCOMPLETE"),
             Verdict.RUNNING: self.tr("running"),
             Verdict.UNREADABLE: self.tr("UNREADABLE"),
+            Verdict.IMPORTED: self.tr("imported"),
         }[self._surveys.verdict(survey)]
         # Not inside an f-string, where xgettext finds no text.
         simulated = self.tr("SIMULATED")

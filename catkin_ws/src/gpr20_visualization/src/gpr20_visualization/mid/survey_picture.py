@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from gpr20_survey.plan.imported import measured_area
 from gpr20_survey.trace.trace import Trace
 from gpr20_visualization.mid.axis_position import MM_PER_M
 from gpr20_visualization.mid.line_image import LineImage
@@ -42,14 +43,14 @@ def area_of(description: str) -> Optional[Area]:
         description: The content of survey.json.
     """
     try:
-        values: Mapping[str, Any] = json.loads(description)["parameters"]
+        values: Mapping[str, Any] = measured_area(json.loads(description))
         rotations = values["polarizations_deg"]
         return Area(
             (values["x_start_mm"] / MM_PER_M, values["y_start_mm"] / MM_PER_M),
             (values["x_stop_mm"] / MM_PER_M, values["y_stop_mm"] / MM_PER_M),
             int(values["x_points"]) * len(rotations),
         )
-    except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
 
 

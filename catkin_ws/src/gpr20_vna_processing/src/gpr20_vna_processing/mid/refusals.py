@@ -105,6 +105,17 @@ def survey_complete(folder: Path, stored: int) -> SurveyRefusedError:
     )
 
 
+def imported(folder: Path) -> SurveyRefusedError:
+    """Return the error: an imported survey has no plan that could be continued."""
+    return SurveyRefusedError(
+        Message(
+            "the survey in {folder} was imported; it has no plan that could be continued",
+            folder=printable(folder),
+        ),
+        fault=faults.IMPORTED,
+    )
+
+
 def traces_not_planned(folder: Path, misfits: List[Message]) -> SurveyRefusedError:
     """Return the error: stored traces are not those that survey.json plans."""
     return SurveyRefusedError(

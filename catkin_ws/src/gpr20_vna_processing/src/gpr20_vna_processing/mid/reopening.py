@@ -43,6 +43,7 @@ from gpr20_survey.folder.recovery import (
 from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer, is_signed, try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
+from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
 from gpr20_survey.recording.recording import Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
@@ -101,6 +102,8 @@ class Reopening:
         ):
             self._recovered = recover_with_recording(folder)
             description = self._recovered.description
+            if is_imported(description):
+                raise refusals.imported(folder)
             self._repairs = repairs_of(self._recovered)
             self._start = self._start_copy()
             survey_metadata.started_us(self._start)

@@ -21,6 +21,11 @@ from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import reported_verdict
+from gpr20_survey.plan.imported import (
+    import_sentence,
+    is_imported,
+    measured_area,
+)
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace import Trace
@@ -174,12 +179,15 @@ class SurveyArchive:
             sealed = (folder / MANIFEST_FILE).is_file()
         except ProcessingError as error:
             return SurveySummary(folder.name, problem=error.message)
-        planned = _planned_traces(values.get("parameters"))
+        area, imported = measured_area(values), is_imported(values)
+        planned = 0 if imported else _planned_traces(area)
         outcome = _text(values.get("outcome"))
         # The report of a survey that was cut off may be older than its last traces.
         cut_off = outcome in ("", INTERRUPTED)
         verdict = None if cut_off else reported_verdict(values.get("report"))
         sentence = None if verdict is None else verdict.message
+        if imported:
+            sentence = import_sentence(values)
         unconfirmed = values.get(UNCONFIRMED)
         if unconfirmed:
             sentence = unconfirmed_message(unconfirmed)
@@ -199,7 +207,7 @@ class SurveyArchive:
             simulated=values.get("simulated") is not False,
             refines=refines_of(values),
             name=_name(values.get(ANNOTATION)),
-            thumbnail=thumbnail_of(values.get("parameters"), stored),
+            thumbnail=thumbnail_of(area, stored),
             fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
         )
 

@@ -1,0 +1,154 @@
+"""Surveys that were imported: what other instruments or programs measured, without a plan.
+
+Their survey.json has the entry `imported` in place of `parameters` and `axes`. Its grid holds the
+places of the source; a trace's index is its place there, in the order in which the robot would
+visit it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_survey import faults
+from gpr20_survey.plan.survey_parameters import MAX_TRACES
+from gpr20_survey.plan.survey_plan import SurveyPoint, alternating, raster
+from gpr20_survey.trace.trace import Trace
+
+IMPORTED = "imported"
+"""Key of survey.json, and the outcome of these surveys."""
+GRID = "grid"
+TIMES_KNOWN = "times_known"
+"""Key of the entry: whether the times of the traces are those of the source."""
+AXES = ("polarization_deg", "y_mm", "x_mm")
+# Of a position; the values of a grid are those of its traces.
+TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class ImportedGrid:
+    """The places of an imported survey, each axis ascending.
+
+    Attributes:
+        polarization_deg: Rotations of the antennas [deg].
+        y_mm: Rows [mm].
+        x_mm: Columns [mm].
+    """
+
+    polarization_deg: Tuple[float, ...]
+    y_mm: Tuple[float, ...]
+    x_mm: Tuple[float, ...]
+
+    def points(self) -> List[SurveyPoint]:
+        """Return the places in the order of their indices."""
+        visits = alternating(list(raster(self.x_mm, self.y_mm)), self.polarization_deg)
+        return [SurveyPoint(index, x, y, z) for index, ((x, y), z) in enumerate(visits)]
+
+
+def is_imported(description: Mapping[str, Any]) -> bool:
+    """Return whether the content of survey.json is that of an imported survey."""
+    return IMPORTED in description
+
+
+def import_of(description: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the entry of an imported survey; an empty one of any other."""
+    found = description.get(IMPORTED)
+    return found if isinstance(found, Mapping) else {}
+
+
+def imported_grid(description: Mapping[str, Any]) -> ImportedGrid:
+    """Return the grid of an imported survey.
+
+    Raises:
+        InvalidValueError: survey.json does not hold one.
+    """
+    found = import_of(description).get(GRID)
+    axes = [found.get(name) if isinstance(found, Mapping) else None for name in AXES]
+    if not all(_is_axis(one) for one in axes) or math.prod(map(len, axes)) > MAX_TRACES:  # type: ignore[arg-type]
+        raise InvalidValueError(
+            Message("survey.json does not hold the grid of the imported survey"),
+            fault=faults.PLAN_UNREADABLE,
+        )
+    return ImportedGrid(*(tuple(map(float, one)) for one in axes))  # type: ignore[arg-type]
+
+
+def measured_area(description: Mapping[str, Any]) -> Any:
+    """Return start, stop and number of the stops of a survey, as its parameters name them.
+
+    Returns:
+        The entry `parameters`, as it was read; of an imported survey what its grid gives.
+    """
+    if not is_imported(description):
+        return description.get("parameters")
+    try:
+        grid = imported_grid(description)
+    except InvalidValueError:
+        return None
+    area: Dict[str, Any] = {"polarizations_deg": list(grid.polarization_deg)}
+    for name, axis_mm in (("x", grid.x_mm), ("y", grid.y_mm)):
+        area[f"{name}_start_mm"], area[f"{name}_stop_mm"] = axis_mm[0], axis_mm[-1]
+        area[f"{name}_points"] = len(axis_mm)
+    return area
+
+
+def import_sentence(description: Mapping[str, Any]) -> Message:
+    """Return from what a survey was imported, for people."""
+    found = import_of(description)
+    return Message(
+        "imported from {source} ({format})",
+        source=str(found.get("source", "?")),
+        format=str(found.get("format", "?")),
+    )
+
+
+class ImportedFit:
+    """Compares traces with the grid of an imported survey, as `PlanFit` does with a plan."""
+
+    def __init__(self, description: Mapping[str, Any]) -> None:
+        """Read the grid.
+
+        Raises:
+            InvalidValueError: There is none.
+        """
+        self.points: List[SurveyPoint] = imported_grid(description).points()
+
+    def misfits(self, trace: Trace) -> List[Message]:
+        """Return why a trace is not at its place; empty if it is."""
+        place = self.points[trace.index] if trace.index < len(self.points) else None
+        own = (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
+        if place is not None and all(
+            abs(one - other) <= TOLERANCE
+            for one, other in zip(own, (place.x_mm, place.y_mm, place.z_deg))
+        ):
+            return []
+        return [
+            Message(
+                "trace {index} is not at its place of the imported grid: x {x_mm:g} mm, y "
+                "{y_mm:g} mm, {rotation_deg:g} deg",
+                index=trace.index,
+                x_mm=own[0],
+                y_mm=own[1],
+                rotation_deg=own[2],
+            )
+        ]
+
+    def misplaced(self, trace: Trace) -> List[Message]:
+        """Return the same."""
+        return self.misfits(trace)
+
+    def changed_settings(self, _trace: Trace) -> List[Message]:
+        """Return nothing: no settings were planned."""
+        return []
+
+
+def _is_axis(values: Any) -> bool:
+    # As the traces hold them: floats, which ascend.
+    return (
+        isinstance(values, list)
+        and bool(values)
+        and all(type(one) is float and math.isfinite(one) for one in values)
+        and all(one < other for one, other in zip(values, values[1:]))
+    )
