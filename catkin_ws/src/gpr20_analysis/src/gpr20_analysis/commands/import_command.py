@@ -13,7 +13,9 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.formats import dataset_files
 from gpr20_analysis.formats.conversion import import_survey
+from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
 from gpr20_analysis.formats.format import IMPORTS, Band
+from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -23,7 +25,12 @@ from gpr20_common.terminal_text import say
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("input", type=Path, help="file, or folder of files")
-    parser.add_argument("output", type=Path, help="Dataset to write, .nc or .zarr")
+    parser.add_argument(
+        "output",
+        type=Path,
+        help="Dataset to write, .nc or .zarr; or the folder of the surveys, into which a survey's "
+        "folder is written",
+    )
     parser.add_argument(
         "--format", choices=IMPORTS.names(), required=True, help="format of the input"
     )
@@ -54,8 +61,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Convert the input; return the exit status."""
-    written = [outputs.dataset_output(chosen.output)]
-    outputs.check(written, [chosen.input], chosen.overwrite)
+    suffix = chosen.output.suffix
+    into_folder = not suffix or (chosen.output.is_dir() and suffix not in (NETCDF, ZARR))
+    if into_folder:
+        outputs.check_survey_folders(chosen.output, [chosen.input])
+    else:
+        written = [outputs.dataset_output(chosen.output)]
+        outputs.check(written, [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
         raise AnalysisError(not_there(chosen.input), fault=faults.NO_INPUT)
     band = _band(chosen)
@@ -70,9 +82,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if dataset.A_SCAN in survey and chosen.domain == "frequency":
         survey = to_frequency(survey, *(dataclasses.astuple(band) if band else ()))
     inputs.print_warnings(survey, catalogue)
-    dataset_files.write_dataset(survey, chosen.output)
+    output = chosen.output
+    if into_folder:
+        source = ImportSource.of(chosen.input, chosen.format)
+        progress = inputs.progress_bar(catalogue.tr("writing traces"))
+        output = write_imported_folder(survey, output, source, progress)
+    else:
+        dataset_files.write_dataset(survey, output)
     sizes = ", ".join(f"{name} {size}" for name, size in survey.sizes.items())
-    say(f"{chosen.output}: {sizes}")
+    say(f"{output}: {sizes}")
     return inputs.status_of(survey)
 
 
