@@ -13,6 +13,11 @@ setup(
                 "original-json = gpr20_foreign_formats.original_json:EXPORT",
             ],
             "gpr20_analysis.imports": [
+                "dt1 = gpr20_foreign_formats.dt1:IMPORT",
+                "dzt = gpr20_foreign_formats.dzt:IMPORT",
+                "rd3 = gpr20_foreign_formats.rd3:IMPORT",
+                "segy = gpr20_foreign_formats.segy:IMPORT",
+                "touchstone = gpr20_foreign_formats.touchstone:IMPORT",
                 "group-csv = gpr20_foreign_formats.group_csv:IMPORT",
                 "merged-hdf5 = gpr20_foreign_formats.merged_hdf5:IMPORT",
                 "gprmax = gpr20_foreign_formats.gprmax:IMPORT",

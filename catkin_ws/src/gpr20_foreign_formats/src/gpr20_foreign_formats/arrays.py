@@ -260,4 +260,4 @@ def _whole(path: Path) -> Optional[Path]:
     return path if _beside(path).exists() or any({*one} <= names for one in LAST.items()) else None
 
 
-IMPORT = ImportFormat(read_arrays, _whole)
+IMPORT = ImportFormat(read_arrays, _whole, ("band", "height_m"))

@@ -16,12 +16,13 @@ from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.format import Band, ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.read.antenna_attributes import ANTENNA_SEPARATION
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
 from gpr20_common.message import Message
+from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, has_places, merged_fields
 from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
 from gpr20_survey.files.regular_file import check_regular
 
-ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
 PATTERNS = ("*.out", "*.h5")
 EXCITATION = "srcs/src1/excitation"
 OFFSET = "TimeSampleOffset"
@@ -41,6 +42,7 @@ class _Trace:
     """Rotation [deg], y and x [mm]."""
     field: Signal
     source: Optional[Signal]
+    is_merged: bool = False
 
 
 def read_gprmax(
@@ -49,12 +51,14 @@ def read_gprmax(
     height_m: Optional[float],
     source: Optional[str] = None,
     progress: Progress = no_progress,
+    spacing_m: Optional[float] = None,
 ) -> xr.Dataset:
     """Read the A-scans of a folder or of one file and compute their spectra.
 
     The position of a sample is halfway between source and receiver. Ex is 0 degrees and Ey 90
     degrees. The component along the source is used, which files of version 4 name; for version 3
-    it is the strongest component.
+    it is the strongest component. A file that gprMax's outputfiles_merge has made holds neither
+    places nor source: its positions begin at 0, and its component is the strongest.
 
     Args:
         path: Folder of .out or .h5 files, or one of them.
@@ -63,6 +67,8 @@ def read_gprmax(
         source: The signal that the spectra are divided by, see `source_of`; None: the source
             signal in the files, which version 4 writes.
         progress: Shows the progress.
+        spacing_m: Distance between the traces of a merged file, along X [m]; None: its steps of
+            the receiver.
 
     Raises:
         AnalysisError: There is no such file, or the source is unknown.
@@ -77,7 +83,7 @@ def read_gprmax(
             fault=faults.NO_INPUT,
         )
     given = source_of(source) if source is not None else None
-    traces = [_read(one) for one in progress(paths, len(paths))]
+    traces = [one for file in progress(paths, len(paths)) for one in _read(file, spacing_m)]
     slowest_s = max(trace.field.step_s for trace in traces)
     if band.stop_hz >= 0.5 / slowest_s:
         raise UnreadableFileError(
@@ -98,7 +104,7 @@ def read_gprmax(
         spectra,
         [np.nan if height_m is None else height_m] * len(traces),
         band.frequency_hz,
-        [],
+        [MERGED] if any(trace.is_merged for trace in traces) else [],
         simulated=True,
     )
     if source == NONE:
@@ -132,11 +138,16 @@ def _spectrum(
     return spectrum / check_strength(source, frequency_hz, trace.name)
 
 
-def _read(path: Path) -> _Trace:
+def _read(path: Path, spacing_m: Optional[float]) -> List[_Trace]:
     check_regular(path, follow_link=True)
     try:
         with h5py.File(str(path), "r") as file:
-            return _trace(file, path.name)
+            if "srcs" not in file:
+                merged = merged_fields(file, path, spacing_m)
+                return [_Trace(path.name, place, field, None, True) for place, field in merged]
+            if spacing_m is not None:
+                raise has_places(path)
+            return [_trace(file, path.name)]
     except AnalysisError:
         raise
     # On damaged files HDF5 and numpy raise exceptions of many kinds.
@@ -227,7 +238,12 @@ def _offset_s(recorded: Any) -> float:
 
 
 def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
-    return read_gprmax(path, options.band or Band(), options.height_m, options.source, progress)
+    data = read_gprmax(
+        path, options.band or Band(), options.height_m, options.source, progress, options.spacing_m
+    )
+    if options.separation_m is None:
+        return data
+    return data.assign_attrs({ANTENNA_SEPARATION: options.separation_m})
 
 
 def _whole(path: Path) -> Optional[Path]:
@@ -246,4 +262,6 @@ def _is_gprmax(path: Path) -> bool:
         return False
 
 
-IMPORT = ImportFormat(_imported, _whole)
+IMPORT = ImportFormat(
+    _imported, _whole, ("band", "height_m", "source", "spacing_m", "separation_m")
+)

@@ -289,7 +289,7 @@ def _whole(path: Path) -> Optional[Path]:
     return path.parent if is_one and path.is_file() else None
 
 
-IMPORT = ImportFormat(_imported, _whole)
+IMPORT = ImportFormat(_imported, _whole, ("band",))
 EXPORT = ExportFormat(
     files_of(write_group_csv), holds=("VNA_*.csv", "TIME_*.csv", TIMES_FILE), over_time=True
 )

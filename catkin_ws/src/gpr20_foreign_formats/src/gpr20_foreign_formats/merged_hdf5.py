@@ -267,5 +267,5 @@ def _whole(path: Path) -> Optional[Path]:
         return None
 
 
-IMPORT = ImportFormat(_imported, _whole)
+IMPORT = ImportFormat(_imported, _whole, ("band",))
 EXPORT = ExportFormat(_exported, ".h5", has_own_checksum=True, over_time=True)

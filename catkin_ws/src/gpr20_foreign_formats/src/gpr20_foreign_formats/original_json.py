@@ -153,5 +153,5 @@ def _whole(path: Path) -> Optional[Path]:
     return path.parent if NAME.fullmatch(path.name) and path.is_file() else None
 
 
-IMPORT = ImportFormat(_imported, _whole)
+IMPORT = ImportFormat(_imported, _whole, ())
 EXPORT = ExportFormat(files_of(write_original), holds=("X*_Y*_Z*.json",))

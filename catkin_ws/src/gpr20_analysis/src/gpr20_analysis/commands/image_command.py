@@ -136,7 +136,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="weights over the band; a method of another package may have its own")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
-        help="distance between the antennas; used by back-projection and --buried")  # fmt: skip
+        help="distance between the antennas; used by back-projection and --buried; default: the "
+        "one that the survey records, else 0")  # fmt: skip
     add("--grid-step", type=float, metavar="MM",
         help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],

@@ -18,6 +18,7 @@ from gpr20_analysis.formats.format import (
     WING,
     Band,
     ExportFormat,
+    ImportFormat,
     ImportOptions,
     Writer,
     files_of,
@@ -101,7 +102,8 @@ def export_survey(
     """
     path = Path(path).expanduser()
     check_ending(path, form)
-    if ADVANCE in survey and form in IMPORTS.names():
+    # Those of this package say so themselves.
+    if ADVANCE in survey and form in IMPORTS.names() and form not in EXPORTS.own:
         raise ExportError(
             Message(
                 "the step time_zero has shifted the data, which the format {format} cannot record, "
@@ -169,6 +171,12 @@ def import_survey(
     height_m: Optional[float] = None,
     source: Optional[str] = None,
     progress: Progress = no_progress,
+    *,
+    time_zero_s: Optional[float] = None,
+    separation_m: Optional[float] = None,
+    spacing_m: Optional[float] = None,
+    channel: Optional[int] = None,
+    interval_s: Optional[float] = None,
 ) -> xr.Dataset:
     """Read measurements and simulations of other programs as the Dataset of a survey.
 
@@ -176,19 +184,29 @@ def import_survey(
         path: File, or folder of files.
         form: Name of a format of an installed package.
         band: Frequencies for the spectra of a simulation; None: those of the robot.
-        height_m: Antenna height of the simulation [m].
+        height_m: Antenna height [m]; None: as recorded, or unknown.
         source: Source signal of the simulation, as after `--source`.
         progress: Shows the progress.
+        time_zero_s: Time of the record at which the pulse leaves the antennas, counted from the
+            first sample [s]; None: as recorded.
+        separation_m: Distance between the antennas [m]; None: as recorded.
+        spacing_m: Distance between traces along a line [m]; None: as recorded.
+        channel: Number of the channel, from 1; None: the only one.
+        interval_s: Time between samples [s]; None: as recorded.
 
     Returns:
         The Dataset.
 
     Raises:
-        AnalysisError: It does not have this format, is damaged, or differs from its checksums.
-        MissingLibraryError: The package of the format is not installed.
+        AnalysisError: It does not have this format, is damaged, or differs from its checksums; or
+            the format cannot use an option.
+        MissingLibraryError: The package of the format, or a library, is not installed.
     """
-    options = ImportOptions(band, height_m, source)
+    options = ImportOptions(
+        band, height_m, source, time_zero_s, separation_m, spacing_m, channel, interval_s
+    )
     place = Path(path).expanduser()
     refuse_device(place)
-    found: xr.Dataset = IMPORTS.find(form).read(place, options, progress)
-    return found
+    importer: ImportFormat = IMPORTS.find(form)
+    importer.check(form, options)
+    return importer.read(place, options, progress)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Callable, Optional, Tuple
 
@@ -11,6 +11,7 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
 
@@ -64,13 +65,37 @@ class ImportOptions:
 
     Attributes:
         band: Frequencies for the spectra of a simulation; None: those of the robot.
-        height_m: Antenna height of a simulation [m].
+        height_m: Antenna height [m].
         source: Source signal of a simulation, as after `--source`.
+        time_zero_s: Time in the record at which the pulse leaves the antennas, counted from the
+            first sample [s].
+        separation_m: Distance between the antennas [m].
+        spacing_m: Distance between traces along a line, for files that record none [m].
+        channel: Number of the channel, from 1.
+        interval_s: Time between samples, for files whose unit of time is not known [s].
     """
 
     band: Optional[Band] = None
     height_m: Optional[float] = None
     source: Optional[str] = None
+    time_zero_s: Optional[float] = None
+    separation_m: Optional[float] = None
+    spacing_m: Optional[float] = None
+    channel: Optional[int] = None
+    interval_s: Optional[float] = None
+
+
+ARGUMENTS = {
+    "band": "--band",
+    "height_m": "--height",
+    "source": "--source",
+    "time_zero_s": "--time-zero",
+    "separation_m": "--separation",
+    "spacing_m": "--spacing",
+    "channel": "--channel",
+    "interval_s": "--interval",
+}
+"""The options on the command line."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +106,30 @@ class ImportFormat:
         read: Returns the Dataset of a file or folder.
         whole: Returns what must be imported if a path has this format: the path, or the folder of
             a file that is one sample of many; None if the path has another format.
+        takes: The options that it uses; others are refused.
     """
 
     read: Callable[[Path, ImportOptions, Progress], xr.Dataset]
     whole: Callable[[Path], Optional[Path]]
+    takes: Tuple[str, ...] = ("band", "height_m", "source")
+
+    def check(self, name: str, options: ImportOptions) -> None:
+        """Refuse options that the format of this name cannot use.
+
+        Raises:
+            AnalysisError: There is one.
+        """
+        given = (one.name for one in fields(options) if getattr(options, one.name) is not None)
+        unused = [ARGUMENTS[one] for one in given if one not in self.takes]
+        if unused:
+            raise AnalysisError(
+                Message(
+                    "the format {format} cannot use {option}; leave it out. It uses {options}",
+                    format=name,
+                    option=unused[0],
+                    options=", ".join(ARGUMENTS[one] for one in self.takes) or "-",
+                )
+            )
 
 
 @dataclass(frozen=True)
@@ -106,7 +151,13 @@ IMPORTS = ExtensionPoint(
     "gpr20_analysis.imports",
     Message("the format"),
     fault=faults.ADDITION,
-    wings=dict.fromkeys(("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"), WING),
+    wings=dict.fromkeys(
+        (
+            *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
+            *("dt1", "dzt", "rd3", "segy", "touchstone"),
+        ),
+        WING,
+    ),
     kind=ImportFormat,
 )
 """By this, other packages add formats that can be imported."""

@@ -15,7 +15,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.to_frequency import SPECTRUM
-from gpr20_analysis.read import analyzer_attributes, annotation_attributes
+from gpr20_analysis.read import analyzer_attributes, annotation_attributes, antenna_attributes
 from gpr20_analysis.read.survey_grid import SurveyGrid
 from gpr20_analysis.sentences import NOTES, sentences_of, with_notes
 from gpr20_common.message import verbatim
@@ -38,7 +38,8 @@ NUMBERS = (
     annotation_attributes.LONGITUDE,
     analyzer_attributes.IF_BANDWIDTH,
     analyzer_attributes.AVERAGES,
-    "antenna_delay_s",
+    antenna_attributes.ANTENNA_DELAY,
+    antenna_attributes.ANTENNA_SEPARATION,
 )
 SIMULATED_KEY = "simulated"
 

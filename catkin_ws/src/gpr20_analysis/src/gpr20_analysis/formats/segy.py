@@ -20,6 +20,7 @@ from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import ExportError, MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import even_step
 from gpr20_analysis.formats.provenance import SIMULATED, is_simulated
+from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import delay_kernel
@@ -33,6 +34,9 @@ SCALAR = 10_000  # per metre
 FURTHEST_M = 200_000  # a signed 32-bit field
 LENGTH_UNITS, METRES, UTC = 1, 1, 4
 LIVE, DEAD = 1, 2
+UNIT_OF_TIME = "1 MICROSECOND IN THIS FILE MEANS 1 PICOSECOND"
+MEASURED = "MEASURED DATA"
+MOVED = "TIME ZERO OF EACH TRACE WAS MOVED: DELAYS ARE NOT THOSE OF THE ANTENNAS"
 REVISION_BYTES = (3500, b"\x01\x00")  # place and content: revision 1.0
 LINES, LINE_LENGTH = 40, 80
 
@@ -234,19 +238,20 @@ def _time(field: Any, moment: np.datetime64) -> Dict[Any, int]:
 
 def _text(survey: xr.Dataset, delay_s: np.ndarray) -> str:
     step_ps, first_ps = (round(one * PS_PER_S) for one in (delay_s[1] - delay_s[0], delay_s[0]))
-    known = {True: f"{SIMULATED} DATA: THEY SHOW NO REAL GROUND", False: "MEASURED DATA"}
+    known = {True: f"{SIMULATED} DATA: THEY SHOW NO REAL GROUND", False: MEASURED}
     lines = {
         1: f"GPR-20 SURVEY {survey.attrs.get('survey_id', '')}",
         2: known[is_simulated(survey)] if "simulated" in survey.attrs else "",
         3: "STEPPED-FREQUENCY GROUND-PENETRATING RADAR, REAL A-SCANS OVER TWO-WAY DELAY",
         4: f"ANTENNAS AT {float(survey[dataset.POLARIZATION]):g} DEG",
-        5: "UNIT OF TIME: 1 MICROSECOND IN THIS FILE MEANS 1 PICOSECOND",
+        5: f"UNIT OF TIME: {UNIT_OF_TIME}",
         6: f"SAMPLE INTERVAL {step_ps} PS, {len(delay_s)} SAMPLES, THE FIRST AT {first_ps} PS",
         7: "INLINE = ROW (Y), CROSSLINE = COLUMN (X), BYTES 189 AND 193",
         8: "X AND Y IN METRES OF THE SCANNER, BYTES 73, 77, 81, 85, 181, 185, SCALAR -10000",
         9: "ANTENNA HEIGHT ABOVE GROUND IN METRES, BYTE 41, SCALAR -10000, 0 IF NOT KNOWN",
         10: "TRACES WITH IDENTIFICATION CODE 2 WERE NOT MEASURED OR ARE DAMAGED",
         11: "TIMES ARE UTC; YEAR 0 IF NOT KNOWN",
+        12: MOVED if ADVANCE in survey else "",
         LINES - 1: "SEG Y REV1",
         LINES: "END TEXTUAL HEADER",
     }

@@ -12,10 +12,13 @@ from gpr20_analysis import dataset
 from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import usable_samples
 from gpr20_analysis.formats.provenance import marked
+from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.analyzer_attributes import ATTRIBUTES
 
 IMPEDANCE_OHM = 50.0
+HEIGHT_WORDS = "antenna height [m]"
+MOVED = "time zero of each sample was moved: delays are not those of the antennas"
 
 
 def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
@@ -30,7 +33,10 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
     """
     skrf = _skrf()
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    index = dataset.require(survey, "index", dataset.SAMPLE_DIMS).values
+    index, height_m = (
+        dataset.require(survey, one, dataset.SAMPLE_DIMS).values
+        for one in ("index", dataset.HEIGHT)
+    )
     frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
     folder.mkdir(parents=True, exist_ok=True)
     samples = usable_samples(survey)
@@ -43,7 +49,8 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
         network.comments = (
             f"{marked('GPR-20', survey)} survey {survey.attrs.get('survey_id', '')} "
             f"sample {number}\n"
-            f"only S21 was measured; S11, S12 and S22 are 0 in place of numbers{settings}"
+            f"only S21 was measured; S11, S12 and S22 are 0 in place of numbers{settings}\n"
+            f"{HEIGHT_WORDS} {float(height_m[place])!r}"
         )
         name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
         network.write_touchstone(name, dir=str(folder), form="ri")
@@ -51,9 +58,10 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
 
 
 def _settings(survey: xr.Dataset) -> str:
-    """Return those of the VNA as one more line of the comment; empty if none is known."""
+    """Return those of the VNA, and that time zero was moved, as more lines of the comment."""
     known = [f"{one} {survey.attrs[one]}" for one in ATTRIBUTES if one in survey.attrs]
-    return "\n" + ", ".join(known) if known else ""
+    moved = f"\n{MOVED}" if ADVANCE in survey else ""
+    return ("\n" + ", ".join(known) if known else "") + moved
 
 
 def _skrf() -> Any:

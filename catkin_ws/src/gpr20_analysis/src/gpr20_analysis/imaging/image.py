@@ -31,7 +31,7 @@ from gpr20_analysis.imaging.methods import Method, Positions
 from gpr20_analysis.imaging.permittivity.permittivity_source import permittivity_of
 from gpr20_analysis.imaging.point_echoes import PointEchoes
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
-from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
@@ -75,6 +75,8 @@ def image_survey(
         DamagedSurveyError: Samples or heights are missing, and that was not allowed.
         TooLargeError: An image with that grid step would not fit into the memory.
     """
+    if not options.separation_m:
+        options = replace(options, separation_m=recorded_separation_m(survey))
     x, y = image_axes(survey, options)
     traces, notes = traces_of(survey, options)
     focus = Focus(

@@ -33,7 +33,7 @@ class ImageOptions:
         window: Weights over the band.
         widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; used by back-projection and with a
-            buried reference.
+            buried reference. 0: the one that the survey records, else none.
         ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
             level, but the other methods refuse heights that differ much.
         delay_s: Delay of cables and antennas to remove [s]; None: the one that the survey

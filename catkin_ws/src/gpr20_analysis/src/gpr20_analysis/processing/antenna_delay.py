@@ -1,4 +1,4 @@
-"""What is known of the delay of cables and antennas in the spectra."""
+"""What is known of the delay of cables and antennas in the spectra, and of their separation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.read.antenna_attributes import (
+    ANTENNA_DELAY,
+    ANTENNA_SEPARATION,
+    WIDEST_SEPARATION_M,
+)
 from gpr20_common.message import Message
 
 REMOVED = "antenna_delay_removed_s"
@@ -25,6 +29,30 @@ def recorded_delay_s(survey: xr.Dataset) -> float:
         delay_s = math.nan
     check_delay(delay_s)
     return delay_s
+
+
+def recorded_separation_m(survey: xr.Dataset) -> float:
+    """Return the distance between the antennas as far as the survey knows [m]; 0 if unknown.
+
+    Raises:
+        WrongDatasetError: It is no such distance.
+    """
+    try:
+        separation_m = float(survey.attrs.get(ANTENNA_SEPARATION, 0.0))
+    except (TypeError, ValueError):
+        separation_m = math.nan
+    # Written so that NaN is refused too.
+    if not 0.0 <= separation_m <= WIDEST_SEPARATION_M:
+        raise WrongDatasetError(
+            Message(
+                "the survey says that its antennas are {separation_m:g} m apart; it must be 0 to "
+                "{widest_m:g} m",
+                separation_m=separation_m,
+                widest_m=WIDEST_SEPARATION_M,
+            ),
+            fault=faults.FILE_CONTENT,
+        )
+    return separation_m
 
 
 def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:

@@ -10,6 +10,9 @@ from gpr20_survey.plan.antenna_delay import recorded_delay_ns
 
 ANTENNA_DELAY = "antenna_delay_s"
 """Attribute: delay of cables and antennas that the spectra contain [s]; 0 if there is none."""
+ANTENNA_SEPARATION = "antenna_separation_m"
+"""Attribute: distance between the antennas [m]; images use it unless another one is given."""
+WIDEST_SEPARATION_M = 2.0
 S_PER_NS = 1e-9
 
 
