@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from pathlib import Path
-from typing import Optional
+from typing import Any, Dict, Optional
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.commands import inputs, outputs
@@ -48,7 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="frequency",
         help="what to store of A-scans over time: spectra, which images need, or the A-scans",
     )
-    parser.add_argument("--height", type=float, metavar="M", help="gprmax, arrays: height [m]")
+    parser.add_argument(
+        "--height", type=float, metavar="M", help="antenna height [m], if it is not recorded"
+    )
     parser.add_argument(
         "--source",
         metavar="SIGNAL",
@@ -56,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "contain it: a waveform with its frequency in Hz, such as ricker:1.5e9; a text file of "
         "times [s] and values; or none",
     )
+    _add_instrument_arguments(parser)
     outputs.add_overwrite(parser)
 
 
@@ -78,6 +81,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         chosen.height,
         chosen.source,
         inputs.progress_bar(catalogue.tr("reading")),
+        **_instrument_options(chosen),
     )
     if dataset.A_SCAN in survey and chosen.domain == "frequency":
         survey = to_frequency(survey, *(dataclasses.astuple(band) if band else ()))
@@ -92,6 +96,34 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     sizes = ", ".join(f"{name} {size}" for name, size in survey.sizes.items())
     say(f"{output}: {sizes}")
     return inputs.status_of(survey)
+
+
+def _add_instrument_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the files of other instruments may lack; a format refuses what it cannot use."""
+    add = parser.add_argument
+    add("--time-zero", type=float, metavar="NS",
+        help="time in the record at which the pulse leaves the antennas, from the first sample "
+        "[ns]; default: as recorded, else 0")  # fmt: skip
+    add("--separation", type=float, metavar="M",
+        help="distance between the antennas [m]; default: as recorded")  # fmt: skip
+    add("--spacing", type=float, metavar="MM",
+        help="distance between traces along a line [mm]; default: as recorded")  # fmt: skip
+    add("--channel", type=int, metavar="N", help="dzt: channel, from 1")
+    add("--interval", type=float, metavar="PS",
+        help="segy: time between samples [ps]; default: the number in the header")  # fmt: skip
+
+
+def _instrument_options(chosen: argparse.Namespace) -> Dict[str, Any]:
+    def scaled(value: Optional[float], unit: float) -> Optional[float]:
+        return None if value is None else value * unit
+
+    return {
+        "time_zero_s": scaled(chosen.time_zero, 1e-9),
+        "separation_m": chosen.separation,
+        "spacing_m": scaled(chosen.spacing, 1.0 / dataset.MM_PER_M),
+        "channel": chosen.channel,
+        "interval_s": scaled(chosen.interval, 1e-12),
+    }
 
 
 def _band(chosen: argparse.Namespace) -> Optional[Band]:
