@@ -140,10 +140,17 @@ def _shown(own: Area, around: Iterable[Area]) -> Area:
     return own.grown(GROUND_AROUND * max(own.width_mm, own.height_mm))
 
 
-def _span(places_mm: np.ndarray, others_mm: np.ndarray) -> Tuple[float, float]:
+def share_mm(places_mm: np.ndarray, others_mm: np.ndarray) -> float:
+    """Return the size of a stop's share of the ground along one axis, given those of both [mm].
+
+    That of a single line, which was imported, is a part of its length.
+    """
     if len(places_mm) > 1:
-        spacing_mm = abs(places_mm[1] - places_mm[0])
-    else:
-        spacing_mm = max(LINE_PART * float(np.ptp(others_mm)), 1.0)
+        return float(abs(places_mm[1] - places_mm[0]))
+    return max(LINE_PART * float(np.ptp(others_mm)), 1.0)
+
+
+def _span(places_mm: np.ndarray, others_mm: np.ndarray) -> Tuple[float, float]:
+    spacing_mm = share_mm(places_mm, others_mm)
     lowest_mm, highest_mm = float(places_mm.min()), float(places_mm.max())
     return lowest_mm - spacing_mm / 2.0, highest_mm + spacing_mm / 2.0

@@ -12,7 +12,7 @@ from PyQt5.QtWidgets import QSizePolicy
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter, NoAdditions
 from gpr20_user_interface.mid.finer_plan import FinerPlan
 from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.map_geometry import Area, MapGeometry, fit
+from gpr20_user_interface.mid.map_geometry import Area, MapGeometry, fit, share_mm
 from gpr20_user_interface.mid.map_model import MapModel
 from gpr20_user_interface.mid.map_patterns import Ink, StopPattern
 from gpr20_user_interface.mid.map_selection import Selection
@@ -208,8 +208,8 @@ class MapCanvas(TranslatedWidget):
         if grid is None:
             return
         spacing_mm = (
-            float(abs(grid.xs_mm[1] - grid.xs_mm[0])),
-            float(abs(grid.ys_mm[1] - grid.ys_mm[0])),
+            share_mm(grid.xs_mm, grid.ys_mm),
+            share_mm(grid.ys_mm, grid.xs_mm),
         )
         if states is not None:
             failed = np.argwhere(states == StopState.FAILED)[:MAX_RINGS]

@@ -1,0 +1,208 @@
+"""Imported data become the folder of a survey: nothing is lost, and nothing of a plan invented."""
+
+import glob
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from imported_kit import NOTE, SOURCE, imported_folder, imported_surveys, line_survey
+
+from gpr20_analysis import faults
+from gpr20_analysis.commands.batch_command import _surveys
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS, Quality
+from gpr20_analysis.errors import ExportError
+from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
+from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import DAMAGED, INCOMPLETE
+from gpr20_survey.files.file_sums import sum_of
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
+
+TIME_LIMIT_S = 60.0
+CHILD = """
+import sys
+from pathlib import Path
+from imported_kit import imported_folder
+print("begins", flush=True)
+while True:
+    imported_folder(Path(sys.argv[1]), 40, 3)
+"""
+
+
+@settings(max_examples=40, deadline=None)
+@given(survey=imported_surveys())
+def test_random_data_come_back_as_they_were(survey, tmp_path_factory):
+    folder = write_imported_folder(survey, tmp_path_factory.mktemp("data"), SOURCE)
+    for path in (folder, folder / "survey.mcap"):
+        found = load_survey(path)
+        for axis in (*SAMPLE_DIMS, "frequency"):
+            # A position in mm has a last bit of its own.
+            np.testing.assert_allclose(found[axis].values, survey[axis].values, rtol=4e-16)
+        for name in ("s21", "height", "timestamp", "remarks"):
+            np.testing.assert_array_equal(found[name].values, survey[name].values)
+        np.testing.assert_array_equal(found[QUALITY].values, survey[QUALITY].values)
+        assert found.attrs["missing"] == survey.attrs["missing"]
+        assert found.attrs["notes"] == [str(NOTE)]
+        for name in ("simulated", "site", "processing"):
+            assert found.attrs.get(name) == survey.attrs.get(name)
+        assert found.attrs["antenna_delay_s"] == pytest.approx(1.5e-9)
+        assert "planned" not in found.attrs
+    verified = verify_survey(folder)
+    assert (verified.faults, verified.status, verified.sealed) == ([], INCOMPLETE, True)
+
+
+def test_what_is_not_known_is_absent_and_the_source_is_named(tmp_path):
+    description = json.loads((imported_folder(tmp_path) / "survey.json").read_text("ascii"))
+    names = {"parameters", "axes", "instrument", "settings", "planned_traces", "nodes", "report"}
+    assert not names & description.keys()
+    assert description["outcome"] == "imported" and description["stored_traces"] == 5
+    entry = description["imported"]
+    assert (entry["source"], entry["format"], entry["files"]) == ("line 7.dzt", "dzt", 1)
+    assert (entry["sha256"], entry["times_known"]) == (SOURCE.content.sha256, False)
+
+
+def test_verify_says_that_it_was_imported_and_never_complete(tmp_path):
+    folder = imported_folder(tmp_path)
+    found = verify_survey(folder)
+    assert str(found.verdict).startswith("IMPORTED, files intact: 5 traces")
+    assert "no plan" in str(found.verdict) and "complete" not in str(found.verdict).lower()
+    assert (found.planned, found.stored, found.record()["imported"]) == (None, 5, True)
+    assert any(SOURCE.content.sha256 in str(one) for one in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_changed_byte_of_any_file_is_named(tmp_path, seed):
+    folder = imported_folder(tmp_path)
+    rng = random.Random(seed)
+    path = rng.choice(sorted(one for one in folder.rglob("*") if one.is_file()))
+    content = bytearray(path.read_bytes())
+    content[rng.randrange(len(content))] ^= 1 << rng.randrange(7)
+    path.write_bytes(content)
+    found = verify_survey(folder)
+    assert found.status == DAMAGED
+    assert any(path.name in str(one) for one in found.faults), found.faults
+
+
+def test_a_missing_trace_is_named_and_the_survey_is_to_be_imported_again(tmp_path):
+    folder = imported_folder(tmp_path)
+    (trace,) = (folder / "traces").glob("000003_*")
+    trace.unlink()
+    found = verify_survey(folder)
+    assert any(trace.name in str(one) for one in found.faults)
+    assert found.verdict.fault_code == faults.IMPORT_NOT_INTACT.code
+    survey = load_survey(folder)
+    assert survey.attrs["missing"] == ["missing: x 60 mm, y 0 mm, 0 deg"]
+
+
+def test_a_lost_manifest_is_repaired_and_notes_can_be_added(tmp_path, capsys):
+    folder = imported_folder(tmp_path)
+    (folder / "manifest.json").unlink()
+    assert main(["repair", str(folder)]) == INCOMPLETE
+    assert main(["annotate", str(folder), "--name", "Line 7"]) == 0
+    assert verify_survey(folder).faults == []
+    assert load_survey(folder).attrs["survey_name"] == "Line 7"
+    capsys.readouterr()
+    assert main(["info", str(folder)]) == 0
+    assert "imported from line 7.dzt (dzt)" in capsys.readouterr().out
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize("seed", range(4))
+def test_an_import_that_is_killed_leaves_nothing_that_is_listed(tmp_path, seed):
+    process = subprocess.Popen(
+        [sys.executable, "-c", CHILD, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert process.stdout.readline() == "begins\n"
+    deadline_s = time.monotonic() + TIME_LIMIT_S
+    wanted = random.Random(seed).randrange(1, 120)
+    while len(glob.glob(f"{tmp_path}/.*.tmp/traces/*.json")) < wanted:
+        assert process.poll() is None and time.monotonic() < deadline_s
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    listed = [one for one in tmp_path.iterdir() if FOLDER_NAME.fullmatch(one.name)]
+    for folder in listed:
+        assert verify_survey(folder).faults == []
+    if listed:
+        assert {one for one, _ in _surveys(tmp_path, tmp_path / "into")} == set(listed)
+    # What it left is removed by the next import, and one that is written meanwhile is not.
+    kept = {imported_folder(tmp_path).name, *(one.name for one in listed)}
+    assert {one.name for one in tmp_path.iterdir()} == kept
+
+
+def test_the_folder_of_an_import_that_still_runs_is_left_alone(tmp_path):
+    seen = []
+
+    def look(items, _total):
+        seen.extend(tmp_path.iterdir())
+        imported_folder(tmp_path)
+        assert seen[0].is_dir()
+        return items
+
+    folder = write_imported_folder(line_survey(), tmp_path, SOURCE, look)
+    assert seen[0].name.startswith(f".{folder.name}.")
+    assert verify_survey(folder).faults == []
+
+
+def test_data_that_a_survey_cannot_hold_leave_nothing(tmp_path):
+    line = line_survey()
+    far = line.assign_coords(x=line["x"] + 11.0)
+    none = line.assign({QUALITY: line[QUALITY] * 0 + int(Quality.MISSING)})
+    cases = (
+        (to_time(line), "a_scan"),
+        (far, "x_coord_mm"),
+        (none, "no sample with data"),
+        (line.assign(moisture=line["height"]), "moisture"),
+        (line.assign_coords(frequency=-line["frequency"].values[::-1]), "frequency_hz"),
+    )
+    for survey, reason in cases:
+        with pytest.raises(ExportError, match=f"{reason}.*write a .nc"):
+            write_imported_folder(survey, tmp_path / "data", SOURCE)
+        assert not list(tmp_path.glob("data/*"))
+
+
+def test_a_failure_in_the_midst_leaves_nothing(tmp_path):
+    def fail(_items, _total):
+        shutil.rmtree(next(tmp_path.glob(".*.tmp")) / "traces")
+        return _items
+
+    with pytest.raises(ExportError, match="cannot be written"):
+        write_imported_folder(line_survey(), tmp_path, SOURCE, fail)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(ExportError, match="cannot be written"):
+        write_imported_folder(line_survey(), tmp_path / "not" / "there", SOURCE)
+
+
+def test_a_source_is_the_sum_of_its_files(tmp_path):
+    (tmp_path / "scans").mkdir()
+    for name in ("b.csv", "a.csv"):
+        (tmp_path / "scans" / name).write_text(name)
+    lines = "".join(f"{sum_of(one.encode()).sha256} 5 {one}\n" for one in ("a.csv", "b.csv"))
+    folder = ImportSource.of(tmp_path / "scans", "csv")
+    assert (folder.name, folder.files, folder.content.size) == ("scans", 2, 10)
+    assert folder.content.sha256 == sum_of(lines.encode()).sha256
+    file = ImportSource.of(tmp_path / "scans" / "a.csv", "csv")
+    assert (file.files, file.content) == (1, sum_of(b"a.csv"))
+
+
+def test_the_name_of_the_folder_is_that_of_a_survey_at_the_time_of_its_first_sample(tmp_path):
+    survey = line_survey()
+    times = np.datetime64("2026-03-04T05:06:07", "ns") + np.arange(5) * np.timedelta64(1, "s")
+    survey["timestamp"] = (SAMPLE_DIMS, times.reshape(1, 1, 5))
+    folder = write_imported_folder(survey, tmp_path, SOURCE)
+    assert re.fullmatch("20260304T050607_[0-9a-f]{8}", folder.name)
+    assert load_survey(folder).attrs["ended"] == "2026-03-04T05:06:11.000000+00:00"

@@ -1,0 +1,80 @@
+"""The window lists and opens surveys that were imported, lines too, and offers no RESUME."""
+
+import pytest
+from imported_kit import imported_folder
+from view_kit import past_survey
+from window_helpers import click
+
+from gpr20_survey.folder.trace_files import read_trace
+from gpr20_user_interface.mid.map_coverage import StopState
+from gpr20_user_interface.mid.map_grid import Stop, grid_from_description
+from gpr20_user_interface.mid.past_surveys import PastSurveys, Verdict
+from gpr20_user_interface.mid.trace_events import SurveyRead, SurveysListed, TracesRead
+from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT
+
+
+def listed(folder, traces):
+    return past_survey(
+        folder=folder.name,
+        outcome="imported",
+        stored_traces=traces,
+        planned_traces=0,
+        verdict=None,
+        simulated=False,
+    )
+
+
+def opened(window, folder):
+    """Open an imported survey in the window, and give it all traces."""
+    paths = sorted((folder / "traces").iterdir())
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (listed(folder, len(paths)),), False))
+    window.past.table.selectRow(0)
+    click(window.past.open)
+    text = (folder / "survey.json").read_text("ascii")
+    window.on_event(SurveyRead(folder.name, text, tuple(range(len(paths)))))
+    grid = window.traces.shown.map.grid
+    traces = tuple(map(read_trace, paths))
+    window.on_event(TracesRead(grid.survey_id, 0, traces, {}))
+    window.refresh()
+    return window.traces.shown
+
+
+def test_it_is_listed_as_imported_and_resume_is_not_offered(window, tmp_path):
+    window.show_tab(TabName.SURVEYS)
+    survey = listed(imported_folder(tmp_path), 5)
+    window.on_event(SurveysListed("", (survey,), False))
+    window.past.table.selectRow(0)
+    table = window.past.table
+    assert table.item(0, VERDICT).text() == "imported"
+    assert table.item(0, AREA).text().endswith("\n5")
+    assert window.past.open.isEnabled() and window.past.candidates.isEnabled()
+    assert not window.past.resume.isEnabled()
+    surveys = PastSurveys()
+    surveys.take("", (survey,), False)
+    assert surveys.verdict(survey) is Verdict.IMPORTED
+    assert surveys.can_open(survey) and not surveys.can_resume(survey)
+
+
+@pytest.mark.parametrize("size", [(5, 1), (1, 5), (6, 4), (1, 1)])
+def test_it_opens_on_map_and_radar_without_a_fault(window, tmp_path, size):
+    shown = opened(window, imported_folder(tmp_path, *size))
+    count = size[0] * size[1]
+    assert shown.map.counts()[StopState.DONE] == count and shown.radar.count == count
+    assert shown.map.grid.simulated is False and shown.map.grid.plan is None
+    for tab in (TabName.MAP, TabName.RADAR):
+        window.show_tab(tab)
+        window.grab()
+    window.show_tab(TabName.MAP)
+    window.map.select_stop(Stop(0, 0))
+    window.refresh()
+    assert window.map.trace.isEnabled() and not window.map.finer.isEnabled()
+    assert window.traces.past.problem is None
+
+
+def test_a_touch_beside_a_line_selects_its_nearest_stop(tmp_path):
+    text = (imported_folder(tmp_path) / "survey.json").read_text("ascii")
+    grid = grid_from_description(text)
+    assert grid.nearest_stop(41.0, 700.0) == Stop(0, 2)
+    assert grid.nearest_stop(120.0, 0.0) is None
