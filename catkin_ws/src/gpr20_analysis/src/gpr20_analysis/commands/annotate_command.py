@@ -68,7 +68,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if changes:
 
         def change(present: Dict[str, Any]) -> Fact:
-            _refuse_open(chosen.survey, present)
+            refuse_open(chosen.survey, present)
             # What another program annotated meanwhile stays.
             return Fact(Kind.ANNOTATION, replace(annotation_of(present), **changes).values())
 
@@ -92,7 +92,16 @@ def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
     return changes
 
 
-def _refuse_open(folder: Path, description: Dict[str, Any]) -> None:
+def refuse_open(folder: Path, description: Dict[str, Any]) -> None:
+    """Refuse to change a survey that has not ended.
+
+    Args:
+        folder: The survey's folder.
+        description: Content of its survey.json.
+
+    Raises:
+        AnalysisError: It has not ended.
+    """
     if description.get("ended") is None:
         raise AnalysisError(
             Message(

@@ -13,6 +13,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, sealing, survey_folder
+from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.log_reading import FoundLog
 from gpr20_survey.folder.manifest import Manifest
 
@@ -60,6 +61,7 @@ def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck
     if sealed.reopened is not None:
         return ManifestCheck(Seal.REOPENED, sealed)
     differences = [*_differences(folder, sealed), *_other_log(sealed, log)]
+    differences += photo_faults(folder, log.records)
     return ManifestCheck(Seal.VALID, sealed, differences=differences)
 
 

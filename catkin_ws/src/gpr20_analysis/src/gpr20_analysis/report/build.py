@@ -53,6 +53,15 @@ def write_report(
     catalogue = read_catalogue(known)
     chosen = list(steps) or [step_from_text(one) for one in DEFAULT_STEPS]
     made = report_of(survey, path, chosen, options or ImageOptions(), known, catalogue, progress)
+    save_report(made, output, catalogue)
+
+
+def save_report(made: Report, output: Path, catalogue: Catalogue) -> None:
+    """Write a report as its ending says, in the language of a catalogue.
+
+    Raises:
+        AnalysisError: It cannot be written.
+    """
     with atomic_output(output) as place:
         if output.suffix == PDF:
             from gpr20_analysis.report.pdf import write_pdf  # its library is optional

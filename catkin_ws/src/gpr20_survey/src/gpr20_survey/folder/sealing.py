@@ -16,6 +16,7 @@ from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.manifest import MANIFEST_FILE, LogHead, Manifest
 from gpr20_survey.folder.signature import SIGNATURE_FILE
 from gpr20_survey.folder.survey_log import SurveyLog
+from gpr20_survey.results.found import PHOTOS
 
 CONTENT = "content_sha256"
 """Key of survey.json: what `content_sum` gives when the survey ends."""
@@ -169,10 +170,14 @@ def add_sealed(folder: Path, sealed: Manifest, log: SurveyLog, record: LogRecord
 def file_names(folder: Path) -> Iterator[str]:
     """Yield the names of the files that belong into the manifest of a survey.
 
+    The log names the photographs, each with its checksum.
+
     Raises:
         OSError: The folder cannot be read.
     """
     for name in file_sums.regular_files(folder):
+        if name.startswith(f"{PHOTOS}/"):
+            continue
         if name not in NOT_LISTED and not durable_files.is_temporary(Path(name).name):
             yield name
 

@@ -10,6 +10,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.results.found import PHOTOS
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
@@ -99,7 +100,8 @@ def check_no_links(folder: Path) -> None:
     Raises:
         SurveyRefusedError: One of its files or folders is a symbolic link.
     """
-    for name in (SURVEY_FILE, LOG_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER):
+    names = (SURVEY_FILE, LOG_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER, PHOTOS)
+    for name in names:
         if (folder / name).is_symlink():
             raise SurveyRefusedError(
                 Message(
