@@ -4,6 +4,7 @@ That of a wing holds the wing alone, and adds what it offers.
 """
 
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -50,6 +51,7 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
     assert not [name for name in names if "/high/" in name.replace("gpr20_analysis/high/", "")]
     assert "gpr20_common/translations/es.po" in names
     assert "gpr20_analysis/sample/survey.mcap" in names
+    assert "gpr20_analysis/sample/real_line_charisma.npz" in names
 
 
 @pytest.mark.parametrize("wing", [pytest.param(one, marks=needs(one)) for one in (FORMATS, VIEWER)])
@@ -116,4 +118,6 @@ def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path)
     printed = "".join(gpr20(*shlex.split(command)[1:]) for command in commands)
     # Three bodies are buried below the sample; the wire, of 120 mm, is two places.
     assert "candidates: 4," in printed
+    # Of the real line the bars come first, with their depths; see test_real_line.py.
+    assert re.search(r"^C14 +\d+ .*$", printed, re.MULTILINE) and "length: 2.8 m" in printed
     assert (tmp_path / "report.html").stat().st_size > 100_000

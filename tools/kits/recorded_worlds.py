@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
@@ -21,6 +22,7 @@ import xarray as xr
 from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
+from gpr20_analysis.sample.real_line import REAL_LINE_FILE
 
 DATA = Path(__file__).resolve().parents[2] / "benchmarks/worlds/data"
 LINES, AREAS, UNIANDES, REAL_LINE = "lines", "areas", "uniandes", "real_line_charisma"
@@ -48,9 +50,12 @@ def dataset(
 
 @lru_cache(maxsize=None)
 def _arrays(name: str) -> Dict[str, Any]:
-    path = DATA / f"{name}.npz"
+    path = REAL_LINE_FILE if name == REAL_LINE else DATA / f"{name}.npz"
     lines = (DATA / "SHA256SUMS").read_text(encoding="ascii").splitlines()
-    if f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}" not in lines:
+    if (
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {os.path.relpath(path, DATA)}"
+        not in lines
+    ):
         raise ValueError(f"{path} is not the file that SHA256SUMS names; take it from git again")
     with np.load(path) as file:
         return {key: file[key] for key in file}

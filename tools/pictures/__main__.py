@@ -12,6 +12,7 @@ DOCS_IMAGES = Path(__file__).resolve().parents[2] / "docs/images"
 GROUPS = {
     "architecture": "ROS graph, states and frames, from the text of the pages that show them",
     "animation": "the sample survey, from the first stop to the image",
+    "real_line": "the image of the real line",
     "report": "two pages of a report of the sample survey",
     "window": "every tab of the window during a survey, in 800x480",
     "candidates": "the candidates of a survey in the window",

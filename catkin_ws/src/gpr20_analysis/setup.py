@@ -4,7 +4,7 @@ from setuptools import find_packages, setup
 setup(
     **generate_distutils_setup(
         packages=find_packages("src"),
-        package_data={"gpr20_analysis.sample": ["survey.mcap"]},
+        package_data={"gpr20_analysis.sample": ["survey.mcap", "real_line_charisma.npz"]},
         package_dir={"": "src"},
     )
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -16,9 +15,9 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.conversion import export_survey
 from gpr20_analysis.formats.format import IMPORTS
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.sample.real_line import REAL_LINE_FILE
 from gpr20_analysis.sample.sample_survey import sample_survey
 
-REAL_LINE = Path(__file__).parents[5] / "benchmarks/worlds/data/real_line_charisma.npz"
 BAR_M = 0.015
 PULSE = np.exp(-(((TIME_S - 2e-9) * 3e9) ** 2)) * np.cos(2 * np.pi * 1.5e9 * TIME_S)
 
@@ -111,7 +110,7 @@ def test_samples_of_nan_are_missing_or_damaged(tmp_path):
 
 def test_the_bars_of_a_real_line_are_found_by_the_default_command(tmp_path, capsys):
     path, output = tmp_path / "line.npz", tmp_path / "line.nc"
-    path.write_bytes(REAL_LINE.read_bytes())
+    path.write_bytes(REAL_LINE_FILE.read_bytes())
     # Not recorded, and assumed: antennas at 10 mm, time zero at the first positive peak.
     describe(
         path,

@@ -1,0 +1,72 @@
+"""A line over real ground that is installed with this package.
+
+Source: github.com/TFHRCFASTNDElab/CHARISMA (Federal Highway Administration), commit
+8735da127d902e2db8a6faef818d55f99947fd8e, ground-penetrating-radar/Rebar
+mapping/data/Lab_specimen_data.DZT, CC0 1.0 Universal.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_analysis.read import annotation_attributes
+from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_common.message import Message
+
+REAL_LINE_FILE = Path(__file__).with_name("real_line_charisma.npz")
+# As fine as a record of 8 ns is [Hz].
+BAND_HZ, POINTS = (0.5e9, 3.0e9), 21
+# Not recorded, and assumed.
+HEIGHT_M, TIME_ZERO_S = 0.01, 1.98e-9
+NOTES = """\
+332 traces over 14 reinforcing bars in concrete, 8.467 mm apart. GSSI, antenna "1.5/1.6GHz", impulse
+of 512 samples over 8 ns.
+Source: github.com/TFHRCFASTNDElab/CHARISMA (Federal Highway Administration), commit 8735da12,
+Rebar mapping/data/Lab_specimen_data.DZT. Licence: CC0 1.0 Universal."""
+
+
+def real_line() -> xr.Dataset:
+    """Return a line that a GSSI radar measured over 14 reinforcing bars in concrete.
+
+    Its spectra, from 0.5 to 3 GHz, are computed from the A-scans; their levels are relative. A
+    permittivity of 6 gives depths near those that were published.
+
+    Returns:
+        Dataset of a survey, with source and licence in its notes.
+    """
+    with np.load(str(REAL_LINE_FILE)) as file:
+        a_scans, time_s, x_m = (
+            file[name].astype(np.float64) for name in ("a_scans", "time_s", "x_m")
+        )
+    line = as_dataset(
+        Imported(
+            a_scans[None, None],
+            [0.0],
+            np.zeros(1),
+            np.linspace(x_m[0], x_m[-1], len(x_m)),
+            np.full((1, 1, len(x_m)), HEIGHT_M),
+            REAL_LINE_FILE.name,
+            delay_s=time_s,
+            simulated=False,
+            notes=[
+                Message(
+                    "not recorded, and assumed: antennas {height_mm:g} mm above the concrete, time "
+                    "zero {time_zero_ns:g} ns after the first sample; places along the line as "
+                    "recorded",
+                    height_mm=HEIGHT_M * 1e3,
+                    time_zero_ns=TIME_ZERO_S * 1e9,
+                )
+            ],
+        )
+    )
+    facts = {
+        annotation_attributes.NAME: "Real line: CHARISMA laboratory specimen (CC0)",
+        annotation_attributes.NOTES: NOTES,
+        ANTENNA_DELAY: TIME_ZERO_S,
+    }
+    return to_frequency(line, *BAND_HZ, POINTS).assign_attrs(facts)
