@@ -35,7 +35,9 @@ from gpr20_msgs.msg import (
 )
 from gpr20_survey.trace import trace_message
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit"))
+PARENTS = Path(__file__).resolve().parents
+sys.path[:0] = [str(PARENTS[1] / "unit"), str(PARENTS[5] / "tools/kits")]
+from imported_kit import imported_folder
 from survey_kit import POINTS, make_survey, planned_trace
 
 TIME_LIMIT_S = 60.0
@@ -93,6 +95,22 @@ class ReplayTest(unittest.TestCase):
         with self.changed:
             self.changed.wait_for(lambda: self.metadata, TIME_LIMIT_S)
         self.assertIn("planned_traces", self.metadata[0])
+
+    def test_an_imported_survey_comes_back_one_trace_after_the_other(self) -> None:
+        folder = imported_folder(self.data, len(POINTS))
+        begun_s = time.monotonic()
+        self.replay(folder, "--rate", "2")
+        took_s = time.monotonic() - begun_s
+        indices = [message.index for message in self.traces]
+        self.assertEqual(indices, list(range(len(POINTS))))
+        places_mm = [message.x_coord_mm for message in self.traces]
+        self.assertEqual(places_mm, [20.0 * index for index in indices])
+        # 0.1 s between two traces, as their source says no times.
+        self.assertGreaterEqual(took_s, (len(POINTS) - 1) * 0.1 / 2)
+        with self.changed:
+            self.changed.wait_for(lambda: self.metadata, TIME_LIMIT_S)
+        self.assertIn('"imported"', self.metadata[0])
+        self.assertNotIn("planned_traces", self.metadata[0])
 
     def test_every_trace_comes_back_from_json_files_alone_at_the_rate(self) -> None:
         # One trace was taken each second. Of the replay itself, whose end no stall brings forward:

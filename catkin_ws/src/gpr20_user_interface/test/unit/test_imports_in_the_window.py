@@ -71,6 +71,7 @@ def test_it_opens_on_map_and_radar_without_a_fault(window, tmp_path, size):
     window.refresh()
     assert window.map.trace.isEnabled() and not window.map.finer.isEnabled()
     assert window.traces.past.problem is None
+    assert str(window.traces.band.text).startswith("IMPORTED SURVEY: ")
 
 
 def test_a_touch_beside_a_line_selects_its_nearest_stop(tmp_path):

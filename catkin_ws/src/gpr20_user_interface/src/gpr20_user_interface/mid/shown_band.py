@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.message import Message, verbatim
+from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.replay import ReplayMark
 
@@ -39,6 +40,8 @@ def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) 
         name = Message("{time}, {name}", time=survey.local_time(), name=called)
     if another_runs:
         return ShownBand(Message("NOT THE RUNNING SURVEY: {name}", name=name), True)
+    if survey is not None and survey.outcome == IMPORTED:
+        return ShownBand(Message("IMPORTED SURVEY: {name}", name=name), True)
     return ShownBand(Message("PAST SURVEY: {name}", name=name), True)
 
 
