@@ -95,9 +95,11 @@ def _plan(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
         chosen.notes,
         tuple(chosen.truth_known_by),
         lanes,
-        promise_of(salt_of(chosen.targets), truth),
+        "",
         _now(),
     )
+    # Only when everything is allowed, a salt is made.
+    plan = replace(plan, truth_sha256=promise_of(salt_of(chosen.targets), truth))
     hashed_file.write_once(chosen.output, plan.encode())
     needed = statistics.targets_needed(plan.detection)
     lines = [
@@ -113,7 +115,8 @@ def _plan(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
         ),
     ]
     say(*map(catalogue.text, lines))
-    say(*(f"{len(one.targets):6}  {one.name or catalogue.tr('all targets')}" for one in groups))
+    everything = catalogue.tr("all targets")
+    say(*(f"{len(one.targets):6}  {one.name or everything}" for one in groups))
     _say_sum(read_plan(chosen.output).sha256, catalogue)
 
 

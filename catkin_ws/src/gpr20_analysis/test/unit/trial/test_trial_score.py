@@ -1,0 +1,158 @@
+"""Matching of candidates to targets, the area outside all halos, strata and comparisons."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from trial_kit import HALO_M, LANES, TARGETS
+
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.report.trial_report import warnings_of
+from gpr20_analysis.trial.ground import Lane, read_lanes, read_targets
+from gpr20_analysis.trial.plan import Plan
+from gpr20_analysis.trial.score import score_trial
+from gpr20_analysis.trial.seal import Mark, Seal
+from gpr20_analysis.trial.tables import Row
+
+LANE_MAP = read_lanes(LANES.encode(), "lanes.csv")
+TARGET_LIST = read_targets(TARGETS.encode(), "targets.csv", LANE_MAP)
+RECTANGLE = Lane(Row("lanes", 2, {}), (0.0, 0.0), (4.0, 1.0))
+
+
+def plan(strata=("type", "soil"), with_doubtful=False, detection=0.9):
+    return Plan(HALO_M, strata, detection, with_doubtful, "", (), LANE_MAP, "", "", sha256="p")
+
+
+def seal(places, lane="L1", method="radar", doubtful=(), **more):
+    marks = [Mark(f"C{at}", *one, 20.0 - at, at in doubtful) for at, one in enumerate(places)]
+    return Seal(tuple(marks), "", plan_sha256="p", lane=lane, method=method, **more)
+
+
+def score(*seals, **options):
+    return score_trial(plan(**options), TARGET_LIST, seals)
+
+
+def group(result, stratum="", method="radar"):
+    (found,) = [one for one in result.groups if (one.stratum, one.method) == (stratum, method)]
+    return found
+
+
+def test_a_target_is_found_once_by_any_number_of_candidates_in_its_halo():
+    result = score(seal([(0.5, 0.5), (0.55, 0.5), (0.5, 0.41), (2.5, 0.601), (1.5, 0.5)]))
+    assert (group(result).found, group(result).targets, group(result).alarms) == (1, 2, 2)
+    assert result.lanes[0].missed == ["T2"]
+
+
+def test_a_candidate_counts_for_the_nearest_target_only():
+    near = TARGETS.replace("T2,L1,2.5", "T2,L1,0.6")
+    targets = read_targets(near.encode(), "t", LANE_MAP)
+    (lane,) = score_trial(plan(), targets, [seal([(0.54, 0.5)])]).lanes
+    assert list(lane.found) == ["T1"] and lane.missed == ["T2"] and not lane.alarms
+
+
+def test_candidates_outside_the_lane_are_listed_and_count_only_in_a_halo():
+    (lane,) = score(seal([(4.03, 1.0), (4.5, 0.5), (-1.0, -1.0)], "L2")).lanes
+    assert list(lane.found) == ["T4"] and not lane.alarms
+    assert [one.id for one in lane.outside] == ["C1", "C2"]
+
+
+def test_doubtful_candidates_count_only_if_the_plan_says_so_and_always_in_the_curve():
+    doubtful = seal([(0.5, 0.5), (2.5, 0.5), (1.5, 0.1)], doubtful=(1, 2))
+    usual, all_of_them = score(doubtful), score(doubtful, with_doubtful=True)
+    assert (group(usual).found, group(usual).alarms, usual.lanes[0].missed) == (1, 0, ["T2"])
+    assert (group(all_of_them).found, group(all_of_them).alarms) == (2, 1)
+    assert group(usual).curve == group(all_of_them).curve
+
+
+def test_the_curve_goes_from_the_most_certain_candidate_to_the_last():
+    (lane,) = (result := score(seal([(1.5, 0.1), (0.5, 0.5), (1.7, 0.1), (2.5, 0.5)]))).lanes
+    area_m2 = lane.area_m2
+    alarms, shares = zip(*group(result).curve)
+    assert shares == (0, 0, 0.5, 0.5, 1)
+    assert [one * area_m2 for one in alarms] == pytest.approx([0, 1, 1, 2, 2])
+    assert group(result).curve[-1] == (group(result).alarms_per_m2, group(result).detection)
+
+
+def test_a_stratum_of_lanes_has_their_ground_and_one_of_targets_that_of_all():
+    result = score(seal([(0.5, 0.5), (1.5, 0.5)]), seal([(0.5, 0.5)], "L2"))
+    assert {(one.stratum, one.found, one.targets, one.alarms) for one in result.groups} == {
+        ("", 2, 4, 1), ("type PMN", 1, 2, 1), ("type TS-50", 1, 2, 1),
+        ("soil sand", 1, 2, 1), ("soil loam", 1, 2, 0),
+    }  # fmt: skip
+    lanes = [one.area_m2 for one in result.lanes]
+    assert group(result, "soil sand").area_m2 == lanes[0]
+    assert group(result, "type PMN").area_m2 == sum(lanes)
+
+
+def test_methods_are_compared_on_the_targets_of_both():
+    result = score(
+        seal([(0.5, 0.5)]), seal([(0.5, 0.5)], "L2"),
+        seal([(0.5, 0.5), (2.5, 0.5)], method="detector"),
+    )  # fmt: skip
+    (one,) = result.comparisons
+    assert (one.targets, one.only_first, one.only_second, one.p_value) == (2, 0, 1, 1.0)
+    assert not one.same_shares
+    templates = [one.template for one in warnings_of(plan(), result)]
+    assert sum("Simpson" in one for one in templates) == 1
+    assert sum("no sealed list" in one for one in templates) == 1
+    assert sum("Too few" in one for one in templates) == 1
+
+
+def test_enough_targets_on_the_same_lanes_bring_no_warning():
+    seals = [seal([], lane, method) for lane in ("L1", "L2") for method in ("a", "b")]
+    # 2 targets, both found, show a PD of 0.05 ** (1 / 2) = 0.22.
+    assert warnings_of(plan(detection=0.22), score(*seals)) == []
+    assert warnings_of(plan(detection=0.23), score(*seals)) != []
+
+
+def test_a_part_of_a_lane_is_named():
+    result = score(seal([], area_m2=1.0), seal([], "L2", area_m2=3.9))
+    parts = [one for one in warnings_of(plan(), result) if "surveyed" in one.template]
+    assert [one.values["lane"] for one in parts] == ["L1"]
+
+
+@pytest.mark.parametrize("other", ["p2", "same"])
+def test_lists_of_another_plan_and_two_for_one_lane_are_refused(other):
+    second = seal([], method="detector")
+    if other == "same":
+        second = seal([(1.0, 1.0)])
+    else:
+        second = Seal((), "", plan_sha256=other, lane="L1", method="detector")
+    with pytest.raises(AnalysisError, match="L1"):
+        score(seal([]), second)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.floats(-0.3, 4.3), st.floats(-0.3, 1.3)), max_size=12),
+       st.floats(0.01, 1.5))  # fmt: skip
+def test_the_area_outside_halos_is_that_of_a_fine_grid(places, radius_m):
+    step_m = 0.004
+    x_m, y_m = np.meshgrid(np.arange(step_m / 2, 4, step_m), np.arange(step_m / 2, 1, step_m))
+    covered = np.zeros(x_m.shape, bool)
+    for place in places:
+        covered |= np.hypot(x_m - place[0], y_m - place[1]) <= radius_m
+    expected = step_m**2 * np.count_nonzero(~covered)
+    # A grid errs by a part of a cell along each circle.
+    border_m = 2.0 * math.pi * radius_m * len(places)
+    assert RECTANGLE.area_outside(places, radius_m) == pytest.approx(
+        expected, abs=border_m * step_m / 4 + 1e-5
+    )
+
+
+def test_the_area_outside_halos_is_exact_for_circles_edges_and_overlaps():
+    radius_m = 0.2
+    circle = math.pi * radius_m**2
+    lens = 2 * radius_m**2 * math.acos(0.5) - 0.1 * math.sqrt(4 * radius_m**2 - 0.2**2)
+    for places, covered in (
+        ([(1.0, 0.5)], circle),
+        ([(0.0, 0.5)], circle / 2),
+        ([(4.0, 1.0)], circle / 4),
+        ([(1.0, 0.5), (1.2, 0.5)], 2 * circle - lens),
+        ([(1.0, 0.5), (1.0, 0.5)], circle),
+        ([(1.0, 0.4), (1.0, 0.6)], 2 * circle - lens),
+    ):
+        assert RECTANGLE.area_outside(places, radius_m) == pytest.approx(4 - covered, abs=4e-6)
