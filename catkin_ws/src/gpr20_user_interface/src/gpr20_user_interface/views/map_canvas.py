@@ -186,7 +186,12 @@ class MapCanvas(TranslatedWidget):
         )
         painter.drawText(QPointF(middle, below), title)
         names = [(float(one), f"{one:.5g}") for one in (grid.ys_mm.min(), grid.ys_mm.max())]
-        for y_mm, text in [*names, (float(np.mean([y for y, _text in names])), self.tr("Y mm"))]:
+        title = self.tr("Y mm")
+        names.append((float(np.mean([y for y, _text in names])), title))
+        if len(grid.ys_mm) == 1:
+            y_mm, text = names[0]
+            names = [(y_mm, f"{title} {text}")]
+        for y_mm, text in names:
             y_px = geometry.to_screen(0.0, y_mm)[1] + metrics.ascent() / 2.0
             x_px = shown.left() - metrics.horizontalAdvance(text) - gap
             painter.drawText(QPointF(max(x_px, 0.0), y_px), text)
