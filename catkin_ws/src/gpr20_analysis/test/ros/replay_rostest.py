@@ -37,8 +37,8 @@ from gpr20_survey.trace import trace_message
 
 PARENTS = Path(__file__).resolve().parents
 sys.path[:0] = [str(PARENTS[1] / "unit"), str(PARENTS[5] / "tools/kits")]
-from imported_kit import imported_folder
-from survey_kit import POINTS, make_survey, planned_trace
+from imported_kit import imported_folder  # noqa: E402
+from survey_kit import POINTS, make_survey, planned_trace  # noqa: E402
 
 TIME_LIMIT_S = 60.0
 FAULT_CODE = "string fault_code"
