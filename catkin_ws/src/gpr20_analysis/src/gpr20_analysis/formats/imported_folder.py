@@ -256,7 +256,7 @@ class _Content:
         grid = imported_grid(self._description)
         axes = (grid.polarization_deg, grid.y_mm, grid.x_mm)
         numbers = [{value: number for number, value in enumerate(axis)} for axis in axes]
-        found = [
+        found: List[Tuple[int, Tuple[int, ...]]] = [
             (one.index, (numbers[0][one.z_deg], numbers[1][one.y_mm], numbers[2][one.x_mm]))
             for one in grid.points()
         ]

@@ -26,7 +26,6 @@ from gpr20_survey.folder import (
     survey_metadata,
     trace_files,
 )
-from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
@@ -323,7 +322,6 @@ class _Verifier:
             ]
             if log.behind:
                 self._note_behind()
-        self._found.faults += photo_faults(self._folder, log.records)
         named = self._recovered.all_unconfirmed
         self._found.unconfirmed = tuple(named)
         if named:
