@@ -19,7 +19,7 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.antenna_attributes import ANTENNA_SEPARATION
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
 from gpr20_common.message import Message
-from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, has_places, merged_fields
+from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, merged_fields, time_step_s
 from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
 from gpr20_survey.files.regular_file import check_regular
 
@@ -146,7 +146,9 @@ def _read(path: Path, spacing_m: Optional[float]) -> List[_Trace]:
                 merged = merged_fields(file, path, spacing_m)
                 return [_Trace(path.name, place, field, None, True) for place, field in merged]
             if spacing_m is not None:
-                raise has_places(path)
+                raise AnalysisError(
+                    Message("{file} records its place; leave out --spacing", file=path.name)
+                )
             return [_trace(file, path.name)]
     except AnalysisError:
         raise
@@ -173,7 +175,7 @@ def _trace(file: Any, name: str) -> _Trace:
             fault=faults.FILE_CONTENT,
         )
     receiver, source = file["rxs/rx1"], file["srcs/src1"]
-    step_s, count = float(file.attrs["dt"]), int(file.attrs["Iterations"])
+    step_s, count = time_step_s(file, name), int(file.attrs["Iterations"])
     fields = {one: receiver[one] for one in ROTATION_DEG if one in receiver}
     for one, field in fields.items():
         if field.shape != (count,) or not np.isfinite(field[()]).all():

@@ -12,10 +12,10 @@ from typing import Any, Dict, List, Optional, Tuple
 import numpy as np
 
 from gpr20_analysis import dataset, faults, lazy
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.errors import UnreadableFileError
 from gpr20_common.message import Message
 from gpr20_foreign_formats.gprmax_source import Signal
-from gpr20_foreign_formats.header_numbers import BYTES_PER_SAMPLE
+from gpr20_foreign_formats.header import BYTES_PER_SAMPLE, Header
 from gpr20_foreign_formats.traces import needs_spacing
 
 ROTATION_DEG: Dict[str, float] = {"Ex": 0.0, "Ey": 90.0}
@@ -30,10 +30,7 @@ def merged_fields(
 ) -> List[Tuple[Position, Signal]]:
     """Return rotation [deg], y and x [mm], and the strongest horizontal field, of each trace.
 
-    Args:
-        file: The open HDF5 file.
-        path: Its path.
-        spacing_m: Distance between the traces along X [m]; None: the steps of the receiver.
+    Without a spacing along X [m], the steps are those of the receiver.
 
     Raises:
         AnalysisError: The steps are neither recorded nor given.
@@ -44,34 +41,42 @@ def merged_fields(
     shapes = {field.shape for field in fields.values()}
     shape = shapes.pop() if len(shapes) == 1 else ()
     if receivers != 1 or len(shape) != 2 or shape[0] != count or not shape[1]:
-        raise UnreadableFileError(
-            Message(
-                "{file} has no source, as a merged file of gprMax, but {receivers} receivers and "
-                "fields of the shape {shape}; it must have one receiver, and {count} values of "
-                "each trace",
-                file=path.name,
-                receivers=receivers,
-                shape=" x ".join(map(str, shape)) or "-",
-                count=count,
-            ),
-            fault=faults.FILE_CONTENT,
+        text = Message(
+            "{file} has no source, as a merged file of gprMax, but {receivers} receivers and "
+            "fields of {shape} values; it must have one receiver, and {count} values of each trace",
+            file=path.name,
+            receivers=receivers,
+            shape=" x ".join(map(str, shape)) or "-",
+            count=count,
         )
+        raise UnreadableFileError(text, fault=faults.FILE_CONTENT)
     # With Python's integers, which do not overflow.
     size = BYTES_PER_SAMPLE * int(shape[0]) * int(shape[1]) * len(fields)
     lazy.require_bytes(size, Message("reading {file}", file=path.name))
     values = {one: np.asarray(field[()], np.float64) for one, field in fields.items()}
-    along = max(values, key=lambda one: float(np.abs(values[one]).max()))
-    if not (np.isfinite(values[along]).all() and np.any(values[along])):
+    strongest = {one: float(np.abs(field).max()) for one, field in values.items()}
+    along = max(strongest, key=lambda one: strongest[one])
+    # A sum, since NaN is no maximum.
+    if not 0.0 < sum(strongest.values()) < np.inf:
         raise UnreadableFileError(
             Message("{file}: {field} is zero or holds NaN values", file=path.name, field=along),
             fault=faults.FILE_CONTENT,
         )
-    step_s = float(file.attrs["dt"])
+    step_s = time_step_s(file, path.name)
     places_mm = np.arange(shape[1])[:, np.newaxis] * _step_mm(file, path, spacing_m, shape[1])
     return [
         ((ROTATION_DEG[along], float(y_mm), float(x_mm)), Signal(field, step_s))
         for (x_mm, y_mm), field in zip(np.round(places_mm, 6), values[along].T)
     ]
+
+
+def time_step_s(file: Any, name: str) -> float:
+    """Return the time step of a file of this name [s].
+
+    Raises:
+        UnreadableFileError: It is none.
+    """
+    return Header(name, file.attrs).number("dt", 1e-16, 1e-9)
 
 
 def _step_mm(file: Any, path: Path, spacing_m: Optional[float], count: int) -> np.ndarray:
@@ -85,13 +90,3 @@ def _step_mm(file: Any, path: Path, spacing_m: Optional[float], count: int) -> n
     if not (np.isfinite(found).all() and (found.any() or count == 1)):
         raise needs_spacing(path, Message("the steps of the receiver are not recorded"))
     return found
-
-
-def has_places(path: Path) -> AnalysisError:
-    """Return the error for a spacing that was given for a file that records its place."""
-    return AnalysisError(
-        Message(
-            "{file} records the places of its source and receiver; leave out --spacing",
-            file=path.name,
-        )
-    )

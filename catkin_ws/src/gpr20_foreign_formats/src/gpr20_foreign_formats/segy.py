@@ -7,186 +7,170 @@ instead. Own files say that they mean picoseconds; of others it is assumed, with
 from __future__ import annotations
 
 import re
-import struct
 from pathlib import Path
-from typing import Any, List, Optional, Tuple
+from typing import Dict, Tuple
 
 import numpy as np
-import xarray as xr
 
-from gpr20_analysis import dataset, faults, lazy
-from gpr20_analysis.errors import (
-    AnalysisError,
-    MissingLibraryError,
-    UnreadableFileError,
-    library_missing,
-)
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.formats import segy
+from gpr20_analysis.formats.format import ImportOptions
 from gpr20_analysis.formats.provenance import SIMULATED
-from gpr20_analysis.formats.segy import (
-    DEAD,
-    LENGTH_UNITS,
-    MEASURED,
-    MOVED,
-    PS_PER_S,
-    UNIT_OF_TIME,
-)
 from gpr20_analysis.formats.sums_beside import checked_facts
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.to_frequency import EVEN
-from gpr20_analysis.progress import Progress
-from gpr20_analysis.sentences import with_sentence
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header_numbers import BYTES_PER_SAMPLE
-from gpr20_foreign_formats.traces import TRACES, Traces, as_survey, needs_spacing
-from gpr20_survey.files.regular_file import check_regular
+from gpr20_foreign_formats.header import Header, content_of, trace_count
+from gpr20_foreign_formats.traces import Traces, format_of, needs_spacing
 
-TEXT_BYTES, FORMAT_AT = 3200, 3224
+TEXT_BYTES, START_BYTES, HEADER_BYTES = 3200, 3600, 240
 EBCDIC_C = b"\xc3"
-FORMATS = {1, 2, 3, 5, 8}  # IBM float, 32 and 16 bit, IEEE float, 8 bit
+IBM_FLOAT = 1
+TYPES: Dict[int, str] = {IBM_FLOAT: "?u4", 2: "?i4", 3: "?i2", 5: "?f4", 8: "i1"}
+"""Codes of the kinds of samples; IBM floats are read as they are stored."""
+# Places in the file and in the header of a trace, by the standard's bytes, which count from 1, and
+# types; ? stands for the order of the bytes.
+BINARY: Dict[str, Tuple[int, str]] = {
+    "sample interval": (3217, "?u2"),
+    "number of samples": (3221, "?u2"),
+    "format code": (3225, "?u2"),
+    "measurement system": (3255, "?u2"),
+    "revision": (3501, "?u2"),
+    "extended headers": (3505, "?i2"),
+}
+OF_TRACE: Dict[str, Tuple[int, str]] = {
+    "code": (29, "?i2"),
+    "elevation": (41, "?i4"),
+    "elevation_scalar": (69, "?i2"),
+    "scalar": (71, "?i2"),
+    "source": (73, "2?i4"),
+    "group": (81, "2?i4"),
+    "units": (89, "?i2"),
+    "count": (115, "?u2"),
+    "interval": (117, "?u2"),
+    "cdp": (181, "2?i4"),
+}
 FEET, M_PER_FT = 2, 0.3048
-ROTATION, COMBINED = re.compile(r"ANTENNAS AT (-?[\d.]+) DEG"), "ANTENNAS AT NAN DEG"
+MOST_EXTENDED = 1000
+ROTATION = re.compile(r"ANTENNAS AT (-?\d+(?:\.\d+)?) DEG")
 FIRST = re.compile(r"THE FIRST AT (-?\d+) PS")
-MOVED_NOTE = Message(
-    "the traces were shifted to their time zero before the export, so depths would be wrong"
-)
 
 
-def read_segy(path: Path, options: ImportOptions) -> xr.Dataset:
+def read_segy(path: Path, options: ImportOptions) -> Traces:
     """Read a file whose traces all have the same length.
 
     Places are halfway between source and receiver group, or those of the CDP if these are 0.
 
     Raises:
-        MissingLibraryError: segyio is not installed.
-        AnalysisError: Places are neither recorded as lengths nor given by the spacing.
+        AnalysisError: The places are no lengths.
         UnreadableFileError: The file is damaged, has another kind of samples, or was changed.
     """
-    segyio = _segyio()
-    check_regular(path, follow_link=True)
-    purpose = Message("reading {file}", file=path.name)
-    lazy.require_bytes(BYTES_PER_SAMPLE * path.stat().st_size, purpose)
-    text, order = _start(path)
-    try:
-        with segyio.open(str(path), ignore_geometry=True, endian=order) as file:
-            found = _traces(segyio, file, path, text, options)
-    except AnalysisError:
-        raise
-    # On damaged files segyio and numpy raise exceptions of many kinds.
-    except Exception as error:
+    content = content_of(path)
+    if len(content) < START_BYTES:
         raise UnreadableFileError(
-            Message(
-                "{file} is damaged, or its traces are not all of one length", file=path.name,
-                details=error,
-            )
-        ) from error  # fmt: skip
-    data = as_survey(found, options)
-    if UNIT_OF_TIME in text and COMBINED in text:
-        data[dataset.POLARIZATION] = [np.nan]
-    if MOVED in text:
-        data = data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, MOVED_NOTE))
-    return data
-
-
-def _segyio() -> Any:
-    try:
-        import segyio
-    except ImportError as error:
-        raise MissingLibraryError(library_missing("segyio", "segy")) from error
-    return segyio
-
-
-def _start(path: Path) -> Tuple[str, str]:
-    """Return the textual header, and the order of the bytes."""
-    with path.open("rb") as stream:
-        start = stream.read(FORMAT_AT + 2)
-    if len(start) < FORMAT_AT + 2:
-        raise UnreadableFileError(
-            Message("{file} is shorter than the headers of a SEG-Y file", file=path.name)
+            Message("{file} is shorter than its header must be", file=path.name)
         )
-    coding = "cp500" if start[:1] == EBCDIC_C else "latin-1"
-    for order, mark in (("big", ">"), ("little", "<")):
-        if struct.unpack(f"{mark}H", start[FORMAT_AT:])[0] in FORMATS:
-            return start[:TEXT_BYTES].decode(coding), order
-    raise UnreadableFileError(
-        Message(
-            "{file} has no samples of IBM or IEEE floats or integers (code {codes}), or is no "
-            "SEG-Y file",
+    text = content[:TEXT_BYTES].decode("cp500" if content[:1] == EBCDIC_C else "latin-1").upper()
+    header, order = _binary_header(path, content)
+    traces = _traces(path, content, header, order)
+    is_own = segy.UNIT_OF_TIME in text
+    interval = header.values["sample interval"] or int(traces["interval"][0])
+    found = Traces(path, _samples(traces, header), interval / segy.PS_PER_S)
+    found.values[traces["code"] == segy.DEAD] = np.nan
+    found.facts, found.was_moved = checked_facts(path), segy.MOVED in text
+    if options.interval_s is not None:
+        found.step_s = options.interval_s
+    elif not is_own:
+        assumed = Message(
+            "{file} does not say what its sample interval of {interval} counts; picoseconds are "
+            "assumed, a record of {duration_ns:g} ns; give --interval PS if that is wrong",
             file=path.name,
-            codes=", ".join(map(str, sorted(FORMATS))),
-        ),
-        fault=faults.FILE_CONTENT,
-    )
-
-
-def _traces(segyio: Any, file: Any, path: Path, text: str, options: ImportOptions) -> Traces:
-    field, own = segyio.TraceField, UNIT_OF_TIME in text
-    values = np.asarray(file.trace.raw[:], np.float64)
-    values[file.attributes(field.TraceIdentificationCode)[:] == DEAD] = np.nan
-    notes: List[Message] = []
-    interval = int(file.bin[segyio.BinField.Interval]) or int(
-        file.attributes(field.TRACE_SAMPLE_INTERVAL)[0][0]
-    )
-    step_s = interval / PS_PER_S if options.interval_s is None else options.interval_s
-    if not own and options.interval_s is None:
-        notes = [
-            Message(
-                "{file} does not say what its sample interval of {interval} counts; picoseconds "
-                "are assumed, a record of {duration_ns:g} ns; give --interval PS if that is wrong",
-                file=path.name,
-                interval=interval,
-                duration_ns=1e9 * step_s * values.shape[1],
-            )
-        ]
-    rotation, first = ROTATION.search(text), FIRST.search(text)
-    found = Traces(path, values, step_s, facts=checked_facts(path), notes=notes)
+            interval=interval,
+            duration_ns=1e9 * found.step_s * found.values.shape[1],
+        )
+        found.notes.append(assumed)
     if options.spacing_m is None:
-        _add_places(segyio, file, found)
-    if own:
-        height_m = _scaled(file, field.ReceiverGroupElevation, field.ElevationScalar)
+        _add_places(found, traces, header)
+    if is_own:
+        rotation, first = ROTATION.search(text), FIRST.search(text)
+        height_m = _scaled(traces["elevation"], traces["elevation_scalar"])
         found.height_m = np.where(height_m == 0.0, np.nan, height_m)
-        found.start_s = int(first.group(1)) / PS_PER_S if first else 0.0
+        found.start_s = int(first.group(1)) / segy.PS_PER_S if first else 0.0
         found.rotation_deg = float(rotation.group(1)) if rotation else 0.0
-        found.simulated = False if MEASURED in text else None
-    if SIMULATED in text:
-        found.simulated = True
+        found.simulated = False if segy.MEASURED in text else None
+    found.simulated = True if SIMULATED in text else found.simulated
     return found
 
 
-def _scaled(file: Any, key: Any, scalar_key: Any) -> np.ndarray:
-    """Return a length of each trace: a positive scalar multiplies, a negative one divides."""
-    scalar = file.attributes(scalar_key)[:].astype(np.float64)
-    scalar[scalar == 0.0] = 1.0
-    values: np.ndarray = file.attributes(key)[:] * np.where(scalar > 0.0, scalar, -1.0 / scalar)
-    return values
+def _binary_header(path: Path, content: bytes) -> Tuple[Header, str]:
+    """Return the binary header, and the order of the bytes in which its code is one."""
+    for order in "<>":
+        values = {
+            key: int(np.frombuffer(content, kind.replace("?", order), 1, place - 1)[0])
+            for key, (place, kind) in BINARY.items()
+        }
+        header = Header(path.name, values)
+        if values["format code"] in TYPES:
+            return header, order
+    raise header.refused("format code", Message("one of {codes}", codes=", ".join(map(str, TYPES))))
 
 
-def _add_places(segyio: Any, file: Any, found: Traces) -> None:
-    field, scalar = segyio.TraceField, segyio.TraceField.SourceGroupScalar
-    if not np.isin(file.attributes(field.CoordinateUnits)[:], (0, LENGTH_UNITS)).all():
-        raise needs_spacing(found.path, Message("the places of the traces are angles"))
-    is_feet = file.bin[segyio.BinField.MeasurementSystem] == FEET
-    names = (("SourceX", "SourceY"), ("GroupX", "GroupY"), ("CDP_X", "CDP_Y"))
-    source, group, cdp = (
-        np.stack([_scaled(file, getattr(field, one), scalar) for one in pair])
-        * (M_PER_FT if is_feet else 1.0)
-        for pair in names
+def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarray:
+    """Return the headers and samples of the traces, as they are stored."""
+    kind = TYPES[header.values["format code"]].replace("?", order)
+    samples = header.count("number of samples", 2, (1 << 16) - 1)
+    size = HEADER_BYTES + samples * np.dtype(kind).itemsize
+    fields = [*OF_TRACE.items(), ("samples", (HEADER_BYTES + 1, f"{samples}{kind}"))]
+    layout = np.dtype(
+        {
+            "names": [name for name, _ in fields],
+            "formats": [one.replace("?", order) for _, (_, one) in fields],
+            "offsets": [place - 1 for _, (place, _) in fields],
+            "itemsize": size,
+        }
     )
-    found.x_m, found.y_m = (source + group) / 2.0
+    is_first = header.values["revision"] == 0
+    extended = 0 if is_first else header.count("extended headers", 0, MOST_EXTENDED)
+    offset = START_BYTES + TEXT_BYTES * extended
+    traces = np.frombuffer(content, layout, trace_count(path, len(content) - offset, size), offset)
+    other = traces["count"][~np.isin(traces["count"], (0, samples))]
+    if other.size:
+        as_in = Message("{count:g}, as in {file}", count=float(other[0]), file=path.name)
+        raise header.refused("number of samples", as_in)
+    return traces
+
+
+def _samples(traces: np.ndarray, header: Header) -> np.ndarray:
+    stored = traces["samples"]
+    if header.values["format code"] != IBM_FLOAT:
+        return stored.astype(np.float64)
+    # Sign, exponent of 16 and fraction; also right where the first digit of the fraction is 0.
+    power = ((stored >> 24) & 0x7F).astype(np.int32) - 64
+    fraction = np.ldexp((stored & 0xFFFFFF).astype(np.float64), 4 * power - 24)
+    return np.where(stored >> 31, -fraction, fraction)
+
+
+def _scaled(values: np.ndarray, scalar: np.ndarray) -> np.ndarray:
+    """Return lengths: a positive scalar multiplies, a negative one divides, 0 does nothing."""
+    factor = np.where(scalar == 0, 1.0, scalar.astype(np.float64))
+    scaled: np.ndarray = values * np.where(factor > 0.0, factor, -1.0 / factor)
+    return scaled
+
+
+def _add_places(found: Traces, traces: np.ndarray, header: Header) -> None:
+    if not np.isin(traces["units"], (0, segy.LENGTH_UNITS)).all():
+        raise needs_spacing(found.path, Message("the places of the traces are angles"))
+    unit_m = M_PER_FT if header.values["measurement system"] == FEET else 1.0
+    source, group, cdp = (
+        unit_m * _scaled(traces[one].T.astype(np.float64), traces["scalar"])
+        for one in ("source", "group", "cdp")
+    )
     if not source.any() or not group.any():
         found.x_m, found.y_m = cdp if cdp.any() else source + group
         return
+    found.x_m, found.y_m = (source + group) / 2.0
     apart_m = np.hypot(*(source - group))
     if apart_m.all() and np.ptp(apart_m) < EVEN * apart_m.mean():
         found.separation_m = float(apart_m.mean())
 
 
-def _imported(path: Path, options: ImportOptions, _: Progress) -> xr.Dataset:
-    return read_segy(path, options)
-
-
-def _whole(path: Path) -> Optional[Path]:
-    return path if path.suffix.lower() in (".sgy", ".segy") and path.is_file() else None
-
-
-IMPORT = ImportFormat(_imported, _whole, (*TRACES, "interval_s"))
+IMPORT = format_of(read_segy, ".sgy", ".segy", takes="interval_s")

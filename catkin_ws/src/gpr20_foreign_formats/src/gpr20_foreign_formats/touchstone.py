@@ -10,22 +10,15 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import faults, lazy
-from gpr20_analysis.errors import (
-    AnalysisError,
-    MissingLibraryError,
-    UnreadableFileError,
-    library_missing,
-)
+from gpr20_analysis.errors import MissingLibraryError, UnreadableFileError, library_missing
 from gpr20_analysis.formats.format import ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import SIMULATED
 from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress
-from gpr20_analysis.sentences import with_sentence
 from gpr20_common.message import Message
-from gpr20_foreign_formats.segy import MOVED_NOTE
-from gpr20_foreign_formats.traces import TRACES, Traces, as_survey, needs_spacing
+from gpr20_foreign_formats.header import Header
+from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
 from gpr20_survey.files.regular_file import check_regular
 
 ENTRY: Dict[str, Tuple[int, int]] = {".s1p": (0, 0), ".s2p": (1, 0)}
@@ -34,82 +27,56 @@ PLACE = {one: re.compile(rf"(?<![A-Za-z]){one}([+-]?\d+(?:\.\d+)?)") for one in 
 HEIGHT = re.compile(rf"{re.escape(HEIGHT_WORDS)} (\d[\d.e+-]*)")
 MM_PER_M = 1000.0
 BYTES_PER_BYTE = 20.0  # of memory, for a text of numbers
-SAME_HZ = 0.5
-LOWEST_HZ, HIGHEST_HZ = 1e5, 1e12
+SAME_HZ, LOWEST_HZ, HIGHEST_HZ = 0.5, 1e5, 1e12
 
 
 def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
     """Read the files of a folder; places are in their names, such as X50_Y0.5_Z90 (mm, degrees).
 
-    Y and Z may be missing. If X is, the files are a line in the order of their names, with the
-    numbers in them as numbers.
+    Y and Z may be missing. With a spacing the files are a line in the order of their names, in
+    which numbers are ordered as numbers.
 
     Raises:
         MissingLibraryError: scikit-rf is not installed.
-        AnalysisError: There is no such file, or places are not known.
-        UnreadableFileError: A file is damaged, or frequencies differ.
+        AnalysisError: Places are not known.
+        UnreadableFileError: There is no such file, one is damaged, or frequencies differ.
     """
-    reader = _reader()
-    paths = _paths(folder)
+    try:
+        from skrf.io.touchstone import Touchstone
+    except ImportError as error:
+        raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
+    paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
     if not paths:
-        raise AnalysisError(
-            Message("{folder} contains no files {pattern}", folder=folder,
-                    pattern=", ".join(f"*{one}" for one in ENTRY)),
+        raise UnreadableFileError(
+            Message("{folder} contains no files {pattern}", folder=folder, pattern="*.s1p, *.s2p"),
             fault=faults.NO_INPUT,
-        )  # fmt: skip
+        )
+    # Parts that are no numbers and those that are alternate.
+    paths.sort(key=lambda one: [
+        int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
+    ])  # fmt: skip
     size = sum(one.stat().st_size for one in paths)
     lazy.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
-    found: List[np.ndarray] = []
-    heights_m: List[float] = []
-    is_simulated = was_moved = False
-    first_hz = np.empty(0)
-    for path in progress(paths, len(paths)):
-        frequency_hz, spectrum, comment = _read(reader, path)
-        first_hz = first_hz if found else frequency_hz
-        if len(frequency_hz) != len(first_hz) or np.ptp(frequency_hz - first_hz) > SAME_HZ:
+    read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
+    first_hz = read[0][0]
+    for path, (frequency_hz, _, _) in zip(paths, read):
+        if len(frequency_hz) != len(first_hz) or np.abs(frequency_hz - first_hz).max() > SAME_HZ:
             raise UnreadableFileError(
                 Message(
                     "{file} has other frequencies than {first}", file=path.name, first=paths[0].name
                 ),
                 fault=faults.FILE_CONTENT,
             )
-        found.append(spectrum)
-        height = HEIGHT.search(comment)
-        heights_m.append(float(height.group(1)) if height else np.nan)
-        is_simulated, was_moved = (
-            is_simulated or SIMULATED in comment,
-            was_moved or MOVED in comment,
-        )
-    traces = Traces(
-        folder,
-        np.array(found),
-        frequency_hz=first_hz,
-        height_m=np.array(heights_m),
-        simulated=True if is_simulated else None,
-        facts=checked_facts(folder),
-    )
+    comments = [comment for _, _, comment in read]
+    heights = [HEIGHT.search(comment) for comment in comments]
+    found = Traces(folder, np.array([one for _, one, _ in read]), frequency_hz=first_hz)
+    found.height_m = np.array([float(one.group(1)) if one else np.nan for one in heights])
+    found.simulated = True if any(SIMULATED in one for one in comments) else None
+    found.was_moved = any(MOVED in one for one in comments)
+    found.facts = checked_facts(folder)
     if options.spacing_m is None:
-        _add_places(traces, paths)
-    data = as_survey(traces, options)
-    if was_moved:
-        data = data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, MOVED_NOTE))
-    return data
-
-
-def _reader() -> Any:
-    try:
-        from skrf.io.touchstone import Touchstone
-    except ImportError as error:
-        raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
-    return Touchstone
-
-
-def _paths(folder: Path) -> List[Path]:
-    found = [one for one in folder.glob("*.*") if one.suffix.lower() in ENTRY]
-    return sorted(found, key=lambda one: [
-        (int(part), "") if part.isdecimal() else (-1, part)
-        for part in re.split(r"(\d+)", one.name)
-    ])  # fmt: skip
+        _add_places(found, paths)
+    return as_survey(found, options)
 
 
 def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
@@ -119,32 +86,19 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         file = reader(str(path))
         frequency_hz, matrices = file.get_sparameter_arrays()
         frequency_hz = np.asarray(frequency_hz, np.float64)
-        spectrum = matrices[(slice(None), *ENTRY[path.suffix.lower()])]
-        spectrum = np.asarray(spectrum, np.complex128)
+        entry = (slice(None), *ENTRY[path.suffix.lower()])
+        spectrum = np.asarray(matrices[entry], np.complex128)
+        ends = {"first frequency [Hz]": frequency_hz[0], "last frequency [Hz]": frequency_hz[-1]}
+        if spectrum.shape != frequency_hz.shape or not (np.diff(frequency_hz) > 0.0).all():
+            raise ValueError("frequencies do not ascend")
         comments = str(file.get_comments())
-        if spectrum.shape != frequency_hz.shape:
-            raise ValueError(spectrum.shape)
     # On damaged files scikit-rf and numpy raise exceptions of many kinds.
     except Exception as error:
         raise UnreadableFileError(
             Message("{file} is damaged, or is no Touchstone file", file=path.name, details=error)
         ) from error
-    ends = frequency_hz[[0, -1]] if frequency_hz.size else np.array([np.nan, np.nan])
-    ascending = frequency_hz.size >= 2 and bool(np.all(np.diff(frequency_hz) > 0.0))
-    if not (ascending and ends[0] >= LOWEST_HZ and ends[1] <= HIGHEST_HZ):
-        raise UnreadableFileError(
-            Message(
-                "{file} has {count} frequencies from {first:g} to {last:g} Hz; it must have 2 or "
-                "more that ascend, from {lowest:g} to {highest:g} Hz",
-                file=path.name,
-                count=frequency_hz.size,
-                first=ends[0],
-                last=ends[1],
-                lowest=LOWEST_HZ,
-                highest=HIGHEST_HZ,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
+    for key in ends:
+        Header(path.name, ends).number(key, LOWEST_HZ, HIGHEST_HZ)
     return frequency_hz, spectrum, comments
 
 
@@ -168,9 +122,9 @@ def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Data
 
 
 def _whole(path: Path) -> Optional[Path]:
-    if path.is_dir():
-        return path if any(one.suffix.lower() in ENTRY for one in path.iterdir()) else None
-    return path.parent if path.suffix.lower() in ENTRY and path.is_file() else None
+    folder = path if path.is_dir() else path.parent
+    files = path.iterdir() if path.is_dir() else [path]
+    return folder if any(one.suffix.lower() in ENTRY and one.is_file() for one in files) else None
 
 
-IMPORT = ImportFormat(_imported, _whole, TRACES)
+IMPORT = ImportFormat(_imported, _whole, TAKEN)

@@ -4,52 +4,53 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Union
+from typing import Any, Callable, Dict, List, Optional, Union
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.format import ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import Facts
 from gpr20_analysis.processing.antenna_delay import LONGEST_DELAY_S
-from gpr20_analysis.read.antenna_attributes import (
-    ANTENNA_DELAY,
-    ANTENNA_SEPARATION,
-    WIDEST_SEPARATION_M,
-)
+from gpr20_analysis.processing.display import DISPLAY_ONLY
+from gpr20_analysis.read import antenna_attributes
 from gpr20_analysis.read.survey_grid import MAX_CELLS_PER_TRACE
-from gpr20_analysis.sentences import with_notes
+from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.message import Message
+from gpr20_foreign_formats.header import Header
 
+STEP, ZERO = "sample interval [ns]", "time zero [ns] (--time-zero)"
+SEPARATION, SPACING = "antenna separation [m] (--separation)", "trace spacing [mm] (--spacing)"
 NS_PER_S = 1e9
-SHORTEST_STEP_S, LONGEST_STEP_S = 1e-13, 1e-7
-FURTHEST_M = 1e7
+SHORTEST_STEP_NS, LONGEST_STEP_NS = 1e-4, 100.0
+LONGEST_SPACING_M, FURTHEST_M = 1e3, 1e7
 DECIMALS = 6  # of millimetres: a place is what was meant, not the error of its sum
-TRACES = ("spacing_m", "time_zero_s", "separation_m", "height_m", "band")
-"""The options that the formats of other instruments take."""
+TAKEN = ("spacing_m", "time_zero_s", "separation_m", "height_m", "band")
+"""The options that all these formats take."""
 
 
 @dataclass
 class Traces:
-    """What a file of another instrument holds.
+    """What a file or folder of another instrument holds; None: it is not recorded.
 
     Attributes:
         path: The file or folder.
         values: (trace, sample), real over time or complex over frequency.
         step_s: Time between samples [s].
         start_s: Time of the first sample [s].
-        zero_s: Time at which the pulse leaves the antennas [s]; None if it is not recorded.
+        zero_s: Time at which the pulse leaves the antennas [s].
         frequency_hz: Frequencies [Hz]; None over time.
-        x_m: Place of each trace along X [m]; None if it is not recorded.
+        x_m: Place of each trace along X [m].
         y_m: Along Y [m].
         rotation_deg: Rotation of the antennas [deg].
         height_m: Antenna height [m]; NaN if unknown.
-        separation_m: Distance between the antennas [m]; None if it is not recorded.
-        simulated: Whether the data are simulated; None if unknown.
+        separation_m: Distance between the antennas [m].
+        simulated: Whether the data are simulated.
         facts: What is known of the survey besides.
+        was_moved: The traces were shifted before, so delays are not those of the antennas.
         notes: What a user should know.
     """
 
@@ -66,7 +67,19 @@ class Traces:
     separation_m: Optional[float] = None
     simulated: Optional[bool] = None
     facts: Optional[Facts] = None
+    was_moved: bool = False
     notes: List[Message] = field(default_factory=list)
+
+
+def format_of(
+    read: Callable[[Path, ImportOptions], Traces], *endings: str, takes: str = ""
+) -> ImportFormat:
+    """Return the format of files with these endings, by the function that reads one."""
+    return ImportFormat(
+        lambda path, options, _: as_survey(read(path, options), options),
+        lambda path: path if path.suffix.lower() in endings and path.is_file() else None,
+        (*TAKEN, takes) if takes else TAKEN,
+    )
 
 
 def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
@@ -77,14 +90,32 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         UnreadableFileError: Times or places are wrong.
     """
     count, samples = found.values.shape
-    positions = _positions(found, options, count)
     height_m = found.height_m if options.height_m is None else options.height_m
-    delay_s = None
+    zero_s = found.zero_s if options.time_zero_s is None else options.time_zero_s
+    separation_m = found.separation_m if options.separation_m is None else options.separation_m
+    checked = Header(
+        found.path.name,
+        {
+            STEP: found.step_s * NS_PER_S,
+            ZERO: None if zero_s is None else zero_s * NS_PER_S,
+            SEPARATION: separation_m,
+        },
+    )
+    delay_s, latest_s = None, LONGEST_DELAY_S
     if found.frequency_hz is None:
-        delay_s = _delay_s(found, samples)
+        checked.number(STEP, SHORTEST_STEP_NS, LONGEST_STEP_NS)
+        delay_s = found.start_s + np.arange(samples) * found.step_s
+        latest_s = min(latest_s, float(delay_s[-1]))
+    attributes: Dict[str, Any] = {}
+    if zero_s is not None:
+        checked.number(ZERO, 0.0, latest_s * NS_PER_S)
+        attributes[antenna_attributes.ANTENNA_DELAY] = zero_s
+    if separation_m is not None:
+        checked.number(SEPARATION, 0.0, antenna_attributes.WIDEST_SEPARATION_M)
+        attributes[antenna_attributes.ANTENNA_SEPARATION] = separation_m
     data = on_grid(
         found.path.name,
-        positions,
+        _positions(found, options.spacing_m),
         found.values,
         np.broadcast_to(height_m, (count,)).tolist(),
         found.frequency_hz,
@@ -92,25 +123,18 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         simulated=found.simulated,
         facts=found.facts,
         delay_s=delay_s,
-    )
-    zero_s = found.zero_s if options.time_zero_s is None else options.time_zero_s
-    separation_m = found.separation_m if options.separation_m is None else options.separation_m
-    attributes: Dict[str, Any] = {}
-    notes: List[Message] = []
-    if zero_s is not None:
-        attributes[ANTENNA_DELAY] = _checked_zero_s(found, zero_s, delay_s)
-    elif delay_s is not None and ANTENNA_DELAY not in data.attrs:
-        notes.append(
-            Message(
-                "{file} does not record its time zero; 0 is used, so depths are too large; give "
-                "--time-zero, or --delay to gpr20 image",
-                file=found.path.name,
-            )
+    ).assign_attrs(attributes)
+    if delay_s is not None and antenna_attributes.ANTENNA_DELAY not in data.attrs:
+        unknown = Message(
+            "{file} does not record its time zero; 0 is used, so depths are too large; give "
+            "--time-zero, or --delay to gpr20 image",
+            file=found.path.name,
         )
-    if separation_m is not None:
-        attributes[ANTENNA_SEPARATION] = _checked_separation_m(found, separation_m)
-    data = data.assign_attrs(attributes)
-    return data.assign_attrs(with_notes(data, notes)) if notes else data
+        data = data.assign_attrs(with_notes(data, [unknown]))
+    if found.was_moved:
+        why = Message("the export had shifted the traces to time zero, so depths would be wrong")
+        data = data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, why))
+    return data
 
 
 def needs_spacing(path: Path, reason: Message) -> AnalysisError:
@@ -125,90 +149,31 @@ def needs_spacing(path: Path, reason: Message) -> AnalysisError:
     )
 
 
-def _positions(found: Traces, options: ImportOptions, count: int) -> np.ndarray:
+def _positions(found: Traces, spacing_m: Optional[float]) -> np.ndarray:
     """Return rotation [deg], y and x [mm] of each trace."""
+    count = len(found.values)
     x_m, y_m = found.x_m, np.broadcast_to(found.y_m, (count,))
-    if options.spacing_m is not None:
-        x_m, y_m = np.arange(count) * options.spacing_m, np.zeros(count)
+    if spacing_m is not None:
+        given = Header(found.path.name, {SPACING: spacing_m * dataset.MM_PER_M})
+        given.number(SPACING, 0.01, LONGEST_SPACING_M * dataset.MM_PER_M)
+        x_m, y_m = np.arange(count) * spacing_m, np.zeros(count)
     if x_m is None:
         raise needs_spacing(found.path, Message("the places of the traces are not recorded"))
-    places = np.stack([y_m, x_m], axis=1)
-    wrong = ~(np.abs(places) <= FURTHEST_M).all(axis=1)
+    wrong = ~((np.abs(x_m) <= FURTHEST_M) & (np.abs(y_m) <= FURTHEST_M))
+    if not (np.any(y_m) or np.any(found.rotation_deg)):
+        # A line is recorded in one direction: what goes back is an error of the wheel or the file.
+        wrong[1:] |= np.diff(x_m) <= 0.0
     if wrong.any():
-        reason = Message("the place of trace {trace} is no length", trace=int(wrong.argmax()) + 1)
+        trace = int(wrong.argmax())
+        reason = Message(
+            "trace {trace} is at {x_m:g} m, which does not ascend or is no place",
+            trace=trace + 1,
+            x_m=x_m[trace],
+        )
         raise needs_spacing(found.path, reason)
-    if not y_m.any() and np.all(found.rotation_deg == 0.0):
-        _check_ascending(found, x_m)
-    rows, columns = (len({*np.round(one, DECIMALS).tolist()}) for one in (y_m, x_m))
-    if count > 1 and (rows * columns == 1 or rows * columns > MAX_CELLS_PER_TRACE * count):
-        raise needs_spacing(
-            found.path, Message("the places of the traces are neither a line along X nor a grid")
-        )
-    rotation_deg = np.broadcast_to(found.rotation_deg, (count, 1))
-    return np.hstack([rotation_deg, np.round(places * dataset.MM_PER_M, DECIMALS)])
-
-
-def _check_ascending(found: Traces, x_m: np.ndarray) -> None:
-    # A line is recorded in one direction: what goes back is a mistake of the wheel or the file.
-    steps = np.diff(x_m)
-    if steps.size and not (steps > 0.0).all():
-        trace = int(np.argmin(steps > 0.0))
-        raise needs_spacing(
-            found.path,
-            Message(
-                "trace {trace} is at {x_m:g} m, but the one before it is at {before_m:g} m; "
-                "places must ascend",
-                trace=trace + 2,
-                x_m=x_m[trace + 1],
-                before_m=x_m[trace],
-            ),
-        )
-
-
-def _delay_s(found: Traces, samples: int) -> np.ndarray:
-    # Written so that NaN is refused too.
-    if not (SHORTEST_STEP_S <= found.step_s <= LONGEST_STEP_S and samples >= 2):
-        raise UnreadableFileError(
-            Message(
-                "{file} has {samples} samples in steps of {step_ns:g} ns; a trace of a radar has 2 "
-                "or more in steps of {shortest_ns:g} to {longest_ns:g} ns",
-                file=found.path.name,
-                samples=samples,
-                step_ns=found.step_s * NS_PER_S,
-                shortest_ns=SHORTEST_STEP_S * NS_PER_S,
-                longest_ns=LONGEST_STEP_S * NS_PER_S,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
-    return found.start_s + np.arange(samples) * found.step_s
-
-
-def _checked_zero_s(found: Traces, zero_s: float, delay_s: Optional[np.ndarray]) -> float:
-    latest_s = LONGEST_DELAY_S if delay_s is None else min(LONGEST_DELAY_S, float(delay_s[-1]))
-    if not 0.0 <= zero_s <= latest_s:
-        raise UnreadableFileError(
-            Message(
-                "{file}: time zero is {zero_ns:g} ns; it must be in the record, from 0 to "
-                "{latest_ns:g} ns; give the right one with --time-zero NS",
-                file=found.path.name,
-                zero_ns=zero_s * NS_PER_S,
-                latest_ns=latest_s * NS_PER_S,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
-    return zero_s
-
-
-def _checked_separation_m(found: Traces, separation_m: float) -> float:
-    if not 0.0 <= separation_m <= WIDEST_SEPARATION_M:
-        raise UnreadableFileError(
-            Message(
-                "{file}: the antennas are {separation_m:g} m apart; it must be 0 to {widest_m:g} "
-                "m; give the right distance with --separation M",
-                file=found.path.name,
-                separation_m=separation_m,
-                widest_m=WIDEST_SEPARATION_M,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
-    return separation_m
+    cells = len({*np.round(x_m, DECIMALS)}) * len({*np.round(y_m, DECIMALS)})
+    if count > 1 and not 1 < cells <= MAX_CELLS_PER_TRACE * count:
+        raise needs_spacing(found.path, Message("the places are no line along X, and no grid"))
+    places_mm = np.round(np.stack([y_m, x_m], axis=1) * dataset.MM_PER_M, DECIMALS)
+    rotation_deg = np.broadcast_to(found.rotation_deg, (count,))
+    return np.column_stack([rotation_deg, places_mm])

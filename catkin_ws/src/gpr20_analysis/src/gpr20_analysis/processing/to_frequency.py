@@ -31,6 +31,7 @@ SPECTRUM = "spectrum"
 FAINTEST = 0.05
 """Edge of a band that is not recorded: amplitude relative to the strongest frequency."""
 EVEN = 1e-3
+BYTES_PER_FACTOR = 48.0
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,7 @@ def to_frequency(
     Raises:
         WrongDatasetError: The data are not A-scans, their times are uneven, or the frequencies
             are not allowed.
+        TooLargeError: The factors of all samples and frequencies do not fit into the memory.
     """
     a_scans = lazy.in_rows(require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY)))
     delay_s = np.asarray(survey[DELAY].values, dtype=np.float64)
@@ -102,6 +104,9 @@ def to_frequency(
             )
         ]
     frequency_hz = spectrum.sweep.frequency_hz
+    # Traces of others may have many samples, at each of which there is a factor for each frequency.
+    needed = BYTES_PER_FACTOR * len(frequency_hz) * len(delay_s)
+    lazy.require_bytes(needed, Message("the transform to frequencies"))
     matrix = phase_advance(frequency_hz, -delay_s)
     # The factor that `time` has applied, for a full period of it.
     matrix *= step_s * spectrum.sweep.step_hz / spectrum.window.shares(spectrum.sweep.count)
