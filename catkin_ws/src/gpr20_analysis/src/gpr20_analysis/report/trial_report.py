@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_analysis.report.records import Report, Section
 from gpr20_analysis.trial.plan import Plan
-from gpr20_analysis.trial.score import GroupScore, LaneScore, Score
+from gpr20_analysis.trial.score import MISSED, UNKNOWN, GroupScore, LaneScore, Score
 from gpr20_analysis.trial.seal import Mark, Seal
 from gpr20_analysis.trial.statistics import alarm_interval, detection_interval, targets_needed
 from gpr20_common.catalogue import Catalogue, Language
@@ -49,8 +49,10 @@ def trial_report(plan: Plan, score: Score, language: Language, catalogue: Catalo
     lines = [
         Message(
             "Halo radius {halo_m:g} m. Intervals: Clopper-Pearson, Poisson. PD shown: one-sided, "
-            "95 %. A stratum of targets has the false alarms of all lanes.",
+            "95 %; the plan asks for {detection:g}. A stratum of targets has the false alarms of "
+            "all lanes.",
             halo_m=plan.halo_m,
+            detection=plan.detection,
         ),
         Message(
             "The truth is as promised in the plan of {time}; it was known by {who}.",
@@ -82,11 +84,13 @@ def found_report(
     listed: Seal, counts: Mapping[str, int], language: Language, catalogue: Catalogue
 ) -> Report:
     """Return the report of what was found at the candidates of a list; see `score_found`."""
-    looked, devices = sum(counts.values()) - counts[""], counts[What.DEVICE.value]
+    looked, devices = sum(counts[one.value] for one in What), counts[What.DEVICE.value]
     area_m2, share = listed.area_m2 or 0.0, detection_interval(devices, looked)
     alarms = alarm_interval(looked - devices, area_m2)
     lines = [
-        Message("Share of devices where somebody looked: {range} (95 %).", range=_range(share)),
+        Message(
+            "Share of devices where somebody looked: {range} (95 %).", range=_range(share, _share)
+        ),
         Message(
             "Known false alarms per m2 of the survey: {range} (95 %).",
             range=_range(alarms) if area_m2 else "-",
@@ -94,7 +98,8 @@ def found_report(
         Message("PD cannot be known from this: nobody looked where no candidate is."),
     ]
     rows = [(catalogue.text(label), str(counts[one.value])) for one, label in LABELS.items()]
-    rows.append((catalogue.tr("not looked at"), str(counts[""])))
+    rows.append((catalogue.tr("not looked at"), str(counts[UNKNOWN])))
+    rows.append((catalogue.tr("devices where no candidate is"), str(counts[MISSED])))
     title = catalogue.tr("What was found at candidates")
     section = Section(title, lines=[catalogue.text(one) for one in lines], rows=rows)
     return _report(title, [section], listed.simulated, language, catalogue)
@@ -156,7 +161,11 @@ def _report(
 
 
 def _group_row(one: GroupScore, catalogue: Catalogue) -> Tuple[str, ...]:
-    share = (_number(one.detection), _range(one.detection_range), _number(one.detection_shown))
+    share = (
+        _share(one.detection),
+        _range(one.detection_range, _share),
+        _share(one.detection_shown),
+    )
     alarms = (str(one.alarms), f"{one.area_m2:.2f}", _number(one.alarms_per_m2))
     name = one.stratum or catalogue.text(ALL)
     found = f"{one.found}/{one.targets}"
@@ -165,7 +174,7 @@ def _group_row(one: GroupScore, catalogue: Catalogue) -> Tuple[str, ...]:
 
 def _lane_row(one: LaneScore) -> Tuple[str, ...]:
     seal, missed = one.seal, " ".join(one.missed) or "-"
-    head = (seal.method, seal.lane, seal.sealed[:16], seal.operator, seal.sha256[:16])
+    head = (seal.method, seal.lane, seal.sealed[:16], seal.operator, seal.sha256[:12])
     return (*head, missed, _ids(one.alarms), _ids(one.outside))
 
 
@@ -173,9 +182,15 @@ def _ids(marks: Sequence[Mark]) -> str:
     return " ".join(f"({one.id})" if one.doubtful else one.id for one in marks) or "-"
 
 
+def _share(value: Optional[float]) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
 def _number(value: Optional[float]) -> str:
     return "-" if value is None else f"{value:.3g}"
 
 
-def _range(ends: Tuple[Optional[float], ...]) -> str:
-    return " \u2013 ".join(map(_number, ends))
+def _range(
+    ends: Tuple[Optional[float], ...], shown: Callable[[Optional[float]], str] = _number
+) -> str:
+    return " \u2013 ".join(map(shown, ends))

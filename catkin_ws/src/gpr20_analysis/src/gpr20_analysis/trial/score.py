@@ -28,6 +28,7 @@ from gpr20_common.message import Message
 from gpr20_survey.results.found import Found, What
 
 MM_PER_M = 1e3
+UNKNOWN, MISSED = "not_looked_at", "devices_without_candidate"
 Range = Tuple[float, Optional[float]]
 
 
@@ -106,16 +107,28 @@ def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) ->
 
 
 def score_found(listed: Seal, records: Sequence[Found], halo_m: float) -> Dict[str, int]:
-    """Return how many candidates of a list were what, by the nearest record within a distance.
+    """Return how many candidates of a list were what: each record says it of the nearest one.
+
+    Args:
+        listed: The list, in the coordinates of the survey.
+        records: What was found; of two for one candidate the last one counts.
+        halo_m: A record further from every candidate is of none [m].
 
     Returns:
-        Numbers by the values of `What`, and under an empty text of those without a record.
+        Numbers by the values of `What`; `UNKNOWN` and `MISSED` are those of candidates without a
+        record, and of devices without a candidate.
     """
-    counts = {"": 0, **{one.value: 0 for one in What}}
-    places_m = [((one.x_mm / MM_PER_M, one.y_mm / MM_PER_M), one.what.value) for one in records]
-    for mark in listed.marks:
-        counts[_nearest((mark.x_m, mark.y_m), places_m, halo_m)] += 1
-    return counts
+    places_m = [((one.x_m, one.y_m), one.id) for one in listed.marks]
+    what: Dict[str, What] = {}
+    missed = 0
+    for one in records:
+        name = _nearest((one.x_mm / MM_PER_M, one.y_mm / MM_PER_M), places_m, halo_m)
+        if name:
+            what[name] = one.what
+        else:
+            missed += one.what is What.DEVICE
+    counts = {kind.value: sum(one is kind for one in what.values()) for kind in What}
+    return {**counts, UNKNOWN: len(places_m) - len(what), MISSED: missed}
 
 
 def _nearest(place_m: Place, named: Sequence[Tuple[Place, str]], halo_m: float) -> str:

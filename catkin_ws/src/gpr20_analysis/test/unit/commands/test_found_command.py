@@ -137,11 +137,15 @@ def test_found_records_score_candidates_and_say_that_pd_is_not_known(
     folder, listed, tmp_path, capsys
 ):
     assert note(folder, listed, "C01", "device") == note(folder, listed, "C02", "nothing") == 0
+    # At 45 mm from C02, of which it is the last record, and far from every candidate.
+    for x_mm in ("345", "900"):
+        place = ("--at", x_mm, "90", "--what", "device", "--who", "Bo")
+        assert main(["found", str(folder), *place]) == 0
     report = tmp_path / "report.json"
     score = ["trial", "score", str(listed), "--found", str(folder), "--halo", "0.05"]
     assert main([*score, "-o", str(report)]) == 0
     assert json.loads(report.read_text())["counts"] == {
-        "": 1, "nothing": 1, "scrap": 0, "device": 1,
+        "nothing": 0, "scrap": 0, "device": 2, "not_looked_at": 1, "devices_without_candidate": 1,
     }  # fmt: skip
     printed = capsys.readouterr().out
     assert "PD cannot be known" in printed and "SIMULATED" in printed

@@ -1,0 +1,84 @@
+"""The report of a trial that is made up, with targets and two methods drawn at random."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import random
+import tempfile
+from pathlib import Path
+from typing import Dict, List, Tuple
+
+import pypdfium2
+
+from gpr20_analysis.commands.main import main
+from pictures.report import SCALE
+
+SEED, LANES, COLUMNS, ROWS = 29, 4, 8, 2
+HALO_M, OFF_M = 0.15, 0.04
+WHO = ("--truth-known-by", "Ana")
+TYPES = ("plastic", "metal")
+DEPTHS_M = ("0.05", "0.10")
+# Chance that a method finds a target of each type, and false alarms per lane.
+METHODS: Dict[str, Tuple[Dict[str, float], int]] = {
+    "radar": ({"plastic": 0.85, "metal": 0.97}, 6),
+    "detector": ({"plastic": 0.6, "metal": 0.98}, 11),
+}
+
+
+def make(folder: Path) -> None:
+    """Plan, seal and score the trial with the commands, and take a picture of its report."""
+    with tempfile.TemporaryDirectory() as place, contextlib.redirect_stdout(io.StringIO()):
+        report = _score(Path(place))
+        picture = pypdfium2.PdfDocument(report)[0].render(scale=SCALE).to_pil()
+    path = folder / "trial.png"
+    picture.save(path)
+    print(path)
+
+
+def _score(place: Path) -> Path:
+    chance = random.Random(SEED)
+    lanes, targets, plan, report = (
+        place / name for name in ("lanes.csv", "targets.csv", "plan.json", "report.pdf")
+    )
+    soils = [f"L{at},0,8,0,2,{'sand' if at % 2 else 'loam'}\n" for at in range(LANES)]
+    lanes.write_text("lane,x_min_m,x_max_m,y_min_m,y_max_m,soil\n" + "".join(soils))
+    buried = [
+        (f"L{lane}", 0.5 + column, 0.5 + row, chance.choice(TYPES), chance.choice(DEPTHS_M))
+        for lane in range(LANES)
+        for column in range(COLUMNS)
+        for row in range(ROWS)
+    ]
+    rows = [
+        f"T{at:02d},{lane},{x_m:.2f},{y_m:.2f},{depth},{kind}\n"
+        for at, (lane, x_m, y_m, kind, depth) in enumerate(buried, 1)
+    ]
+    targets.write_text("target,lane,x_m,y_m,depth_m,type\n" + "".join(rows))
+    _run("plan", lanes, targets, "--halo", HALO_M, "--strata", "type,depth_m", *WHO, "-o", plan)
+    sealed: List[Path] = []
+    for method, (chances, false_alarms) in METHODS.items():
+        for lane in (f"L{at}" for at in range(LANES)):
+            places = [
+                (one[1] + chance.gauss(0.0, OFF_M), one[2] + chance.gauss(0.0, OFF_M), 18.0)
+                for one in buried
+                if one[0] == lane and chance.random() < chances[one[3]]
+            ]
+            alarms = chance.randrange(false_alarms)
+            places += [(chance.uniform(0, 8), chance.uniform(0, 2), 12.0) for _ in range(alarms)]
+            marks = [
+                f"C{at:02d},{x_m:.3f},{y_m:.3f},{level_db + chance.gauss(0.0, 4.0):.1f}\n"
+                for at, (x_m, y_m, level_db) in enumerate(places, 1)
+            ]
+            listed = place / f"{method}_{lane}.csv"
+            heading = "# simulated: true\nid,x_m,y_m,above_clutter_db\n"
+            listed.write_text(heading + "".join(marks))
+            sealed.append(listed.with_suffix(".json"))
+            own = ("--method", method, "--lane", lane, "--operator", "Eva")
+            _run("seal", plan, listed, *own, "-o", sealed[-1])
+    _run("score", plan, *sealed, "--truth", targets, "-o", report)
+    return report
+
+
+def _run(*arguments: object) -> None:
+    if main(["trial", *map(str, arguments)]) != 0:
+        raise SystemExit("the trial was not made")
