@@ -59,7 +59,7 @@ def merged_fields(
     # A sum, since NaN is no maximum.
     if not 0.0 < sum(strongest.values()) < np.inf:
         raise UnreadableFileError(
-            Message("{file}: {field} is zero or holds NaN values", file=path.name, field=along),
+            Message("{file}: the fields along X and Y are zero or contain NaN", file=path.name),
             fault=faults.FILE_CONTENT,
         )
     step_s = time_step_s(file, path.name)

@@ -64,7 +64,7 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
         AnalysisError: The places are no lengths.
         UnreadableFileError: The file is damaged, has another kind of samples, or was changed.
     """
-    content = content_of(path)
+    facts, content = checked_facts(path), content_of(path)
     if len(content) < START_BYTES:
         raise UnreadableFileError(
             Message("{file} is shorter than its header must be", file=path.name)
@@ -76,7 +76,7 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
     interval = header.values["sample interval"] or int(traces["interval"][0])
     found = Traces(path, _samples(traces, header), interval / segy.PS_PER_S)
     found.values[traces["code"] == segy.DEAD] = np.nan
-    found.facts, found.was_moved = checked_facts(path), segy.MOVED in text
+    found.facts, found.was_moved = facts, segy.MOVED in text
     if options.interval_s is not None:
         found.step_s = options.interval_s
     elif not is_own:

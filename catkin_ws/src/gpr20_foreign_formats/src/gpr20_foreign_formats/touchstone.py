@@ -55,6 +55,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
     paths.sort(key=lambda one: [
         int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
     ])  # fmt: skip
+    facts = checked_facts(folder)
     size = sum(one.stat().st_size for one in paths)
     lazy.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
     read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
@@ -73,7 +74,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
     found.height_m = np.array([float(one.group(1)) if one else np.nan for one in heights])
     found.simulated = True if any(SIMULATED in one for one in comments) else None
     found.was_moved = any(MOVED in one for one in comments)
-    found.facts = checked_facts(folder)
+    found.facts = facts
     if options.spacing_m is None:
         _add_places(found, paths)
     return as_survey(found, options)

@@ -10,14 +10,16 @@ from checksum_kit import check_with_sha256sum
 from fault_kit import raises_fault
 from random_surveys import random_survey
 
-from gpr20_analysis import faults
+from gpr20_analysis import ImageOptions, faults, image_survey
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.conversion import export_survey, import_survey
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.formats.sums_beside import sums_path
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.to_frequency import to_frequency
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar.frequency_to_delay import Window, delay_kernel
 
 SEEDS = range(int(os.environ.get("GPR20_ROUND_TRIPS", "6")))
 FORMATS = {"group-csv": "out", "original-json": "out", "merged-hdf5": "out.h5"}
@@ -47,6 +49,9 @@ def test_random_surveys_come_back_from_every_format(tmp_path, seed):
     for name in ("s.nc", "s.zarr"):
         write_dataset(survey, tmp_path / name)
         same(read_dataset(tmp_path / name), survey, 0.0)
+    export_survey(survey, tmp_path / "touchstone", "touchstone")
+    found = import_survey(tmp_path / "touchstone", "touchstone")
+    same(found, survey, 1e-12)
     window = [Window.NONE, Window.HAMMING][seed % 2]
     in_time = to_time(survey, window, 1.0 + seed)
     for form, tolerance in (("group-csv", 1e-9), ("merged-hdf5", 3e-5)):
@@ -58,10 +63,70 @@ def test_random_surveys_come_back_from_every_format(tmp_path, seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+def test_random_surveys_come_back_from_segy(tmp_path, seed):
+    survey = random_survey(seed)
+    paths = list(export_survey(survey, tmp_path / "s.sgy", "segy"))
+    assert len(paths) == survey.sizes["polarization"]
+    for turn, path in enumerate(paths):
+        part = survey.isel(polarization=[turn])
+        whole = import_survey(path, "segy")
+        sums_path(path).unlink()
+        for found, within in ((whole, 1e-9), (import_survey(path, "segy"), 0.51e-4)):
+            # The edges of the grid that no trace shows are known from the sums alone.
+            part = part.sel(x=found.x, y=found.y, method="nearest")
+            for name in ("x", "y", "height"):
+                np.testing.assert_allclose(found[name].values, part[name].values, atol=0.51e-4)
+            assert found.polarization.values.tolist() == part.polarization.values.tolist()
+            np.testing.assert_allclose(found.x, part.x, atol=within)
+            assert found.attrs["simulated"] == survey.attrs["simulated"]
+            usable = (part.quality.values & 3) == 0
+            assert ((found.quality.values & 3) == 0).tolist() == usable.tolist()
+            kernel = delay_kernel(survey.frequency.values, found.delay.values)
+            expected = (part.s21.values @ kernel).real[usable]
+            scale = np.abs(expected).max()
+            np.testing.assert_allclose(
+                found.a_scan.values[usable].real, expected, atol=1e-6 * scale
+            )
+        for name in ("survey_id", "antenna_delay_s"):
+            assert whole.attrs[name] == survey.attrs[name]
+
+
+def test_a_scans_in_steps_of_picoseconds_come_back_from_segy_as_the_spectra(tmp_path):
+    frequency_hz = np.arange(500e6, 2.5e9, 50e6)
+    s21 = np.exp(-2j * np.pi * frequency_hz * np.arange(1.0, 5.0)[:, None] * 1e-9)
+    survey = as_dataset(
+        Imported(
+            s21[None, None],
+            [90.0],
+            np.zeros(1),
+            np.arange(4) * 0.02,
+            np.full((1, 1, 4), 0.1),
+            "a line",
+            frequency_hz=frequency_hz,
+        )
+    ).assign_attrs({"antenna_separation_m": 0.06})
+    in_time = to_time(survey, Window.HAMMING, 6.25)
+    (path,) = export_survey(in_time, tmp_path / "s.sgy", "segy")
+    found = to_frequency(import_survey(path, "segy"))
+    np.testing.assert_allclose(found.frequency, frequency_hz)
+    np.testing.assert_allclose(found.s21.values, survey.s21.values, atol=1e-5)
+    assert found.attrs["antenna_separation_m"] == 0.06
+
+
+@pytest.mark.parametrize(("form", "name"), [("segy", "s.sgy"), ("touchstone", "t")])
+def test_shifted_data_come_back_from_other_programs_formats_for_display_only(tmp_path, form, name):
+    shifted = process_survey(random_survey(2, one_polarization=True), "time_zero")
+    (path,) = export_survey(shifted, tmp_path / name, form)
+    for found in (import_survey(path, form), import_survey(path, form, height_m=0.1)):
+        with raises_fault(faults.STEPS):
+            image_survey(to_frequency(found) if form == "segy" else found, ImageOptions())
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_a_changed_byte_of_an_export_or_its_checksums_is_refused(tmp_path, seed):
     rng = np.random.default_rng(seed)
     survey = random_survey(seed)
-    for form in ("group-csv", "original-json"):
+    for form in ("group-csv", "original-json", "touchstone"):
         path = tmp_path / form
         export_survey(survey, path, form)
         victim = sorted(path.iterdir())[rng.integers(len(list(path.iterdir())))]

@@ -42,6 +42,7 @@ NUMBERS = (
     antenna_attributes.ANTENNA_SEPARATION,
 )
 SIMULATED_KEY = "simulated"
+ROUNDED_MM = 0.051  # SEG-Y holds tenths of a millimetre
 
 
 def is_simulated(data: xr.Dataset) -> bool:
@@ -142,14 +143,14 @@ def snapped(positions: np.ndarray, grid: Optional[SurveyGrid]) -> Optional[np.nd
     """Return positions moved to the coordinates of a grid; None if they are not on it.
 
     Args:
-        positions: (samples, 3), rotation [deg], y and x [mm], rounded as file names are.
+        positions: (samples, 3), rotation [deg], y and x [mm], rounded as files do.
         grid: The grid, or None.
     """
     if grid is None:
         return None
     columns: List[np.ndarray] = []
     for column, (axis, tolerance) in enumerate(
-        ((grid.polarization_deg, 1.0), (grid.y_mm, 0.011), (grid.x_mm, 0.011))
+        ((grid.polarization_deg, 1.0), (grid.y_mm, ROUNDED_MM), (grid.x_mm, ROUNDED_MM))
     ):
         own = np.asarray(axis)
         nearest = np.abs(positions[:, column, None] - own[None, :]).argmin(axis=1)
