@@ -31,6 +31,7 @@ from gpr20_analysis.processing.chain import process_survey, recipe_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.positions import Line, Place, line_of
 
@@ -48,10 +49,12 @@ class ViewSession:
         options: How images are made; the permittivity and the last depth are the first shown.
         find_candidates: Finds candidates in an image; None: there is no search.
         background: The step that removes the background where that is switched on.
+        hiding: Where a mine could hide; None: not known.
 
     Attributes:
         survey: The survey in memory.
         options: How images are made.
+        hiding: Where a mine could hide; None: not known.
         remarks: What is said about the session itself.
 
     Raises:
@@ -64,11 +67,13 @@ class ViewSession:
         options: ImageOptions,
         find_candidates: Optional[FindCandidates] = None,
         background: str = DEFAULT_STEPS[0],
+        hiding: Optional[HidingMap] = None,
     ) -> None:
         spectra = require(survey, S21, S21_DIMS)
         _require_room(spectra, options)
         self.survey = survey.compute()
         self.find_candidates = find_candidates
+        self.hiding = hiding
         self._background = background
         self.remarks: List[Message] = []
         self.options = self._suitable(options)

@@ -10,7 +10,7 @@ from pathlib import Path
 import xarray as xr
 
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.commands import image_command, inputs
+from gpr20_analysis.commands import hiding_command, image_command, inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
@@ -33,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_steps(parser)
     image_command.add_image_options(parser)
     image_command.add_candidate_options(parser)
+    hiding_command.add_hiding(parser)
     add = parser.add_argument
     add("--picks", type=Path, metavar="FILE",
         help="file of the picks; default SURVEY.picks.json beside the survey")  # fmt: skip
@@ -53,7 +54,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     def find(image: xr.Dataset) -> CandidateList:
         return find_candidates(image, listed)
 
-    session = ViewSession(processed, options, find, DEFAULT_STEPS[0])
+    hiding = hiding_command.hiding_of(chosen, survey)
+    session = ViewSession(processed, options, find, DEFAULT_STEPS[0], hiding)
     from gpr20_viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, List, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.candidates.geopackage import write_geopackage
+from gpr20_analysis.candidates.geopackage import Layer, write_geopackage
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import Message
@@ -129,7 +129,11 @@ def _write_gpkg(found: CandidateList, path: Path) -> None:
         several = value if isinstance(value, list) else [value]
         facts += [(name, one if isinstance(one, str) else json.dumps(one)) for one in several]
     warnings = [str(NO_CLEARANCE), *([str(SIMULATED)] if found.simulated else [])]
-    write_geopackage(path, COLUMNS, rows, facts, " ".join(warnings), found.position is not None)
+    on_earth = found.position is not None
+    layer = Layer("candidates", "candidate_list", COLUMNS, " ".join(warnings), on_earth)
+    names = ("longitude_deg", "latitude_deg") if on_earth else ("x_m", "y_m")
+    places = [[(float(row[names[0]]), float(row[names[1]]))] for row in rows]
+    write_geopackage(path, layer, places, rows, facts)
 
 
 def _flat(record: Dict[str, Any]) -> Dict[str, Any]:

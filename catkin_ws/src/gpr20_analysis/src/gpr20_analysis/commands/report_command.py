@@ -9,6 +9,7 @@ from pathlib import Path
 from gpr20_analysis import dataset
 from gpr20_analysis.commands import image_command, inputs, outputs
 from gpr20_analysis.commands.command import Command
+from gpr20_analysis.commands.hiding_command import add_hiding, hiding_of
 from gpr20_analysis.commands.outputs import Output
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.terminal_text import say
@@ -22,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--output", "-o", type=Path, required=True, help="report to write: .html or .pdf"
     )
     image_command.add_image_options(parser)
+    add_hiding(parser)
     outputs.add_overwrite(parser)
     parser.add_argument(
         "--json", action="store_true", help="print the result, or the error, as JSON, for programs"
@@ -42,7 +44,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     survey, status = inputs.process(survey, antenna, catalogue)
     progress = inputs.progress_bar(catalogue.tr("creating the report"))
-    write_report(survey, chosen.survey, chosen.output, options, steps, chosen.language, progress)
+    hiding = hiding_of(chosen, survey)
+    write_report(
+        survey, chosen.survey, chosen.output, options, steps, chosen.language, progress, hiding
+    )
     say(json.dumps({"output": str(chosen.output)}) if chosen.json else chosen.output)
     return status
 

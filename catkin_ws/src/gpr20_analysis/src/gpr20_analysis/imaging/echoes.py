@@ -44,12 +44,14 @@ class Echoes:
         magnitude: Magnitude in the image.
         clutter: Standard magnitude of what is around it, without other bodies.
         fitted: Whether it is a point that was fitted; the others are in what those left.
+        rest: The image without the points (depth, y, x).
     """
 
     place_m: np.ndarray
     magnitude: np.ndarray
     clutter: np.ndarray
     fitted: np.ndarray
+    rest: np.ndarray
 
 
 def find_echoes(
@@ -70,8 +72,9 @@ def find_echoes(
     """
     place_m, strength = np.zeros((0, 3)), np.zeros(0)
     most = most_points(axes_m)
-    left = np.abs(volume)
+    rest = volume
     for _ in range(ROUNDS):
+        left = np.abs(rest)
         clutter = local_clutter(left, axes_m, resolution_m, place_m)
         found = _strongest(left, clutter, axes_m, min(most - len(place_m), -(-most // 3)))
         if len(found) == 0:
@@ -81,8 +84,8 @@ def find_echoes(
         shown = np.minimum(left, np.abs(volume))[tuple(found.T)]
         strength = np.concatenate([strength, shown])
         points.add(place_m[-len(found) :])
-        left = np.abs(imager(points.left()))
-    return _with_weak(left, axes_m, resolution_m, place_m, strength)
+        rest = imager(points.left())
+    return _with_weak(rest, axes_m, resolution_m, place_m, strength)
 
 
 def maxima_only(magnitude: np.ndarray, axes_m: Sequence[np.ndarray], resolution_m: float) -> Echoes:
@@ -98,12 +101,13 @@ def most_points(axes_m: Sequence[np.ndarray]) -> int:
 
 
 def _with_weak(
-    left: np.ndarray,
+    rest: np.ndarray,
     axes_m: Sequence[np.ndarray],
     resolution_m: float,
     place_m: np.ndarray,
     strength: np.ndarray,
 ) -> Echoes:
+    left = np.abs(rest)
     clutter = local_clutter(left, axes_m, resolution_m, place_m)
     weak = _maxima(left)
     nearest = [
@@ -115,6 +119,7 @@ def _with_weak(
         np.concatenate([strength, left[tuple(weak.T)]]),
         np.concatenate([clutter[tuple(nearest)], clutter[tuple(weak.T)]]),
         np.arange(len(place_m) + len(weak)) < len(place_m),
+        rest,
     )
 
 

@@ -44,6 +44,8 @@ NOTED_DEPTH_M = 0.001
 ECHO_VALUES = ("rotation_deg", "depth", "y", "x", "above_clutter_db", "level_db", "fitted")
 """Values of each echo of an image: rotation of the antennas, place [m], levels, and whether it is
 a point that was fitted to the traces and taken away before the clutter was measured."""
+REST = "rest"
+"""Variable: the image without its strong echoes."""
 # Of the delay of the deepest voxel, since waves arrive aslant too.
 LONGEST = 1.5
 # -3 dB width with a Hann window, in units of the inverse of the band.
@@ -55,6 +57,7 @@ def image_survey(
     options: ImageOptions,
     progress: Progress = no_progress,
     with_echoes: bool = True,
+    with_rest: bool = False,
 ) -> xr.Dataset:
     """Return the image of a survey.
 
@@ -63,6 +66,7 @@ def image_survey(
         options: How the image is made.
         progress: Shows the progress over all polarizations.
         with_echoes: Find the echoes and the clutter, without which there are no candidates.
+        with_rest: Keep the image without its strong echoes, too.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex or
@@ -114,7 +118,7 @@ def image_survey(
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
     if with_echoes:
-        image = image.assign(_echoes(traces, focus, options.method, image, at))
+        image = image.assign(_echoes(traces, focus, options.method, image, at, with_rest))
     described = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
     attributes["across_lines"] = _across_lines(image, options.method)
@@ -183,10 +187,15 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
 
 
 def _echoes(
-    traces: Sequence[Traces], focus: Focus, method: Method, image: xr.Dataset, at: Positions
+    traces: Sequence[Traces],
+    focus: Focus,
+    method: Method,
+    image: xr.Dataset,
+    at: Positions,
+    with_rest: bool,
 ) -> Dict[Hashable, Any]:
     def imager(some: Traces) -> np.ndarray:
-        return np.abs(method.image(some, focus, at, no_progress)[0])
+        return method.image(some, focus, at, no_progress)[0]
 
     axes_m = [np.asarray(image[name].values, dtype=np.float64) for name in (DEPTH, Y, X)]
     resolution_m = depth_resolution_m(traces[0].sweep, focus.permittivity)
@@ -197,20 +206,27 @@ def _echoes(
             focus.permittivity,
         )
     )
-    rows, planes = [], []
+    rows, planes, rests = [], [], []
     for turn, one in enumerate(traces):
-        magnitude = np.abs(image[IMAGE].values[turn])
+        volume = image[IMAGE].values[turn]
+        magnitude = np.abs(volume)
         if method.is_linear:
             points = PointEchoes(one, focus, longest_s)
-            found = find_echoes(magnitude, axes_m, resolution_m, points, imager)
+            found = find_echoes(volume, axes_m, resolution_m, points, imager)
         else:
             found = maxima_only(magnitude, axes_m, resolution_m)
         rows.append(_rows(one.rotation_deg, found, method))
         bodies_m = found.place_m[found.fitted]
         clutter = local_clutter(magnitude, axes_m, resolution_m, bodies_m)
         planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
+        if with_rest:
+            rests.append(found.rest)
     attributes = {"units": "1", "long_name": "clutter beside echoes", "factors": method.factors}
+    kept: Dict[Hashable, Any] = {}
+    if with_rest:
+        kept = {REST: ((POLARIZATION, DEPTH, Y, X), np.stack(rests))}
     return {
+        **kept,
         CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), attributes),
         ECHOES: (("echo", "value"), np.concatenate(rows), {"values": " ".join(ECHO_VALUES)}),
     }

@@ -67,7 +67,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
         WrongDatasetError: The surveys do not determine the model, or no plate explains them.
     """
     for one in plates:
-        _require_measured(one)
+        require_measured(one)
     heights_m = np.array([_height_m(one) for one in plates])
     if len(set(np.round(heights_m, 3))) < FEWEST_HEIGHTS or np.ptp(heights_m) < LEAST_RANGE_M:
         raise WrongDatasetError(
@@ -136,7 +136,7 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
             fault=faults.PLATE,
         )
     terms = require(model, ANTENNA, ANTENNA_DIMS)
-    _require_measured(survey)
+    require_measured(survey)
     _check_sweep(survey, model)
     # Values that differ by rounding only would drop out of the product.
     terms = terms.assign_coords({name: survey[name] for name in (POLARIZATION, FREQUENCY)})
@@ -203,7 +203,15 @@ def _delay_s(model: AntennaModel) -> float:
     return -turn_rad / (2.0 * np.pi * float(np.mean(np.diff(model.frequency_hz))))
 
 
-def _require_measured(survey: xr.Dataset) -> None:
+def require_measured(survey: xr.Dataset) -> None:
+    """Check that no step has changed the spectra of a survey.
+
+    Args:
+        survey: The survey.
+
+    Raises:
+        WrongDatasetError: One has.
+    """
     steps = [one["step"] for one in json.loads(survey.attrs.get(PROCESSING, "[]"))]
     changed = [one for one in steps if one not in HARMLESS]
     if changed:

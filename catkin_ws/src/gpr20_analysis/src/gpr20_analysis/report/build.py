@@ -21,6 +21,7 @@ from gpr20_analysis.report.summary import SIMULATED
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.results.hiding_map import HidingMap
 
 HTML, PDF = ".html", ".pdf"
 
@@ -33,6 +34,7 @@ def write_report(
     steps: Sequence[Step] = (),
     language: str = Language.ENGLISH.value,
     progress: Progress = no_progress,
+    hiding: Optional[HidingMap] = None,
 ) -> None:
     """Write a report, a page or a PDF.
 
@@ -44,6 +46,7 @@ def write_report(
         steps: The steps before imaging; without any, coupling and surface echo are subtracted.
         language: Code of the language.
         progress: Shows the progress.
+        hiding: Where a mine could hide; None: the report has no such map.
 
     Raises:
         AnalysisError: The file has another ending or cannot be written.
@@ -52,7 +55,8 @@ def write_report(
     known = language_from_code(language)
     catalogue = read_catalogue(known)
     chosen = list(steps) or [step_from_text(one) for one in DEFAULT_STEPS]
-    made = report_of(survey, path, chosen, options or ImageOptions(), known, catalogue, progress)
+    image_options = options or ImageOptions()
+    made = report_of(survey, path, chosen, image_options, known, catalogue, progress, hiding)
     save_report(made, output, catalogue)
 
 
@@ -92,6 +96,7 @@ def report_of(
     language: Language,
     catalogue: Catalogue,
     progress: Progress = no_progress,
+    hiding: Optional[HidingMap] = None,
 ) -> Report:
     """Return the report of a survey.
 
@@ -103,6 +108,7 @@ def report_of(
         language: Language of the report.
         catalogue: Its catalogue.
         progress: Shows the progress.
+        hiding: Where a mine could hide.
 
     Returns:
         The report.
@@ -111,7 +117,7 @@ def report_of(
     simulated = bool(survey.attrs.get("simulated"))
     return Report(
         title=catalogue.tr("GPR-20 survey {name}", name=name),
-        sections=sections_of(survey, path, steps, options, progress, catalogue),
+        sections=sections_of(survey, path, steps, options, progress, catalogue, hiding),
         language=language,
         mark=catalogue.tr("SIMULATED") if simulated else "",
         banner=catalogue.text(SIMULATED) if simulated else "",

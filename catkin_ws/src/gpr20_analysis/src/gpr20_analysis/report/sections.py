@@ -6,7 +6,7 @@ import datetime
 import platform
 from importlib import metadata
 from pathlib import Path
-from typing import Callable, List, Sequence
+from typing import Callable, List, Optional, Sequence
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ from gpr20_analysis.candidates.marker_list import marker_heading, marker_rows, s
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps
+from gpr20_analysis.plotting.hiding import hiding_figure
 from gpr20_analysis.processing.chain import Step
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.verification import FILES, verify_survey
@@ -27,6 +28,7 @@ from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_o
 from gpr20_analysis.sentences import ENGLISH, limited, sentences_of, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
+from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
 
 LISTED = 50
 """Number of sentences of a list that the report shows."""
@@ -40,6 +42,7 @@ def sections_of(
     options: ImageOptions,
     progress: Progress = no_progress,
     catalogue: Catalogue = ENGLISH,
+    hiding: Optional[HidingMap] = None,
 ) -> List[Section]:
     """Return the sections of a survey's report.
 
@@ -50,6 +53,7 @@ def sections_of(
         options: How the image is made.
         progress: Shows the progress.
         catalogue: Language of the report.
+        hiding: Where a mine could hide; None: there is no such section.
 
     Returns:
         The sections, in order: verdict and candidates first.
@@ -58,6 +62,7 @@ def sections_of(
     parts: List[Callable[[], Sequence[Section]]] = [
         lambda: [verdict],
         lambda: pictures.imaged(survey, steps, options, catalogue),
+        lambda: [] if hiding is None else [_hiding(hiding, catalogue)],
         lambda: [_markers(survey, catalogue)],
         lambda: [_quality(survey, catalogue)],
         lambda: [pictures.as_measured(survey, options, catalogue)],
@@ -124,6 +129,17 @@ def _checked(survey: xr.Dataset, path: Path, catalogue: Catalogue) -> List[Secti
 def _verification(found: Verification, catalogue: Catalogue) -> Section:
     faults = limited(found.faults, LISTED)
     return _section(Message("Verification"), faults, found.notes, catalogue)
+
+
+def _hiding(found: HidingMap, catalogue: Catalogue) -> Section:
+    return Section(
+        catalogue.tr("Where could a mine hide?"),
+        catalogue.text(ONLY_THIS),
+        lines=[
+            shown(one, catalogue) for one in found.sentences if one not in (ONLY_THIS, SIMULATED)
+        ],
+        figures=[(catalogue.tr("Where could a mine hide?"), hiding_figure(found, catalogue))],
+    )
 
 
 def _markers(survey: xr.Dataset, catalogue: Catalogue) -> Section:

@@ -17,6 +17,7 @@ SURFACE = "#ffffff"
 PICK = "#ff00c8"
 CANDIDATE = "#ffffff"
 NO_DATA = "#8f0000"
+HIDDEN = (60, 60, 60, 170)
 LEVELS = 255
 # No colour of the level scale, which runs from violet over green to yellow.
 NOT_MEASURED = (140, 140, 140)

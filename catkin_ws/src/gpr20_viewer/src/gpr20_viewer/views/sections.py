@@ -6,12 +6,13 @@ from typing import Optional, Tuple
 
 import numpy as np
 import pyqtgraph
-from PyQt5.QtCore import QObject, Qt, pyqtSignal
+from PyQt5.QtCore import QObject, QRectF, Qt, pyqtSignal
 
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_viewer.live_image import NS_PER_S
 from gpr20_viewer.picks import Picks
 from gpr20_viewer.pictures import (
@@ -22,7 +23,7 @@ from gpr20_viewer.pictures import (
 )
 from gpr20_viewer.positions import Line, Place
 from gpr20_viewer.scene import Mark, Scene
-from gpr20_viewer.views.colours import CANDIDATE, HYPERBOLA, NO_DATA, SURFACE
+from gpr20_viewer.views.colours import CANDIDATE, HIDDEN, HYPERBOLA, NO_DATA, SURFACE
 from gpr20_viewer.views.picture_plot import CANDIDATE_ANCHOR, Marks, PicturePlot
 
 
@@ -62,16 +63,41 @@ class SliceView(PicturePlot):
     Attributes:
         candidates: Marks of candidates.
         without_data: Marks of positions without data.
+        hidden: Where a mine could hide.
     """
 
     def __init__(self) -> None:
         super().__init__(downwards=False, to_scale=True)
         self.candidates = Marks(self, "d", CANDIDATE, CANDIDATE_ANCHOR)
         self.without_data = Marks(self, "x", NO_DATA)
+        self.hidden = pyqtgraph.ImageItem(axisOrder="row-major")
+        self.hidden.setZValue(1.0)
+        self.addItem(self.hidden, ignoreBounds=True)
+
+    def show_hidden(self, found: Optional[HidingMap], depth_m: float) -> None:
+        """Cover with grey where a target as deep as that could hide."""
+        if found is None:
+            return
+        colours = np.zeros((*found.missed_m.shape, 4), np.uint8)
+        # Without a depth it was found at all of them.
+        colours[found.missed_m <= depth_m] = HIDDEN
+        self.hidden.setImage(colours, levels=(0, 255))
+        self.hidden.setRect(QRectF(*_extent_mm(found)))
 
     def show_without_data(self, places_m: np.ndarray) -> None:
         """Mark the positions (x, y) without data."""
         self.without_data.show([Mark(x * MM_PER_M, y * MM_PER_M) for x, y in places_m])
+
+
+def _extent_mm(found: HidingMap) -> Tuple[float, float, float, float]:
+    """Return left, top, width and height of a map."""
+    corner, size = [], []
+    for axis_m in (found.x_m, found.y_m):
+        count = len(axis_m)
+        step_m = float(np.ptp(axis_m)) / (count - 1) if count > 1 else 2.0 * found.within_m
+        corner.append(MM_PER_M * (float(axis_m[0]) - step_m / 2.0))
+        size.append(MM_PER_M * step_m * count)
+    return corner[0], corner[1], size[0], size[1]
 
 
 class SectionView(PicturePlot):
@@ -135,6 +161,7 @@ class Sections(QObject):
             level = slice_picture(image, display.turn, place.depth_m, gain)
         self.section.show_picture(section, display.range_db)
         self.slice.show_picture(level, display.range_db)
+        self.slice.show_hidden(scene.session.hiding, place.depth_m)
         self.slice.show_without_data(scene.session.without_data(display.turn))
         self.section.show_cursor(scene.along_of(place) * MM_PER_M, place.depth_m * MM_PER_M)
         self.slice.show_cursor(place.x_m * MM_PER_M, place.y_m * MM_PER_M)
@@ -192,6 +219,9 @@ class Sections(QObject):
             position_mm=scene.other_of(place) * MM_PER_M,
         )
         level = tr("Slice at depth {depth:.0f} mm", depth=place.depth_m * MM_PER_M)
+        if scene.session.hiding is not None:
+            hidden = scene.session.hiding.at(place.x_m, place.y_m)
+            level = f"{level}; {self._catalogue.text(hidden)}"
         self.b_scan.set_texts(b_scan, f"{along} [mm]", tr("two-way delay [ns]"))
         self.section.set_texts(section, f"{along} [mm]", tr("depth [mm]"))
         self.slice.set_texts(level, "x [mm]", "y [mm]")

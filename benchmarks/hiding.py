@@ -1,0 +1,184 @@
+"""Whether the map of where a target could hide agrees with direct simulation.
+
+Usage: scripts/bench.sh hiding [--places 100] [--trials 12] [--seed 1]
+
+The surveys are the five computed laboratory scenes of Uniandes (finite differences, with all their
+bodies). For random places and depths in them the map's share is compared with that of targets that
+are simulated directly: the scattered field of two dipoles over a half space by an exact integral
+over the disc (benchmarks/worlds/born_*.py), in the units of the scene by its coupling, which the
+map does not use. Each is put alone into the scene's spectra, at places within the map's radius, and
+searched with the same detector. The discs differ little from the soil, where that integral is
+exact. Two shares agree if their 95 % intervals (Clopper-Pearson) overlap.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Dict, Tuple
+
+import numpy as np
+import xarray as xr
+from recorded_worlds import UNIANDES, area, truths
+
+from gpr20_analysis.hiding.detector import Detector, is_found
+from gpr20_analysis.hiding.search import HidingOptions, map_hidden
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.chain import process_survey
+from gpr20_analysis.trial.statistics import detection_interval
+from gpr20_survey.results.hidden_target import Target, target_of
+from gpr20_survey.results.hiding_map import HidingMap
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "worlds"))
+
+from born_body import Antennas, Layers, pitch_m, scattered
+from born_field import Soil, coupling, surface_echo
+
+SEPARATION_M = 0.06
+TARGETS = ("disc:112:56:3.2", "disc:112:56:3.6", "disc:80:40:3.6", "disc:160:60:3.0")
+DEPTHS_M = (0.02, 0.05, 0.09, 0.13)
+EPSILON_0 = 8.8541878128e-12
+
+
+class Direct:
+    """Discs in a scene by the exact integral.
+
+    Args:
+        survey: The scene.
+        truth: What is in it.
+    """
+
+    def __init__(self, survey: xr.Dataset, truth: Dict[str, float]) -> None:
+        self.survey = survey
+        self._frequency_hz = survey["frequency"].values
+        self._soil = Soil(truth["permittivity"], truth["conductivity_s_per_m"])
+        self._height_m, self._step_m = truth["height_m"], truth["step_m"]
+        path = [
+            coupling(one, SEPARATION_M)
+            + surface_echo(one, self._soil.at(one), self._height_m, SEPARATION_M)
+            for one in self._frequency_hz
+        ]
+        self._scale = survey["s21"].values.mean(axis=(0, 1, 2)) / np.array(path)
+        self._echoes: Dict[Tuple[str, float], np.ndarray] = {}
+
+    def echo(self, target: Target, top_m: float) -> np.ndarray:
+        """Return the echo of a disc below the middle of twice the area (y, x, frequency)."""
+        key = (target.name, top_m)
+        if key not in self._echoes:
+            count = 2 * self.survey.sizes["x"] - 1
+            middle_m = (count // 2) * self._step_m
+            pitch = pitch_m(self._frequency_hz[-1], self._soil.permittivity, self._step_m)
+            body = Layers.of(
+                (middle_m, middle_m, top_m), target.diameter_m, target.height_m, False, pitch
+            )
+            antennas = Antennas(self._height_m, SEPARATION_M, count, self._step_m)
+            assert target.permittivity is not None
+            self._echoes[key] = np.stack(
+                [
+                    scattered(one, self._soil.at(one), antennas, body, pitch)
+                    * (target.permittivity - self._soil.at(one))
+                    * scale
+                    for one, scale in zip(self._frequency_hz, self._scale)
+                ],
+                axis=-1,
+            )
+        return self._echoes[key]
+
+    def survey_with(self, target: Target, top_m: float, row: int, column: int) -> xr.Dataset:
+        """Return the scene with a disc below one of its positions."""
+        echo, count = self.echo(target, top_m), self.survey.sizes["x"]
+        rows = slice(count - 1 - row, 2 * count - 1 - row)
+        columns = slice(count - 1 - column, 2 * count - 1 - column)
+        return self.survey.assign(s21=self.survey["s21"] + echo[rows, columns])
+
+
+@lru_cache(maxsize=None)
+def scene(number: int) -> Direct:
+    """Return a scene."""
+    return Direct(*area(UNIANDES, number))
+
+
+def detector(permittivity: float) -> Detector:
+    """Return the detector of the default command."""
+    options = ImageOptions(
+        permittivity=permittivity, permittivity_uncertainty=0.01, ground=Ground.LEVEL
+    )
+    return Detector(lambda one: process_survey(one, *DEFAULT_STEPS), options)
+
+
+@lru_cache(maxsize=None)
+def map_of(number: int, name: str) -> HidingMap:
+    """Return the map of a target in a scene."""
+    truth = truths(UNIANDES)[number]
+    survey = scene(number).survey
+    permittivity = truth["permittivity"]
+    middle_hz = float(survey["frequency"].mean())
+    loss = truth["conductivity_s_per_m"] / (2.0 * np.pi * middle_hz * EPSILON_0 * permittivity)
+    options = HidingOptions(DEPTHS_M, loss_tangent=loss, separation_m=SEPARATION_M)
+    return map_hidden(survey, detector(permittivity), target_of(name), options)
+
+
+def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
+    """Return found and tried of the map, then of direct simulation, at one random place."""
+    random = np.random.default_rng([29, seed])
+    number, name = int(random.integers(len(truths(UNIANDES)))), str(random.choice(TARGETS))
+    layer, target = int(random.integers(len(DEPTHS_M))), target_of(name)
+    found = map_of(number, name)
+    row, column = int(random.integers(len(found.y_m))), int(random.integers(len(found.x_m)))
+    direct, permittivity = scene(number), truths(UNIANDES)[number]["permittivity"]
+    x_m, y_m = (direct.survey[one].values for one in ("x", "y"))
+    near = np.hypot(y_m[:, None] - found.y_m[row], x_m - found.x_m[column]) <= found.within_m
+    places = np.argwhere(near)
+    chosen = places[random.choice(len(places), min(trials, len(places)), replace=False)]
+    hits = sum(
+        is_found(
+            detector(permittivity).search(direct.survey_with(target, DEPTHS_M[layer], *one)),
+            (float(x_m[one[1]]), float(y_m[one[0]])),
+            DEPTHS_M[layer],
+            target,
+        )
+        for one in chosen
+    )
+    place = (layer, row, column)
+    return int(found.found[place]), int(found.tried[place]), hits, len(chosen)
+
+
+def main() -> None:
+    """Print how the shares compare."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--places", type=int, default=100)
+    parser.add_argument("--trials", type=int, default=12)
+    parser.add_argument("--seed", type=int, default=1)
+    chosen = parser.parse_args()
+    begin, rows = time.monotonic(), []  # type: Tuple[float, List[Tuple[int, int, int, int]]]
+    for one in range(chosen.places):
+        rows.append(compared(1000 * chosen.seed + one, chosen.trials))
+    counts = np.array(rows)
+    overlap = []
+    for hits, tried, direct, trials in rows:
+        own, other = detection_interval(hits, tried), detection_interval(direct, trials)
+        overlap.append(own[0] <= other[1] and other[0] <= own[1])
+    shares = counts[:, 0] / np.maximum(counts[:, 1], 1)
+    print(f"intervals overlap at {sum(overlap)} of {len(rows)} places")
+    print("| share of the map | places | map found % | direct found % |")
+    print("| --- | ---: | ---: | ---: |")
+    for low, high in ((0.0, 0.2), (0.2, 0.5), (0.5, 0.8), (0.8, 1.01), (0.0, 1.01)):
+        part = counts[(shares >= low) & (shares < high)]
+        if len(part):
+            sums = part.sum(axis=0)
+            direct_low, direct_high = detection_interval(int(sums[2]), int(sums[3]))
+            print(
+                f"| {low:.1f} to {min(high, 1.0):.1f} | {len(part)} | "
+                f"{100 * sums[0] / max(sums[1], 1):.0f} | {100 * sums[2] / sums[3]:.0f} "
+                f"({100 * direct_low:.0f} to {100 * direct_high:.0f}) |"
+            )
+    print(f"{time.monotonic() - begin:.0f} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""The transmission of the antennas: from their model, or from the survey's own surface echo."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+import xarray as xr
+from scipy.ndimage import convolve1d
+
+from gpr20_analysis.dataset import (
+    ANTENNA,
+    ANTENNA_DIMS,
+    S21,
+    S21_DIMS,
+    SAMPLE_DIMS,
+    usable,
+)
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.processing.antenna_delay import recorded_delay_s
+from gpr20_analysis.processing.delay import known_height
+from gpr20_analysis.processing.surface_echo import fit_delay
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+
+# Of the terms of a model.
+TRANSMISSION = 1
+# An echo there is the surface, if it is that much above the median.
+SURFACE_WITHIN_S, CLEAR = 0.3e-9, 6.0
+PADDING = 8
+# Of the way through the air: how long what belongs to an echo lasts, before and after it.
+LASTS = 0.75
+# Each turn takes what coupling and surface have in common from the other, down to a Hann sidelobe.
+TURNS = 6
+
+
+def of_model(model: xr.Dataset) -> np.ndarray:
+    """Return the transmission of a model of the antennas (polarization, frequency) [m]."""
+    values: np.ndarray = model[ANTENNA].transpose(*ANTENNA_DIMS).values[:, TRANSMISSION]
+    return values
+
+
+class SurfaceReference:
+    """The echo of a survey's surface, which gives the transmission for a permittivity.
+
+    The traces are turned so that their surface echoes lie at one delay, and averaged. Coupling and
+    surface are separated by their delay. Level soil reflects as Fresnel says; a rough surface
+    reflects less, so the transmission comes out smaller and targets fainter than they are.
+
+    Args:
+        survey: The survey as measured.
+        separation_m: Distance between the antennas [m].
+
+    Raises:
+        WrongDatasetError: The echo of the surface is not clear.
+    """
+
+    def __init__(self, survey: xr.Dataset, separation_m: float) -> None:
+        sweep = FrequencyGrid.of(survey)
+        known = usable(survey).transpose(*SAMPLE_DIMS).values
+        path_m = np.hypot(2.0 * known_height(survey).values, separation_m)
+        turn = 2j * np.pi * sweep.frequency_hz
+        unclear: Optional[WrongDatasetError] = None
+        try:
+            delay_s = fit_delay(survey, separation_m).delay_s
+        except WrongDatasetError as error:
+            # A strong coupling hides the surface from that, but not where the heights say it is.
+            delay_s, unclear = recorded_delay_s(survey), error
+        echoes = []
+        for spectra, own_m, present in zip(survey[S21].transpose(*S21_DIMS).values, path_m, known):
+            present = present & np.isfinite(spectra).all(axis=-1)
+            paths_m = own_m[present][:, None]
+            back = np.exp(turn * (paths_m / SPEED_OF_LIGHT_M_S + delay_s)) * paths_m
+            mean = np.mean(spectra[present] * back, axis=0)
+            air_s = float(paths_m.mean()) / SPEED_OF_LIGHT_M_S
+            echo = _surface(mean, air_s, sweep)
+            if unclear is not None and not _is_clear(echo, sweep):
+                raise unclear
+            echoes.append(echo * np.exp(-turn * delay_s))
+        self._echoes = np.stack(echoes)
+
+    def transmission(self, permittivity: float) -> np.ndarray:
+        """Return the transmission (polarization, frequency) [m]."""
+        index = np.sqrt(permittivity)
+        found: np.ndarray = self._echoes * (1.0 + index) / (1.0 - index)
+        return found
+
+
+def _surface(mean: np.ndarray, air_s: float, sweep: FrequencyGrid) -> np.ndarray:
+    """Return what is near delay 0 in a spectrum, without the coupling that is earlier by `air_s`.
+
+    A Hann window over the frequencies has its first zero after two inverses of its width.
+    """
+    width = int(2.0 / (LASTS * air_s * sweep.step_hz)) | 1
+    kernel = np.hanning(min(width, 2 * sweep.count - 1) + 2)[1:-1]
+    weight = convolve1d(np.ones(sweep.count), kernel, mode="constant")
+    later = np.exp(-2j * np.pi * air_s * sweep.frequency_hz)
+    coupling, surface = np.zeros_like(mean), np.zeros_like(mean)
+    for _ in range(TURNS):
+        surface = convolve1d(mean - coupling, kernel, mode="constant") / weight
+        alone = (mean - surface) * later
+        coupling = convolve1d(alone, kernel, mode="constant") / weight * later.conj()
+    return surface
+
+
+def _is_clear(echo: np.ndarray, sweep: FrequencyGrid) -> bool:
+    """Return whether the strongest of a spectrum is near delay 0."""
+    level = np.abs(a_scans(echo, sweep, PADDING * sweep.count))
+    delay_s = np.fft.fftfreq(len(level)) * sweep.unambiguous_s
+    near = np.abs(delay_s[np.argmax(level)]) < SURFACE_WITHIN_S
+    return bool(near and level.max() > CLEAR * np.median(level))

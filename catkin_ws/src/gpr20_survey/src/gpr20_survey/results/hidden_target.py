@@ -1,0 +1,120 @@
+"""Targets that could be hidden in the ground: plastic discs such as mines, and metal balls."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Optional
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+
+MM_PER_M = 1e3
+SMALLEST_MM, LARGEST_MM, HIGHEST = 5.0, 400.0, 100.0
+EXPLOSIVE = 2.8
+"""Relative permittivity of a plastic mine: that of TNT, which fills most of it, is 2.7 to 2.9."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A level disc of plastic, or a ball of metal.
+
+    Attributes:
+        name: What it is called on the command line.
+        diameter_m: Its diameter [m].
+        height_m: Its height [m]; of a ball its diameter.
+        permittivity: Its relative permittivity; None: it is metal.
+    """
+
+    name: str
+    diameter_m: float
+    height_m: float
+    permittivity: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        """Check the values.
+
+        Raises:
+            InvalidValueError: One is not allowed.
+        """
+        sizes_mm = [MM_PER_M * one for one in (self.diameter_m, self.height_m)]
+        # Written so that NaN is refused too.
+        if not all(SMALLEST_MM <= one <= LARGEST_MM for one in sizes_mm):
+            raise InvalidValueError(
+                Message(
+                    "the target is {diameter_mm:g} mm wide and {height_mm:g} mm high; {least:g} to "
+                    "{most:g} mm are allowed",
+                    diameter_mm=sizes_mm[0],
+                    height_mm=sizes_mm[1],
+                    least=SMALLEST_MM,
+                    most=LARGEST_MM,
+                )
+            )
+        if self.permittivity is not None and not 1.0 <= self.permittivity <= HIGHEST:
+            raise InvalidValueError(
+                Message(
+                    "the permittivity of the target is {value:g}; 1 to {highest:g} are allowed",
+                    value=self.permittivity,
+                    highest=HIGHEST,
+                )
+            )
+
+    @property
+    def is_metal(self) -> bool:
+        """Whether it is a ball of metal."""
+        return self.permittivity is None
+
+    @property
+    def sentence(self) -> Message:
+        """What it is, for people."""
+        if self.is_metal:
+            return Message(
+                "a metal ball of {diameter_mm:g} mm", diameter_mm=MM_PER_M * self.diameter_m
+            )
+        return Message(
+            "a plastic disc of {diameter_mm:g} mm, {height_mm:g} mm high, relative permittivity "
+            "{permittivity:g}",
+            diameter_mm=MM_PER_M * self.diameter_m,
+            height_mm=MM_PER_M * self.height_m,
+            permittivity=self.permittivity,
+        )
+
+
+class Targets(enum.Enum):
+    """Targets with a name. The sizes of the mines are those of their data sheets."""
+
+    PMN = Target("pmn", 0.112, 0.056, EXPLOSIVE)
+    TYPE_72 = Target("type-72", 0.078, 0.038, EXPLOSIVE)
+    FRAGMENT = Target("fragment", 0.020, 0.020)
+
+
+def target_of(text: str) -> Target:
+    """Return a target from its name, or from disc:DIAMETER:HEIGHT:PERMITTIVITY or ball:DIAMETER.
+
+    Args:
+        text: Sizes are in mm.
+
+    Raises:
+        InvalidValueError: It is none of these, or a value is not allowed.
+    """
+    named = {one.value.name: one.value for one in Targets}
+    if text in named:
+        return named[text]
+    kind, *rest = text.split(":")
+    try:
+        numbers = [float(one) for one in rest]
+    except ValueError:
+        numbers = []
+    if kind == "disc" and len(numbers) == 3:
+        diameter_mm, height_mm, permittivity = numbers
+        return Target(text, diameter_mm / MM_PER_M, height_mm / MM_PER_M, permittivity)
+    if kind == "ball" and len(numbers) == 1:
+        return Target(text, numbers[0] / MM_PER_M, numbers[0] / MM_PER_M)
+    raise InvalidValueError(
+        Message(
+            "the target is '{text}'; use {names}, disc:DIAMETER:HEIGHT:PERMITTIVITY or "
+            "ball:DIAMETER, sizes in mm, such as disc:80:35:2.8",
+            text=text,
+            names=", ".join(named),
+        )
+    )

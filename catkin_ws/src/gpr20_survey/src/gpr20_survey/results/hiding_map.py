@@ -1,0 +1,233 @@
+"""Where a mine could hide: which share of synthetic targets the detector finds, by place and depth.
+
+The analysis writes it as JSON, which every screen reads.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any, Dict, List, Optional, Tuple
+
+import numpy as np
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message, verbatim
+from gpr20_survey.no_clearance import SIMULATED
+from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.results.hidden_target import Target
+
+FORMAT = "gpr20-hiding/1"
+MM_PER_M = 1e3
+AXES, COUNTS, LIMITS = ("x_m", "y_m", "depth_m"), ("tried", "found"), ("lowest", "highest")
+WHOLE = ("seed", "checked", "agreed")
+ONLY_THIS = Message(
+    "This map holds for this target only. Where it was found, another object, or one that lies "
+    "otherwise, may be missed."
+)
+
+
+@dataclass(frozen=True)
+class HidingMap:
+    """The share of targets that were found around places of a survey.
+
+    Attributes:
+        survey_id: The survey.
+        simulated: Whether it is simulated.
+        target: What was put into its spectra.
+        x_m: X of the places, ascending [m].
+        y_m: Y of the places, ascending [m].
+        depth_m: Depths of the target's top, ascending [m].
+        tried: How many targets were put near each place (depth, y, x).
+        found: How many of them the detector found.
+        lowest: Lower end of the 95 % interval of the share.
+        highest: Upper end.
+        needed: The share that must be found, else the target could hide.
+        within_m: Targets so near to a place count for it [m].
+        permittivity: Relative permittivity of the soil.
+        permittivity_range: Its lowest and highest likely value.
+        loss_tangent: Loss tangent of the soil.
+        seed: Seed of the places that were tried.
+        checked: How many targets were searched by adding them to the image of the survey, and by
+            the whole detector.
+        agreed: For how many of them both had the same answer.
+        by_whole_m: Depths at which the answers were not enough alike, so that the whole detector
+            searched all targets [m].
+        notes: What else a person should know.
+        position: Where the area is on the earth; None: not known.
+    """
+
+    survey_id: str
+    simulated: bool
+    target: Target
+    x_m: np.ndarray
+    y_m: np.ndarray
+    depth_m: np.ndarray
+    tried: np.ndarray
+    found: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    needed: float
+    within_m: float
+    permittivity: float
+    permittivity_range: Tuple[float, float]
+    loss_tangent: float
+    seed: int
+    checked: int = 0
+    agreed: int = 0
+    by_whole_m: Tuple[float, ...] = ()
+    notes: Tuple[Message, ...] = ()
+    position: Optional[AreaPosition] = None
+
+    @property
+    def share(self) -> np.ndarray:
+        """The share that was found (depth, y, x); NaN where none was tried."""
+        tried = np.where(self.tried > 0, self.tried, np.nan)
+        share: np.ndarray = self.found / tried
+        return share
+
+    @property
+    def missed_m(self) -> np.ndarray:
+        """The shallowest depth at which the target could hide (y, x) [m].
+
+        NaN: at no depth that was tried. Where no target was tried it could hide.
+        """
+        missed = ~(self.share >= self.needed)
+        first = self.depth_m[np.argmax(missed, axis=0)]
+        return np.where(np.any(missed, axis=0), first, np.nan)
+
+    @property
+    def sentences(self) -> List[Message]:
+        """What the map says, for people; the warning that it holds for this target only first."""
+        return [*([SIMULATED] if self.simulated else []), ONLY_THIS, *self.details]
+
+    @property
+    def details(self) -> List[Message]:
+        """What the map says, without the warnings."""
+        missed_m, cells = self.missed_m, self.missed_m.size
+        low, high = self.permittivity_range
+        lines = [
+            Message("target: {target}", target=self.target.sentence),
+            Message(
+                "soil: relative permittivity {low:.3g} to {high:.3g}, loss tangent {loss:g}; "
+                "targets within {within_mm:.0f} mm count for a place",
+                low=low,
+                high=high,
+                loss=self.loss_tangent,
+                within_mm=MM_PER_M * self.within_m,
+            ),
+        ]
+        for depth_m, tried, found in zip(self.depth_m, self.tried, self.found):
+            hidden = int(np.count_nonzero(missed_m <= depth_m))
+            lines.append(
+                Message(
+                    "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map (found near "
+                    "places: {least:.0f} to {most:.0f} %)",
+                    depth_mm=MM_PER_M * depth_m,
+                    percent=100.0 * hidden / cells,
+                    least=100.0 * _least(found, tried),
+                    most=100.0 * _most(found, tried),
+                )
+            )
+        by_whole = ", ".join(f"{MM_PER_M * one:.0f}" for one in self.by_whole_m)
+        lines.append(
+            Message(
+                "{checked} targets were searched in two ways, {agreed} with the same answer; "
+                "searched by the slow way only: {by_whole} mm",
+                checked=self.checked,
+                agreed=self.agreed,
+                by_whole=by_whole or "-",
+            )
+        )
+        return [*lines, *self.notes]
+
+    def at(self, x_m: float, y_m: float) -> Message:
+        """Return what the map says of the place nearest to a position."""
+        row = int(np.argmin(np.abs(self.y_m - y_m)))
+        column = int(np.argmin(np.abs(self.x_m - x_m)))
+        missed_m = float(self.missed_m[row, column])
+        if np.isnan(missed_m):
+            return Message(
+                "{name} found down to {deepest_mm:.0f} mm",
+                name=self.target.name,
+                deepest_mm=MM_PER_M * self.depth_m[-1],
+            )
+        return Message(
+            "{name} could hide from {missed_mm:.0f} mm on",
+            name=self.target.name,
+            missed_mm=MM_PER_M * missed_m,
+        )
+
+
+def _least(found: np.ndarray, tried: np.ndarray) -> float:
+    return float(np.min(found / np.maximum(tried, 1)))
+
+
+def _most(found: np.ndarray, tried: np.ndarray) -> float:
+    return float(np.max(found / np.maximum(tried, 1)))
+
+
+def hiding_json(found: HidingMap) -> str:
+    """Return a map as JSON."""
+    values: Dict[str, Any] = {
+        "format": FORMAT,
+        "warning": str(ONLY_THIS),
+        "survey_id": found.survey_id,
+        "simulated": found.simulated,
+        "target": asdict(found.target),
+        "coordinates": "X, Y and depth of the top in metres, in the survey's area",
+        **{name: getattr(found, name).tolist() for name in (*AXES, *COUNTS)},
+        **{name: np.round(getattr(found, name), 6).tolist() for name in LIMITS},
+        "by_whole_m": list(found.by_whole_m),
+        "needed": found.needed,
+        "within_m": found.within_m,
+        "permittivity": found.permittivity,
+        "permittivity_range": list(found.permittivity_range),
+        "loss_tangent": found.loss_tangent,
+        **{name: getattr(found, name) for name in WHOLE},
+        "position": asdict(found.position) if found.position else None,
+        "notes": [str(note) for note in found.notes],
+    }
+    return json.dumps(values, ensure_ascii=False, allow_nan=False)
+
+
+def hiding_from(text: str) -> HidingMap:
+    """Return the map of a JSON text.
+
+    Raises:
+        InvalidValueError: Something is missing, or has another type or shape.
+    """
+    try:
+        values = json.loads(text)
+        if values["format"] != FORMAT:
+            raise ValueError(f"the format is {values['format']!r}")
+        axes = {name: np.asarray(values[name], np.float64) for name in AXES}
+        shape = tuple(len(axes[name]) for name in reversed(AXES))
+        ascending = all(len(one) and np.all(np.diff(one) > 0.0) for one in axes.values())
+        counts = {name: np.asarray(values[name], np.int64) for name in COUNTS}
+        limits = {name: np.asarray(values[name], np.float64) for name in LIMITS}
+        tables = [*counts.values(), *limits.values()]
+        if not ascending or any(one.shape != shape for one in tables):
+            raise ValueError("axes and tables contradict each other")
+        if np.any(counts["found"] < 0) or np.any(counts["found"] > counts["tried"]):
+            raise ValueError("more were found than tried")
+        low, high = (float(one) for one in values["permittivity_range"])
+        place = values["position"]
+        return HidingMap(
+            survey_id=str(values["survey_id"]),
+            simulated=bool(values["simulated"]),
+            target=Target(**values["target"]),
+            **axes,
+            **counts,
+            **limits,
+            **{name: float(values[name]) for name in ("needed", "within_m", "permittivity")},
+            permittivity_range=(low, high),
+            by_whole_m=tuple(float(one) for one in values["by_whole_m"]),
+            loss_tangent=float(values["loss_tangent"]),
+            **{name: int(values[name]) for name in WHOLE},
+            notes=tuple(verbatim(str(one)) for one in values["notes"]),
+            position=None if place is None else AreaPosition(**place),
+        )
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        message = Message("the map of hidden targets is not complete or not valid", details=error)
+        raise InvalidValueError(message) from error
