@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Dict, Optional, Tuple
@@ -20,6 +21,7 @@ from gpr20_survey.results.candidate_json import list_from
 
 FORMAT = "gpr20-trial-seal/1"
 COLUMNS = ("id", "x_m", "y_m")
+SIMULATED = re.compile(rb"^# simulated: true\b", re.MULTILINE)  # as gpr20 candidates writes it
 LEVEL, DOUBTFUL = "above_clutter_db", "doubtful"
 
 
@@ -78,12 +80,12 @@ def read_candidates(path: Path) -> Seal:
         UnreadableFileError: It is damaged, or holds something else.
         OSError: It cannot be read.
     """
-    content = read_regular(path)
+    content = b"" if path.is_dir() else read_regular(path)  # a survey is no list
     own = hashlib.sha256(content).hexdigest()
     if path.suffix == ".csv":
         rows = read_table(content, path.name, COLUMNS)
         marks = tuple(_mark(row, -float(at)) for at, row in enumerate(rows))
-        return Seal(marks, own, simulated=b"# simulated: true\n" in content)
+        return Seal(marks, own, simulated=SIMULATED.search(content) is not None)
     try:
         found = list_from(content.decode("utf-8"))
     except (UnicodeDecodeError, InvalidValueError) as error:

@@ -12,7 +12,9 @@ from survey_kit import POINTS, SURVEY, make_survey
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.verify import main as gpr20_verify
+from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.found_records import read_found
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.candidate_json import json_text
 from gpr20_survey.results.found import What, present
 
@@ -118,6 +120,21 @@ def test_what_is_not_complete_is_refused_and_nothing_is_stored(
     assert main(["found", str(folder), *given]) == 3
     assert said in capsys.readouterr().err
     assert sorted(os.walk(folder)) == before and read_found(folder) == []
+
+
+def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(
+    folder, listed, capsys
+):
+    assert note(folder, listed, "C01", "scrap") == 0
+    (one,) = read_found(folder)
+    for values, status in (({"format": "gpr20-found/9"}, 0), ({**one.values(), "who": ""}, 2)):
+        fact = Fact(Kind.FOUND, values)
+        add_to_survey(folder, lambda _description, fact=fact: fact, one.time)
+        assert gpr20_verify([str(folder)]) == status
+        if status == 0:
+            assert read_found(folder) == [one]
+    assert main(["found", str(folder)]) == 3
+    assert "not as it should be" in capsys.readouterr().err
 
 
 def test_a_list_of_another_survey_is_refused(folder, tmp_path):

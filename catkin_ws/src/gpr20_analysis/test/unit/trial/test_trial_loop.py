@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+import math
 import random
 import re
 from pathlib import Path
@@ -15,8 +16,10 @@ from trial_kit import TARGETS, Trial, flipped, marks_at
 
 import gpr20_analysis
 from gpr20_analysis import faults
+from gpr20_analysis.candidates.files import write_candidates
 from gpr20_analysis.commands.main import main
 from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import Flag
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 CHANGES = 100
@@ -190,6 +193,25 @@ def test_a_list_of_gpr20_candidates_is_sealed_with_its_hash_and_what_it_shows(tr
     printed = capsys.readouterr().out
     assert "SIMULATED" in printed and "other surveyed only 0.25 m2" in printed
     assert "1 only by other" in printed
+
+
+def test_a_list_as_gpr20_candidates_writes_it_is_the_same_as_csv_and_as_json(trial):
+    places = [candidate(at, 100.0 * at, 500.0, level_db=30.0 - at) for at in range(1, 5)]
+    doubtful = candidate(5, 900.0, 500.0, flags=(Flag.CLUTTER,), false_alarms_per_m2=math.nan)
+    sealed = []
+    for ending in ("csv", "json"):
+        listed = trial.folder / f"list.{ending}"
+        write_candidates(candidate_list([*places, doubtful]), listed)
+        path = trial.folder / f"sealed_{ending}.json"
+        assert trial.seal_file(listed, path, "L1") == 0
+        sealed.append(json.loads(path.read_text()))
+    assert sealed[0]["marks"] == sealed[1]["marks"] and sealed[0]["marks"][4]["doubtful"]
+    assert sealed[0]["simulated"] and sealed[1]["simulated"]
+
+
+def test_a_survey_in_place_of_a_list_is_refused_with_the_command_that_makes_one(trial, capsys):
+    assert trial.seal_file(trial.folder, trial.folder / "sealed.json", "L1") == 3
+    assert "gpr20 candidates SURVEY -o LIST.json" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["list.json", "list.csv", "list.txt"])

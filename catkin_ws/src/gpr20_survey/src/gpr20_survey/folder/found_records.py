@@ -19,7 +19,7 @@ from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder.annotating import Change, Fact
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover_with_recording
-from gpr20_survey.results.found import PHOTO_NAME, PHOTOS, Found, found_of
+from gpr20_survey.results.found import FORMAT, PHOTO_NAME, PHOTOS, Found, found_of
 
 
 def add_found(folder: Path, found: Found, photo: Optional[Path]) -> Change:
@@ -66,12 +66,13 @@ def read_found(folder: Path) -> List[Found]:
 
 
 def found_in(records: Sequence[LogRecord]) -> List[Found]:
-    """Return what the records of a log say was found.
+    """Return what the records of a log say was found; those of later versions are left out.
 
     Raises:
         InvalidValueError: One of them is not as it should be.
     """
-    return [found_of(one.values or {}) for one in records if one.kind == Kind.FOUND.value]
+    values = [one.values or {} for one in records if one.kind == Kind.FOUND.value]
+    return [found_of(one) for one in values if one.get("format") == FORMAT]
 
 
 def photo_faults(folder: Path, records: Sequence[LogRecord]) -> List[Message]:
