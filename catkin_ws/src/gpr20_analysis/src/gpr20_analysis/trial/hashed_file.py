@@ -81,7 +81,7 @@ def decoded(path: Path, form: str, record: type) -> Iterator[Dict[str, Any]]:
         yield values
     except UnreadableFileError:
         raise
-    except (SurveyRefusedError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (SurveyRefusedError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise UnreadableFileError(
             Message(
                 "{file} was changed, or is no {form}", file=path.name, form=form, details=error

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from candidate_examples import candidate, candidate_list
-from trial_kit import TARGETS, Trial, flipped, marks_at
+from trial_kit import TARGETS, Trial, flipped, marks_at, with_junk
 
 import gpr20_analysis
 from gpr20_analysis import faults
@@ -137,9 +137,32 @@ def test_a_plan_that_was_changed_and_hashed_again_fits_no_sealed_list(trial, ref
     values = json.loads(trial.file.read_text())
     del values["sha256"]
     values["halo_m"] = 0.5
-    own = hashlib.sha256((json.dumps(values, indent=2) + "\n").encode()).hexdigest()
-    trial.file.write_text(json.dumps({**values, "sha256": own}, indent=2) + "\n")
+    trial.file.write_bytes(hashed(values))
     assert trial.score() == 3 and refusals == [faults.FILE_CHANGED.code]
+
+
+def hashed(values):
+    values = {key: value for key, value in values.items() if key != "sha256"}
+    own = hashlib.sha256((json.dumps(values, indent=2) + "\n").encode()).hexdigest()
+    return (json.dumps({**values, "sha256": own}, indent=2) + "\n").encode()
+
+
+def test_other_entries_with_a_right_hash_are_scored_or_refused_with_a_sentence(trial, refusals):
+    chance, seals = random.Random(3), trial.sealed
+    originals = {one: json.loads(one.read_text()) for one in (trial.file, *seals)}
+    for _ in range(400):
+        path = chance.choice(sorted(originals))
+        changed = with_junk(originals[path], chance)
+        if not isinstance(changed, dict):
+            continue
+        path.write_bytes(hashed(changed))
+        plan = json.loads(trial.file.read_text())["sha256"]
+        for one in seals:
+            values = originals[one] if one != path else changed
+            one.write_bytes(hashed({**values, "plan_sha256": plan}))
+        assert trial.score() in (0, 3)
+        path.write_bytes(hashed(originals[path]))
+    assert len(refusals) > 100 and faults.PROGRAM.code not in refusals
 
 
 def test_a_list_that_was_sealed_for_another_plan_is_refused(trial, tmp_path, refusals):
