@@ -7,7 +7,7 @@ import os
 import struct
 import zlib
 from pathlib import Path
-from typing import Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, Tuple
 
 import h5py
 import numpy as np
@@ -129,11 +129,13 @@ def _matrix(data: memoryview, order: str, wanted: str) -> Tuple[str, np.ndarray]
 
 def _hdf5(path: Path, wanted: str) -> Arrays:
     with h5py.File(str(path), "r") as file:
-        names: List[str] = []
-        file.visititems(lambda name, one: names.append(name) if hasattr(one, "shape") else None)
+        members: Dict[Any, Any] = {}
+        file.visititems(lambda name, one: members.update({name: one}))
+        # A damaged name that is no text is one of bytes.
+        names = [one for one in members if isinstance(one, str) and hasattr(members[one], "shape")]
         found = dict.fromkeys(names, NONE_YET)
         if wanted in found:
-            stored = file[wanted]
+            stored = members[wanted]
             _require_room(path, stored.dtype.itemsize, *stored.shape)
             # Others are not read: a damaged type can make HDF5 write beyond its memory.
             if stored.dtype.kind not in "fciu" and stored.dtype not in PAIRS:

@@ -33,7 +33,7 @@ def read_dt1(path: Path, _: ImportOptions) -> Traces:
     count = header.count("NUMBER OF TRACES", 1, 1 << 24)
     samples = header.count("NUMBER OF PTS/TRC", 2, 1 << 16)
     step_s = 1e-9 * header.number("TOTAL TIME WINDOW", 1e-3, LONGEST_NS) / samples
-    unit = str(header.values.get("POSITION UNITS")).upper()
+    unit = str(header.entries.get("POSITION UNITS")).upper()
     if unit not in METRES:
         raise header.refused("POSITION UNITS", Message("m or ft"))
     content = content_of(data)

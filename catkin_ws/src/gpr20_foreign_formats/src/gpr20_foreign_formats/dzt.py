@@ -43,10 +43,10 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
     """
     content = content_of(path)
     header = _header(path, content)
-    bits, samples = header.values["rh_bits"], header.count("rh_nsamp", MARKS + 1, (1 << 16) - 1)
+    bits, samples = header.entries["rh_bits"], header.count("rh_nsamp", MARKS + 1, (1 << 16) - 1)
     channels = header.count("rh_nchan", 1, MOST_CHANNELS)
     channel = 1 if options.channel is None and channels == 1 else options.channel
-    if channel not in range(1, channels + 1):
+    if channel is None or not 1 <= channel <= channels:
         raise AnalysisError(
             Message(
                 "{file} has {channels} channels; choose one with --channel 1 to {channels}",
@@ -59,9 +59,9 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
     offset = HEADER_BYTES * (blocks if blocks < HEADER_BYTES else channels)
     count = trace_count(path, len(content) - offset, channels * samples * bits // 8)
     stored = np.frombuffer(content, TYPES[bits], count * channels * samples, offset)
-    values = stored.reshape(count, channels, samples)[:, channel - 1] / 2.0 ** (bits - 1)
+    own: np.ndarray = stored.reshape(count, channels, samples)[:, channel - 1, :]
     # Only 32-bit samples are signed.
-    values -= 0.0 if bits == 32 else 1.0
+    values = own / 2.0 ** (bits - 1) - (0.0 if bits == 32 else 1.0)
     values[:, :MARKS] = values[:, MARKS : MARKS + 1]
     position_s = 1e-9 * header.number("rhf_position", -LONGEST_NS, LONGEST_NS)
     per_m = header.number("rhf_spm", 0.0, MOST_PER_M)
@@ -69,7 +69,7 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
         "GSSI antenna {antenna}, permittivity {permittivity:g} in the header, which is not used; "
         "the first {marks} samples of each trace hold marks and are replaced by the next",
         antenna=content[HEADER_BYTES * (channel - 1) :][ANTENNA].split(b"\0")[0].decode("latin-1"),
-        permittivity=header.values["rhf_epsr"],
+        permittivity=header.entries["rhf_epsr"],
         marks=MARKS,
     )
     ignored = [
@@ -96,11 +96,11 @@ def _header(path: Path, content: bytes) -> Header:
         path.name,
         {key: struct.unpack_from(kind, content, at)[0] for key, (at, kind) in FIELDS.items()},
     )
-    if header.values["rh_tag"] & 0xFF != 0xFF:
+    if header.entries["rh_tag"] & 0xFF != 0xFF:
         raise header.refused("rh_tag", Message("255, as in DZT files"))
-    if header.values["rh_bits"] not in TYPES:
+    if header.entries["rh_bits"] not in TYPES:
         raise header.refused("rh_bits", Message("one of {codes}", codes=", ".join(map(str, TYPES))))
-    if header.values["rhf_epsr"] != 0.0:  # which means that nobody set it
+    if header.entries["rhf_epsr"] != 0.0:  # which means that nobody set it
         header.number("rhf_epsr", 1.0, HIGHEST_PERMITTIVITY)
     return header
 

@@ -39,7 +39,7 @@ def merged_fields(
     receivers, count = int(file.attrs.get("nrx", 1)), int(file.attrs["Iterations"])
     fields = {one: file["rxs/rx1"][one] for one in ROTATION_DEG if one in file["rxs/rx1"]}
     shapes = {field.shape for field in fields.values()}
-    shape = shapes.pop() if len(shapes) == 1 else ()
+    shape: Tuple[int, ...] = shapes.pop() if len(shapes) == 1 else ()
     if receivers != 1 or len(shape) != 2 or shape[0] != count or not shape[1]:
         text = Message(
             "{file} has no source, as a merged file of gprMax, but {receivers} receivers and "

@@ -20,7 +20,7 @@ class Header:
     """The entries of a header: numbers, or texts that should be numbers; of a file by this name."""
 
     file: str
-    values: Mapping[str, Any]
+    entries: Mapping[str, Any]
 
     def refused(self, key: str, allowed: Message) -> UnreadableFileError:
         """Return the error for an entry."""
@@ -28,7 +28,7 @@ class Header:
             "{file}: {key} is {found}; it must be {allowed}. Give the right file or option",
             file=self.file,
             key=key,
-            found=str(self.values.get(key, "-"))[:SHOWN],
+            found=str(self.entries.get(key, "-"))[:SHOWN],
             allowed=allowed,
         )
         return UnreadableFileError(text, fault=faults.FILE_CONTENT)
@@ -40,7 +40,7 @@ class Header:
             UnreadableFileError: It is missing, no number, or out of range.
         """
         try:
-            value = float(self.values.get(key, default))
+            value = float(self.entries.get(key, default))
         except (TypeError, ValueError):
             value = float("nan")
         # Written so that NaN is refused too.

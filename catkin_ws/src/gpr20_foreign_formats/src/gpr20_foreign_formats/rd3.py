@@ -35,7 +35,7 @@ def read_rd3(path: Path, _: ImportOptions) -> Traces:
     if count != header.count("LAST TRACE", 1, 1 << 24):
         as_in = {"count": count, "file": data.name}
         raise header.refused("LAST TRACE", Message("{count:g}, as in {file}", **as_in))
-    by_time = header.values.get("TIME FLAG") == "1" and header.values.get("DISTANCE FLAG") != "1"
+    by_time = header.entries.get("TIME FLAG") == "1" and header.entries.get("DISTANCE FLAG") != "1"
     spacing_m = 0.0 if by_time else header.number("DISTANCE INTERVAL", 0.0, 1e3, 0.0)
     return Traces(
         data,

@@ -73,7 +73,7 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
     header, order = _binary_header(path, content)
     traces = _traces(path, content, header, order)
     is_own = segy.UNIT_OF_TIME in text
-    interval = header.values["sample interval"] or int(traces["interval"][0])
+    interval = header.entries["sample interval"] or int(traces["interval"][0])
     found = Traces(path, _samples(traces, header), interval / segy.PS_PER_S)
     found.values[traces["code"] == segy.DEAD] = np.nan
     found.facts, found.was_moved = facts, segy.MOVED in text
@@ -116,7 +116,7 @@ def _binary_header(path: Path, content: bytes) -> Tuple[Header, str]:
 
 def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarray:
     """Return the headers and samples of the traces, as they are stored."""
-    kind = TYPES[header.values["format code"]].replace("?", order)
+    kind = TYPES[header.entries["format code"]].replace("?", order)
     samples = header.count("number of samples", 2, (1 << 16) - 1)
     size = HEADER_BYTES + samples * np.dtype(kind).itemsize
     fields = [*OF_TRACE.items(), ("samples", (HEADER_BYTES + 1, f"{samples}{kind}"))]
@@ -128,7 +128,7 @@ def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarra
             "itemsize": size,
         }
     )
-    is_first = header.values["revision"] == 0
+    is_first = header.entries["revision"] == 0
     extended = 0 if is_first else header.count("extended headers", 0, MOST_EXTENDED)
     offset = START_BYTES + TEXT_BYTES * extended
     traces = np.frombuffer(content, layout, trace_count(path, len(content) - offset, size), offset)
@@ -141,7 +141,7 @@ def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarra
 
 def _samples(traces: np.ndarray, header: Header) -> np.ndarray:
     stored = traces["samples"]
-    if header.values["format code"] != IBM_FLOAT:
+    if header.entries["format code"] != IBM_FLOAT:
         return stored.astype(np.float64)
     # Sign, exponent of 16 and fraction; also right where the first digit of the fraction is 0.
     power = ((stored >> 24) & 0x7F).astype(np.int32) - 64
@@ -159,7 +159,7 @@ def _scaled(values: np.ndarray, scalar: np.ndarray) -> np.ndarray:
 def _add_places(found: Traces, traces: np.ndarray, header: Header) -> None:
     if not np.isin(traces["units"], (0, segy.LENGTH_UNITS)).all():
         raise needs_spacing(found.path, Message("the places of the traces are angles"))
-    unit_m = M_PER_FT if header.values["measurement system"] == FEET else 1.0
+    unit_m = M_PER_FT if header.entries["measurement system"] == FEET else 1.0
     source, group, cdp = (
         unit_m * _scaled(traces[one].T.astype(np.float64), traces["scalar"])
         for one in ("source", "group", "cdp")

@@ -104,16 +104,14 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
 
 
 def _add_places(traces: Traces, paths: List[Path]) -> None:
-    names = [{key: rule.search(path.stem) for key, rule in PLACE.items()} for path in paths]
-    without = [path.name for path, name in zip(paths, names) if name["X"] is None]
-    if without:
+    found = {key: [rule.search(path.stem) for path in paths] for key, rule in PLACE.items()}
+    if None in found["X"]:
+        name = paths[found["X"].index(None)].name
         raise needs_spacing(
-            traces.path,
-            Message("the name {file} has no place such as X50_Y0.5 [mm]", file=without[0]),
+            traces.path, Message("the name {file} has no place such as X50_Y0.5 [mm]", file=name)
         )
     x_mm, y_mm, z_deg = (
-        np.array([float(name[key].group(1)) if name[key] else 0.0 for name in names])
-        for key in PLACE
+        np.array([float(one.group(1)) if one else 0.0 for one in found[key]]) for key in PLACE
     )
     traces.x_m, traces.y_m, traces.rotation_deg = x_mm / MM_PER_M, y_mm / MM_PER_M, z_deg
 
