@@ -100,7 +100,7 @@ def _plan(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
     )
     # Only when everything is allowed, a salt is made.
     plan = replace(plan, truth_sha256=promise_of(salt_of(chosen.targets), truth))
-    hashed_file.write_once(chosen.output, plan.encode())
+    _write(chosen.output, plan.encode())
     needed = statistics.targets_needed(plan.detection)
     lines = [
         Message(
@@ -131,7 +131,7 @@ def _seal(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
         operator=chosen.operator,
         sealed=_now(),
     )
-    hashed_file.write_once(chosen.output, sealed.encode())
+    _write(chosen.output, sealed.encode())
     _say_sum(read_seal(chosen.output).sha256, catalogue)
 
 
@@ -170,6 +170,12 @@ def _score(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
             place.write_text(json.dumps(record, indent=2, allow_nan=False), encoding="utf-8")
     else:
         save_report(report, chosen.output, catalogue)
+
+
+def _write(path: Path, content: bytes) -> None:
+    if not path.exists():
+        outputs.check([Output(path)], [], overwrite=False)  # no survey's folder
+    hashed_file.write_once(path, content)
 
 
 def _now() -> str:

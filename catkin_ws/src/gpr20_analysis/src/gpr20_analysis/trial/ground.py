@@ -46,9 +46,8 @@ class Lane:
         circles, covered_m2 = np.reshape(np.asarray(centres_m, np.float64), (-1, 1, 2)), 0.0
         for x_m in np.split(left + width_m * (np.arange(SLICES) + 0.5), SLICES // AT_ONCE):
             half = np.sqrt(np.maximum(radius_m**2 - (x_m - circles[..., 0]) ** 2, 0.0))
-            low, high = np.clip(circles[..., 1] + [[-half], [half]], near, far).reshape(
-                2, -1, AT_ONCE
-            )
+            low = np.clip(circles[..., 1] - half, near, far)
+            high = np.clip(circles[..., 1] + half, near, far)
             order = np.argsort(low, axis=0)
             low, high = (np.take_along_axis(one, order, 0) for one in (low, high))
             # What is below the highest end so far is counted already.
@@ -149,7 +148,7 @@ def groups_of(
             near = [
                 name
                 for name, lane in lanes.items()
-                if not is_of_lanes or lane.row.cells[column] == value
+                if not is_of_lanes or lane.row.cells.get(column) == value
             ]
             groups.append(Group(f"{column} {value}", names, near))
     return groups

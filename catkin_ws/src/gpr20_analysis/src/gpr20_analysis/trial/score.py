@@ -234,9 +234,8 @@ def _curve(
 ) -> Tuple[Tuple[float, float], ...]:
     curve, found, alarms = [(0.0, 0.0)], 0, 0
     marks = sorted([(one.rank, 1) for one in hits] + [(one.rank, 0) for one in false])
-    for _, same in itertools.groupby(
-        marks if targets and area_m2 > 0.0 else [], lambda one: one[0]
-    ):
+    known = marks if targets and area_m2 > 0.0 else []
+    for _, same in itertools.groupby(known, lambda one: one[0]):
         for _, is_hit in same:
             found, alarms = found + is_hit, alarms + 1 - is_hit
         curve.append((alarms / area_m2, found / targets))

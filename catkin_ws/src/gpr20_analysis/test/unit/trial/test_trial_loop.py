@@ -182,6 +182,16 @@ def test_nothing_of_a_trial_is_replaced(trial, capsys):
     assert {one: one.read_bytes() for one in before} == before
 
 
+def test_nothing_of_a_trial_is_written_into_a_survey(trial, capsys):
+    survey = trial.folder / "survey"
+    (survey / "traces").mkdir(parents=True)
+    (survey / "survey.json").touch()
+    listed = trial.sealed[0].with_suffix(".csv")
+    assert trial.seal_file(listed, survey / "sealed.json", "L1") == 3
+    assert "measured data" in capsys.readouterr().err
+    assert not (survey / "sealed.json").exists()
+
+
 def test_a_plan_with_wrong_options_is_refused_and_leaves_nothing(tmp_path, capsys):
     trial = Trial(tmp_path)
     before = sorted(tmp_path.iterdir())
