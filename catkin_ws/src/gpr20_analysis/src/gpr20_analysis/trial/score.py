@@ -103,7 +103,7 @@ def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) ->
             twice = Message("there are two sealed lists of {method} for lane {lane}", **names)
             raise AnalysisError(twice, fault=faults.FILE_CHANGED)
         lanes[seal.method, seal.lane] = _score_lane(plan, targets, seal)
-    return _Scorer(plan, targets, lanes).score()
+    return _Scorer(plan, groups_of(plan.strata, targets, plan.lanes), lanes).score()
 
 
 def score_found(listed: Seal, records: Sequence[Found], halo_m: float) -> Dict[str, int]:
@@ -163,38 +163,34 @@ def _score_lane(plan: Plan, targets: Sequence[Target], seal: Seal) -> LaneScore:
 
 class _Scorer:
     def __init__(
-        self,
-        plan: Plan,
-        targets: Sequence[Target],
-        lanes: Dict[Tuple[str, str], LaneScore],
+        self, plan: Plan, groups: List[Group], lanes: Dict[Tuple[str, str], LaneScore]
     ) -> None:
-        self._plan, self._lanes = plan, lanes
-        self._home = {one.name: one.lane for one in targets}
-        self._groups = groups_of(plan.strata, targets, plan.lanes)
-        self._methods = list(dict.fromkeys(method for method, _ in lanes))
+        self._plan, self._groups, self._lanes = plan, groups, lanes
+        self._finds = {
+            (method, name): name not in lane.missed
+            for (method, _), lane in lanes.items()
+            for name in (*lane.found, *lane.missed)
+        }
 
     def score(self) -> Score:
+        methods = list(dict.fromkeys(method for method, _ in self._lanes))
+        groups = [self._of(group, method) for group in self._groups for method in methods]
         return Score(
-            [
-                self._of(group, method)
-                for group in self._groups
-                for method in self._methods
-                if not group.name or self._in(group, method)
-            ],
-            [self._compared(*pair) for pair in itertools.combinations(self._methods, 2)],
+            [one for one in groups if one.targets or not one.stratum],
+            [self._compared(*pair) for pair in itertools.combinations(methods, 2)],
             list(self._lanes.values()),
         )
 
     def _in(self, group: Group, method: str) -> List[str]:
-        return [one for one in group.targets if (method, self._home[one]) in self._lanes]
+        return [one for one in group.targets if (method, one) in self._finds]
 
     def _of(self, group: Group, method: str) -> GroupScore:
-        names = set(self._in(group, method))
+        names = self._in(group, method)
         lanes = [self._lanes[method, one] for one in group.lanes if (method, one) in self._lanes]
-        hits = [mark for lane in lanes for name, mark in lane.found.items() if name in names]
+        hits = [lane.found[name] for lane in lanes for name in lane.found if name in names]
         false = [mark for lane in lanes for mark in lane.alarms]
         targets, area_m2 = len(names), sum(lane.area_m2 for lane in lanes)
-        found = sum(_counts(self._plan, one) for one in hits)
+        found = sum(self._finds[method, one] for one in names)
         alarms = sum(_counts(self._plan, one) for one in false)
         low, high = alarm_interval(alarms, area_m2)
         return GroupScore(
@@ -213,13 +209,8 @@ class _Scorer:
         )
 
     def _compared(self, first: str, second: str) -> Comparison:
-        everything = self._groups[0]
-        both = set(self._in(everything, first)) & set(self._in(everything, second))
-        lanes = [
-            (self._lanes[first, self._home[one]], self._lanes[second, self._home[one]])
-            for one in both
-        ]
-        found = [(one not in a.missed, one not in b.missed) for one, (a, b) in zip(both, lanes)]
+        both = [one for one in self._in(self._groups[0], first) if (second, one) in self._finds]
+        found = [(self._finds[first, one], self._finds[second, one]) for one in both]
         only = found.count((True, False)), found.count((False, True))
         shares = self._shares(first) == self._shares(second)
         return Comparison(first, second, len(both), *only, mcnemar(*only), shares)
