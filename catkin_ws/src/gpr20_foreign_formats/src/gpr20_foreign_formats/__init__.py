@@ -1,3 +1,3 @@
-"""Files and imaging methods of other programs: those of the GPR-20 group, and of gprMax."""
+"""Files of other radars and programs, and the imaging methods of the GPR-20 group."""
 
 __version__ = "0.2.0"

@@ -26,6 +26,7 @@ def read_rd3(path: Path, _: ImportOptions) -> Traces:
         UnreadableFileError: A file is missing, the header is wrong, or the file was cut off.
     """
     data, header = sibling(path, *BYTES), text_header(sibling(path, ".rad"), ":")
+    header.number("NUMBER_OF_CH", 1, 1, 1)  # several channels are interleaved
     samples = header.count("SAMPLES", 2, 1 << 16)
     frequency_hz = 1e6 * header.number("FREQUENCY", 1.0, 1e7)
     window_ns = 1e9 * samples / frequency_hz

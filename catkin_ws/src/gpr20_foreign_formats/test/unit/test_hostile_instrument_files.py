@@ -223,6 +223,7 @@ def test_places_that_do_not_ascend_are_refused_with_the_way_out(tmp_path, x):
         (write_dt1, "l.dt1", {"NUMBER OF TRACES": "1e300"}, ["NUMBER OF TRACES"]),
         (write_rd3, "l.rd3", {"LAST TRACE": 7}, ["LAST TRACE", "6, as in l.rd3"]),
         (write_rd3, "l.rd3", {"SAMPLES": 0}, ["SAMPLES"]),
+        (write_rd3, "l.rd3", {"NUMBER_OF_CH": 4}, ["NUMBER_OF_CH", "4"]),
         (write_rd3, "l.rd3", {"FREQUENCY": "nan"}, ["FREQUENCY"]),
         (write_rd3, "l.rd3", {"TIMEWINDOW": 16.0}, ["TIMEWINDOW"]),
         (write_rd3, "l.rd3", {"DISTANCE INTERVAL": -1}, ["DISTANCE INTERVAL"]),
