@@ -90,6 +90,15 @@ def test_verify_finds_a_photograph_that_is_not_the_one_of_the_log(
     assert f"photos/{stored.name}" in capsys.readouterr().out
 
 
+def test_a_folder_of_photographs_that_leads_elsewhere_is_refused(folder, listed, tmp_path):
+    elsewhere, photo = tmp_path / "elsewhere", tmp_path / "a.png"
+    elsewhere.mkdir()
+    photo.write_bytes(PHOTO)
+    (folder / "photos").symlink_to(elsewhere)
+    assert note(folder, listed, "C01", "scrap", "--photo", str(photo)) == 3
+    assert list(elsewhere.iterdir()) == [] and gpr20_verify([str(folder)]) == 2
+
+
 def test_a_photograph_of_an_interrupted_command_damages_nothing(folder, listed, tmp_path):
     (folder / "photos").mkdir()
     (folder / "photos" / f"{'0' * 64}.jpg").write_bytes(PHOTO)
