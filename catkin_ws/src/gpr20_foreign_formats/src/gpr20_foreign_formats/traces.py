@@ -166,14 +166,14 @@ def _positions(found: Traces, spacing_m: Optional[float]) -> np.ndarray:
     if wrong.any():
         trace = int(wrong.argmax())
         reason = Message(
-            "trace {trace} is at {x_m:g} m, which does not ascend or is no place",
+            "trace {trace} is at {x_m:g} m; places must be lengths that ascend along a line",
             trace=trace + 1,
             x_m=x_m[trace],
         )
         raise needs_spacing(found.path, reason)
     cells = len({*np.round(x_m, DECIMALS)}) * len({*np.round(y_m, DECIMALS)})
     if count > 1 and not 1 < cells <= MAX_CELLS_PER_TRACE * count:
-        raise needs_spacing(found.path, Message("the places are no line along X, and no grid"))
+        raise needs_spacing(found.path, Message("the places are neither a line along X nor a grid"))
     places_mm = np.round(np.stack([y_m, x_m], axis=1) * dataset.MM_PER_M, DECIMALS)
     rotation_deg = np.broadcast_to(found.rotation_deg, (count,))
     return np.column_stack([rotation_deg, places_mm])

@@ -260,7 +260,7 @@ def test_places_of_segy_that_form_no_grid_need_a_spacing(tmp_path):
     many = counts(8, traces=40)
     oblique = {key: 20 * np.arange(40) for key in ("b73", "b77", "b81", "b85")}
     write_segy(tmp_path / "l.sgy", values=many, **oblique)
-    with raises_fault(faults.OPTION, "no grid", "--spacing"):
+    with raises_fault(faults.OPTION, "nor a grid", "--spacing"):
         read(tmp_path / "l.sgy", "segy")
 
 
