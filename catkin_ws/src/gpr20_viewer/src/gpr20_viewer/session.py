@@ -26,7 +26,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method
 from gpr20_analysis.imaging.phase_shift import grid_step_m
-from gpr20_analysis.processing.antenna_delay import delay_to_remove_s
+from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.chain import process_survey, recipe_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_common.message import Message
@@ -76,7 +76,8 @@ class ViewSession:
         self.hiding = hiding
         self._background = background
         self.remarks: List[Message] = []
-        self.options = self._suitable(options)
+        separation_m = options.separation_m or recorded_separation_m(survey)
+        self.options = self._suitable(dataclasses.replace(options, separation_m=separation_m))
         traces_of(self.survey, self.options)
         self._data: Dict[bool, xr.Dataset] = {False: self.survey}
         # Only `compute` uses it, in one thread: the last image.

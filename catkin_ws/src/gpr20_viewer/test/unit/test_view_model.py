@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,6 +71,14 @@ def test_the_hyperbola_lies_on_the_echo_of_the_target(separation_m, along):
     expected_ns = line.delays_s(PLACE, 4.0, separation_m) * 1e9
     sample_ns = picture.down[1] / (len(picture.levels_db) - 1)
     assert np.abs(ridge_ns(picture) - expected_ns).max() < max(sample_ns, 0.06)
+
+
+def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
+    recorded = small().assign_attrs({"antenna_separation_m": 0.06})
+    for options, used_m in ((FIXED, 0.06), (replace(FIXED, separation_m=0.1), 0.1)):
+        assert ViewSession(recorded, options).options.separation_m == used_m
+    with raises_fault(faults.FILE_CONTENT, "nan"):
+        ViewSession(recorded.assign_attrs({"antenna_separation_m": np.nan}), FIXED)
 
 
 def test_the_hyperbola_follows_data_whose_time_zero_was_set():
