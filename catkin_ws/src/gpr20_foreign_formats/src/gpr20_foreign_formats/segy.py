@@ -50,7 +50,7 @@ OF_TRACE: Dict[str, Tuple[int, str]] = {
     "cdp": (181, "2?i4"),
 }
 FEET, M_PER_FT = 2, 0.3048
-MOST_EXTENDED = 1000
+FIRST_REVISION, MOST_EXTENDED = (1, 0x0100, 0x0101), 1000
 ROTATION = re.compile(r"ANTENNAS AT (-?\d+(?:\.\d+)?) DEG")
 FIRST = re.compile(r"THE FIRST AT (-?\d+) PS")
 
@@ -128,8 +128,9 @@ def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarra
             "itemsize": size,
         }
     )
-    is_first = header.entries["revision"] == 0
-    extended = 0 if is_first else header.count("extended headers", 0, MOST_EXTENDED)
+    # Older files may have anything in these places.
+    is_first = header.entries["revision"] in FIRST_REVISION
+    extended = header.count("extended headers", 0, MOST_EXTENDED) if is_first else 0
     offset = START_BYTES + TEXT_BYTES * extended
     traces = np.frombuffer(content, layout, trace_count(path, len(content) - offset, size), offset)
     other = traces["count"][~np.isin(traces["count"], (0, samples))]

@@ -109,7 +109,8 @@ def write_segy(path, code=5, order=">", values=None, text="C 1 OTHER PROGRAM", e
     stored = ibm(values) if code == 1 else values
     start = text.ljust(3200).encode("cp500" if ebcdic else "ascii")
     binary = bytearray(400)
-    for place, value in {3217: 200, 3221: values.shape[1], 3225: code, 3255: 1}.items():
+    known = {3217: 200, 3221: values.shape[1], 3225: code, 3255: 1, 3501: 0, 3505: 0}
+    for place, value in known.items():
         struct.pack_into(f"{order}H", binary, place - 3201, more.pop(f"b{place}", value))
     with path.open("wb") as stream:
         stream.write(start + bytes(binary))

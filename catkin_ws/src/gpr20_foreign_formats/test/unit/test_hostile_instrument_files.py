@@ -242,6 +242,7 @@ def test_a_text_header_that_contradicts_its_file_is_refused(tmp_path, write, nam
     [
         ({"b3221": 0}, ["number of samples"]),
         ({"b3225": 4}, ["format code"]),
+        ({"b3501": 0x0100, "b3505": 0xFFFF}, ["extended headers", "-1"]),
         ({"b3221": SAMPLES - 1}, ["l.sgy"]),
         ({"b115": [SAMPLES, SAMPLES, 7, SAMPLES, SAMPLES, SAMPLES]}, ["number of samples", "7"]),
         ({"b3217": 0, "b117": 0}, ["sample interval"]),

@@ -143,6 +143,15 @@ def test_segy_says_where_source_and_receiver_are_and_what_is_dead(tmp_path):
     assert read(tmp_path / "g.sgy", "segy").a_scan.shape[:3] == (1, 3, 2)
 
 
+def test_extended_headers_of_segy_are_skipped_and_garbage_of_old_files_is_not_one(tmp_path):
+    write_segy(tmp_path / "l.sgy", b3501=0x0100, b3505=1)
+    content = (tmp_path / "l.sgy").read_bytes()
+    (tmp_path / "l.sgy").write_bytes(content[:3600] + bytes(3200) + content[3600:])
+    check_line(read(tmp_path / "l.sgy", "segy"), counts(8), 200e-12)
+    write_segy(tmp_path / "old.sgy", b3501=0x4020, b3505=0x4020)
+    check_line(read(tmp_path / "old.sgy", "segy"), counts(8), 200e-12)
+
+
 @pytest.mark.parametrize("form", ["RI", "MA", "DB"])
 @pytest.mark.parametrize("unit", ["Hz", "GHz"])
 def test_a_folder_of_touchstone_files_has_its_places_in_their_names(tmp_path, form, unit):
