@@ -33,14 +33,14 @@ def sentences_of(data: xr.Dataset, name: str) -> List[Message]:
 
     A sentence without a template, such as one from an older file, stays in English.
     """
-    recorded = recorded_templates(data.attrs)
+    recorded = _recorded(data.attrs)
     return [received_message(str(one), recorded.get(one, "")) for one in data.attrs.get(name, [])]
 
 
 def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) -> Dict[str, Any]:
     """Return attributes in which some lists of sentences are replaced."""
     changed = dict(attributes)
-    recorded = recorded_templates(changed)
+    recorded = _recorded(changed)
     for name, messages in lists.items():
         sentences = [(str(one), one.to_json()) for one in messages]
         changed[name] = [text for text, _ in sentences]
@@ -91,14 +91,14 @@ def sentence_of(data: xr.Dataset, name: str) -> Optional[Message]:
     """Return the sentence of an attribute that is one sentence; None if it is not there."""
     if name not in data.attrs:
         return None
-    recorded = recorded_templates(data.attrs)
+    recorded = _recorded(data.attrs)
     text = str(data.attrs[name])
     return received_message(text, recorded.get(text, ""))
 
 
 def with_sentence(attributes: Mapping[str, Any], name: str, message: Message) -> Dict[str, Any]:
     """Return attributes with one that is a sentence."""
-    recorded = recorded_templates(attributes)
+    recorded = _recorded(attributes)
     recorded[str(message)] = message.to_json()
     return {**attributes, name: str(message), MESSAGES: json.dumps(recorded)}
 
@@ -127,8 +127,7 @@ def shown(message: Message, catalogue: Catalogue = ENGLISH) -> str:
     return f"{sentence} ({details})" if details else sentence
 
 
-def recorded_templates(attributes: Mapping[str, Any]) -> Dict[str, str]:
-    """Return the messages of sentences in attributes, as JSON, by their English texts."""
+def _recorded(attributes: Mapping[str, Any]) -> Dict[str, str]:
     # A file without checksum may hold anything; without templates the sentences stay English.
     try:
         recorded = json.loads(attributes.get(MESSAGES, "{}"))

@@ -25,7 +25,7 @@ GRID = {"polarization_deg": [0.0, 90.0], "y_mm": [-5.0], "x_mm": [1.0, 2.5, 9.0]
 
 
 def described(**changes):
-    return {"imported": {"grid": {**GRID, **changes}}}
+    return {"imported": {**GRID, **changes}}
 
 
 def test_the_definition_of_a_trace_has_the_checksum_of_its_message():
@@ -58,7 +58,7 @@ def test_a_grid_that_is_none_is_refused(axis):
     for name in GRID:
         with pytest.raises(InvalidValueError, match="grid of the imported survey"):
             imported_grid(described(**{name: axis}))
-    for entry in (axis, {"grid": axis}):
+    for entry in (axis, {"x_mm": axis}):
         assert is_imported({"imported": entry})
         assert measured_area({"imported": entry}) is None
         with pytest.raises(InvalidValueError):

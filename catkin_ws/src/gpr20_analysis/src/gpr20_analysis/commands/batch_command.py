@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 from gpr20_analysis import faults
+from gpr20_analysis.atomic_output import BESIDE
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.batch_work import (
     Job,
@@ -30,7 +31,6 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_common.terminal_text import say
-from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.survey_folder import SURVEY_FILE, TRACES_FOLDER
 
 FAILURE = 1
@@ -147,7 +147,7 @@ def _surveys(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
     """Yield each survey at a path, and the name of its result."""
     below = [] if (given / SURVEY_FILE).exists() else sorted(given.rglob(SURVEY_FILE))
     # An import that is being written, or was cut off, is no survey.
-    below = [one for one in below if not is_temporary(one.parent.name)]
+    below = [one for one in below if not one.parent.parent.name.startswith(BESIDE)]
     # An export can look like a survey.
     found = [one for one in below if into not in one.absolute().parents]
     for described in found:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 import xarray as xr
@@ -11,16 +11,21 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
+from gpr20_analysis.formats.provenance import restored
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.analyzer_attributes import analyzer_attributes
-from gpr20_analysis.read.annotation_attributes import annotation_attributes, marker_attributes
+from gpr20_analysis.read.annotation_attributes import (
+    ATTRIBUTES,
+    annotation_attributes,
+    marker_attributes,
+)
 from gpr20_analysis.read.antenna_attributes import antenna_attributes
 from gpr20_analysis.read.aux_variables import aux_variables
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
-from gpr20_analysis.sentences import NOTES, first_of, sentences_of, with_sentences
-from gpr20_common.message import Message
+from gpr20_analysis.sentences import NOTES, first_of, with_sentences
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
 from gpr20_survey.plan.refines import REFINES
 from gpr20_survey.trace.utc_time import NS_PER_US
@@ -262,10 +267,13 @@ class _Assembly:
 
     def _attributes(self) -> Dict[str, Any]:
         description = self._source.description or {}
-        imported = _imported_attributes(description)
-        self._notes += sentences_of(xr.Dataset(attrs=imported), NOTES)
+        imported = import_of(description)
+        kept = restored(xr.Dataset(), imported).attrs
+        notes = imported.get(NOTES)
+        self._notes += [verbatim(str(one)) for one in (notes if isinstance(notes, list) else [])]
         attributes: Dict[str, Any] = {
-            **imported,
+            # What people add to a survey may have been changed since.
+            **{name: value for name, value in kept.items() if name not in ATTRIBUTES},
             "format": dataset.FORMAT,
             "source": self._source.name,
             "survey_id": self._table.survey_id,
@@ -285,17 +293,3 @@ class _Assembly:
         if self._plan and not is_imported(description):
             attributes["planned"] = len(self._plan.points)
         return attributes
-
-
-def _imported_attributes(description: Mapping[str, Any]) -> Dict[str, Any]:
-    """Return what an import kept of its source's attributes."""
-    found = import_of(description).get("attributes")
-    return {
-        str(name): value
-        for name, value in (found.items() if isinstance(found, Mapping) else ())
-        if isinstance(value, (str, int, float)) or _is_list_of_texts(value)
-    }
-
-
-def _is_list_of_texts(value: Any) -> bool:
-    return isinstance(value, list) and all(isinstance(one, str) for one in value)

@@ -273,7 +273,7 @@ class _Verifier:
             )
         if found.get(TIMES_KNOWN) is not True:
             self._found.note(
-                Message("the source says no times: those of the traces are that of the import")
+                Message("the source names no times since 2020: the traces have that of the import")
             )
 
     def _check_trace(self, plan: Optional[Plan], index: int, name: str) -> None:

@@ -1,8 +1,7 @@
 """Surveys that were imported: what other instruments or programs measured, without a plan.
 
-Their survey.json has the entry `imported` in place of `parameters` and `axes`. Its grid holds the
-places of the source; a trace's index is its place there, in the order in which the robot would
-visit it.
+Their survey.json has the entry `imported` in place of `parameters` and `axes`. It holds the grid of
+the source; a trace's index is its place there, in the order in which the robot would visit it.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
 from gpr20_survey.plan.survey_plan import SurveyPoint, alternating, raster
@@ -20,7 +20,6 @@ from gpr20_survey.trace.trace import Trace
 
 IMPORTED = "imported"
 """Key of survey.json, and the outcome of these surveys."""
-GRID = "grid"
 TIMES_KNOWN = "times_known"
 """Key of the entry: whether the times of the traces are those of the source."""
 AXES = ("polarization_deg", "y_mm", "x_mm")
@@ -65,8 +64,7 @@ def imported_grid(description: Mapping[str, Any]) -> ImportedGrid:
     Raises:
         InvalidValueError: survey.json does not hold one.
     """
-    found = import_of(description).get(GRID)
-    axes = [found.get(name) if isinstance(found, Mapping) else None for name in AXES]
+    axes = [import_of(description).get(name) for name in AXES]
     if not all(_is_axis(one) for one in axes) or math.prod(map(len, axes)) > MAX_TRACES:  # type: ignore[arg-type]
         raise InvalidValueError(
             Message("survey.json does not hold the grid of the imported survey"),
@@ -99,8 +97,8 @@ def import_sentence(description: Mapping[str, Any]) -> Message:
     found = import_of(description)
     return Message(
         "imported from {source} ({format})",
-        source=str(found.get("source", "?")),
-        format=str(found.get("format", "?")),
+        source=printable(str(found.get("source"))),
+        format=printable(str(found.get("format"))),
     )
 
 
