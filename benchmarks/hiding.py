@@ -40,7 +40,7 @@ from born_body import Antennas, Layers, pitch_m, scattered
 from born_field import Soil, coupling, surface_echo
 
 SEPARATION_M = 0.06
-TARGETS = ("disc:112:56:3.2", "disc:112:56:3.6", "disc:80:40:3.6", "disc:160:60:3.0")
+TARGETS = ("disc:112:15:3.2", "disc:160:20:2.2", "disc:120:20:3.0")
 DEPTHS_M = (0.02, 0.05, 0.09, 0.13)
 EPSILON_0 = 8.8541878128e-12
 

@@ -10,8 +10,10 @@ from pytest import approx
 import gpr20_analysis
 from gpr20_analysis import faults
 from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.cancellation import Cancellation
+from gpr20_survey.results.hidden_target import Targets
 
 PERMITTIVITY = 5.0
 
@@ -45,6 +47,14 @@ def test_candidates_and_files_are_those_of_the_analysis(process, tmp_path):
     process.write("report", survey, report, PERMITTIVITY, "es", Cancellation())
     assert found.candidates[0].id in table.read_text()
     assert '<html lang="es">' in report.read_text()
+
+
+def test_where_a_mine_could_hide_is_that_of_the_analysis(process):
+    found = process.map_hidden(sample_survey(), PERMITTIVITY, "pmn", Cancellation())
+    assert found.target == Targets.PMN.value
+    assert found.permittivity == PERMITTIVITY and found.tried.sum() > 0
+    with raises_fault(NOT_ALLOWED, "tank"):
+        process.map_hidden(sample_survey(), PERMITTIVITY, "tank", Cancellation())
 
 
 def test_a_reason_comes_with_its_fault(process, tmp_path):

@@ -5,6 +5,7 @@ import math
 
 import pytest
 from candidate_examples import candidate, candidate_list
+from hiding_kit import a_map
 from PyQt5.QtTest import QTest
 from view_kit import FOLDER, SURVEY, past_survey, snapshot
 from window_helpers import show
@@ -14,9 +15,10 @@ from gpr20_common.message import verbatim
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.hiding_map import ONLY_THIS
 from gpr20_user_interface.mid.candidate_search import OTHER_SURVEY, SearchState
 from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
+from gpr20_user_interface.mid.imaging_events import CandidatesFound, HidingMapped, RequestFailed
 from gpr20_user_interface.mid.trace_events import SurveysListed
 from gpr20_user_interface.views.main_window import TabName
 from gpr20_user_interface.views.translation import shown_text
@@ -70,6 +72,39 @@ def cells(table):
         [table.item(row, column).text() for column in range(table.columnCount())]
         for row in range(table.rowCount())
     ]
+
+
+def test_where_a_mine_could_hide_is_asked_after_the_list_and_shown_on_the_map(window, node):
+    sheet = search(window)
+    assert not sheet.hiding_button.isEnabled()
+    ended(window)
+    sheet.hiding_button.click()
+    request_id, survey, permittivity, target = node.of("hide")[-1]
+    assert (survey, permittivity, target) == (FOLDER, LIST.permittivity, "type-72")
+    assert sheet.progress.isVisible() and sheet.cancel.isEnabled()
+    found = a_map([[[5, 0]]], [[[5, 5]]], survey_id=SURVEY)
+    window.on_event(HidingMapped(request_id, found))
+    assert shown_text(ONLY_THIS) in sheet.details.text()
+    assert cells(sheet.table)[0][0] == "C01"
+    window.additions.follow(SURVEY, True)
+    assert window.additions.hiding is found
+    window.additions.follow("another", True)
+    assert window.additions.hiding is None
+
+
+def test_a_map_that_fails_or_is_cancelled_says_so(window, node):
+    sheet = search(window)
+    ended(window)
+    sheet.hiding_button.click()
+    window.on_event(RequestFailed(node.of("hide")[-1][0], verbatim("no surface echo")))
+    assert "no surface echo" in sheet.details.text() and not sheet.hiding_button.isEnabled()
+    sheet.find_button.click()
+    ended(window)
+    sheet.hiding_button.click()
+    sheet.cancel.click()
+    assert node.cancelled == [node.of("hide")[-1][0]]
+    window.on_event(HidingMapped(node.of("hide")[-1][0], a_map([[[5]]], [[[5]]], survey_id=SURVEY)))
+    assert sheet.search.hiding is None
 
 
 def test_the_list_is_shown_with_what_it_is_not(window, node):

@@ -1,4 +1,6 @@
+import numpy as np
 import pytest
+from hiding_kit import a_map
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtGui import QColor
@@ -8,7 +10,7 @@ from window_helpers import Storage
 
 from gpr20_common.message import verbatim
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
-from gpr20_user_interface.mid.imaging_events import ImageFocused
+from gpr20_user_interface.mid.imaging_events import HidingMapped, ImageFocused
 from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
 from gpr20_user_interface.mid.map_geometry import Area
 from gpr20_user_interface.mid.map_grid import Cell, Stop
@@ -260,3 +262,32 @@ def test_a_place_is_measured_finer_or_marked_but_not_that_of_a_replay(shown):
     shown.touch(Stop(2, 2))
     assert not shown.view.set_marker.isEnabled()
     assert not shown.view.finer.isEnabled()
+
+
+def test_where_a_mine_could_hide_is_hatched(shown):
+    stops = [Stop(3, 0), Stop(3, 4)]
+    places = [shown.place(one) for one in stops]
+
+    def colours(place):
+        picture = shown.view.canvas.grab().toImage()
+        return {
+            QColor(picture.pixel(place.x() + dx, place.y() + dy)).name()
+            for dx in range(-6, 7) for dy in range(-6, 7)
+        }  # fmt: skip
+
+    before = [colours(one) for one in places]
+    x_m, y_m = shown.grid.xs_mm / 1e3, shown.grid.ys_mm / 1e3
+    shape = (1, len(y_m), len(x_m))
+    tried, found = np.full(shape, 10), np.full(shape, 10)
+    found[0, :, : shape[2] // 2] = 0
+    shown.additions.on_event(
+        HidingMapped(
+            "a",
+            a_map(found, tried, x_m=np.sort(x_m), y_m=np.sort(y_m), survey_id=shown.grid.survey_id),
+        )
+    )
+    hidden = [Look().colour(Mark.INK) in colours(one) - was for one, was in zip(places, before)]
+    assert hidden == [bool(shown.grid.xs_mm[0] < shown.grid.xs_mm[-1]), False] or hidden == [
+        False,
+        bool(shown.grid.xs_mm[0] > shown.grid.xs_mm[-1]),
+    ]

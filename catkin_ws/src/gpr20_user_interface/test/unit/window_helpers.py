@@ -145,6 +145,9 @@ class ImagingNode:
     def find_candidates(self, *request):
         self.asked.append(("find", *request))
 
+    def map_hidden(self, *request):
+        self.asked.append(("hide", *request))
+
     def export(self, *request):
         self.asked.append(("export", *request))
 

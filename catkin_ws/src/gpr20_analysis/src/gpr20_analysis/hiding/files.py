@@ -86,7 +86,7 @@ def read_hiding(path: Path) -> HidingMap:
                 "{path} is no map of gpr20 hiding: {reason}; make it again with gpr20 hiding -o "
                 "FILE.json",
                 path=path,
-                reason=getattr(error, "message", str(error)),
+                reason=str(error),
             )
         ) from error
 

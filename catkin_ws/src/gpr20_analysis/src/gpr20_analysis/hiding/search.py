@@ -19,13 +19,16 @@ import xarray as xr
 
 from gpr20_analysis import faults, lazy
 from gpr20_analysis.candidates.false_alarms import surveyed_m2
+from gpr20_analysis.candidates.focused import field_options
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.detector import Detector, Searched, is_found
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Echo, Soil, echo_of
 from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.antenna_step import require_measured
+from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.threads import on_threads
@@ -125,6 +128,25 @@ def map_hidden(
     runs = _Runs(survey, searched, detector, target, options, antenna)
     results = _search(runs, options, progress)
     return _counted(survey, searched.found, target, options, results, runs.apart_m)
+
+
+def map_hidden_in_field(
+    survey: xr.Dataset, permittivity: Optional[float], target: Target
+) -> HidingMap:
+    """Return where a target could hide, as the robot's window searches surveys.
+
+    Args:
+        survey: The survey as measured.
+        permittivity: Relative permittivity of the ground; None: not known.
+        target: What is put into the spectra.
+
+    Raises:
+        AnalysisError: The survey cannot be imaged, or its surface echo is not clear.
+    """
+    detector = Detector(
+        lambda one: process_survey(one, *DEFAULT_STEPS), field_options(permittivity)
+    )
+    return map_hidden(survey, detector, target, HidingOptions())
 
 
 def _search(runs: _Runs, options: HidingOptions, progress: Progress) -> _Results:

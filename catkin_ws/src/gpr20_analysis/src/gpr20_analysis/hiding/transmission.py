@@ -6,7 +6,6 @@ from typing import Optional
 
 import numpy as np
 import xarray as xr
-from scipy.ndimage import convolve1d
 
 from gpr20_analysis.dataset import (
     ANTENNA,
@@ -29,9 +28,10 @@ TRANSMISSION = 1
 SURFACE_WITHIN_S, CLEAR = 0.3e-9, 6.0
 PADDING = 8
 # Of the way through the air: how long what belongs to an echo lasts, before and after it.
-LASTS = 0.75
-# Each turn takes what coupling and surface have in common from the other, down to a Hann sidelobe.
-TURNS = 6
+LASTS = 0.375
+# Of the resolution: the distance of the echoes that a spectrum is fitted with.
+TAPS = 0.6
+SMALLEST_SHARE = 1e-3
 
 
 def of_model(model: xr.Dataset) -> np.ndarray:
@@ -89,17 +89,15 @@ class SurfaceReference:
 def _surface(mean: np.ndarray, air_s: float, sweep: FrequencyGrid) -> np.ndarray:
     """Return what is near delay 0 in a spectrum, without the coupling that is earlier by `air_s`.
 
-    A Hann window over the frequencies has its first zero after two inverses of its width.
+    Both are fitted by least squares as sums of echoes near their delays.
     """
-    width = int(2.0 / (LASTS * air_s * sweep.step_hz)) | 1
-    kernel = np.hanning(min(width, 2 * sweep.count - 1) + 2)[1:-1]
-    weight = convolve1d(np.ones(sweep.count), kernel, mode="constant")
-    later = np.exp(-2j * np.pi * air_s * sweep.frequency_hz)
-    coupling, surface = np.zeros_like(mean), np.zeros_like(mean)
-    for _ in range(TURNS):
-        surface = convolve1d(mean - coupling, kernel, mode="constant") / weight
-        alone = (mean - surface) * later
-        coupling = convolve1d(alone, kernel, mode="constant") / weight * later.conj()
+    apart_s = TAPS / (sweep.step_hz * sweep.count)
+    count = int(LASTS * air_s / apart_s)
+    near_s = apart_s * np.arange(-count, count + 1)
+    delays_s = np.concatenate([near_s, near_s - air_s])
+    columns = np.exp(-2j * np.pi * np.outer(sweep.frequency_hz, delays_s))
+    found = np.linalg.lstsq(columns, mean, rcond=SMALLEST_SHARE)[0]
+    surface: np.ndarray = columns[:, : len(near_s)] @ found[: len(near_s)]
     return surface
 
 

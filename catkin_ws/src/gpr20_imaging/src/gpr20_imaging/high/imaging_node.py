@@ -30,11 +30,14 @@ from gpr20_msgs.srv import (
     FocusSurveyResponse,
     ListVolumes,
     ListVolumesResponse,
+    MapHidden,
+    MapHiddenResponse,
 )
 from gpr20_survey.frames import BASE_LINK
 from gpr20_survey.high.candidate_topics import CandidateTopics
 from gpr20_survey.results.candidate_json import json_text
 from gpr20_survey.results.focused_image import focus_fields
+from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.results.volume import volume_fields
 
 NODE = "imaging"
@@ -55,6 +58,7 @@ class ImagingNode:
         self._services = [
             advertise("focus_survey", FocusSurvey, self._focus),
             advertise("find_candidates", FindCandidates, self._find),
+            advertise("map_hidden", MapHidden, self._hide),
             advertise("export_survey", ExportSurvey, self._export),
             advertise("list_volumes", ListVolumes, self._volumes),
             advertise("cancel_imaging", CancelImaging, self._cancel),
@@ -78,6 +82,16 @@ class ImagingNode:
             **message_fields(Message("the list is complete")),
             candidates_json=json_text(found.found),
             remarks=found.remarks,
+        )
+
+    def _hide(self, request: Any) -> MapHiddenResponse:
+        found = self._imaging.map_hidden(
+            request.request_id, request.survey, request.permittivity, request.target
+        )
+        return MapHiddenResponse(
+            success=True,
+            **message_fields(Message("the map is complete")),
+            hiding_json=hiding_json(found),
         )
 
     def _export(self, request: Any) -> ExportSurveyResponse:

@@ -18,6 +18,7 @@ from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import end_child, start_child
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hiding_map import HidingMap
 
 WORKER = (sys.executable, "-m", "gpr20_imaging.low.analysis_worker")
 # Every workspace has the analysis, but not the libraries that it needs; one of them is xarray.
@@ -80,6 +81,29 @@ class AnalysisProcess:
         """
         found: Tuple[CandidateList, str] = self._ask(
             LIMIT_S, cancellation, "find_candidates", folder, permittivity, language
+        )
+        return found
+
+    def map_hidden(
+        self,
+        folder: Path,
+        permittivity: Optional[float],
+        target: str,
+        cancellation: Cancellation,
+    ) -> HidingMap:
+        """Return where a target could hide in a survey.
+
+        Args:
+            folder: The survey's folder.
+            permittivity: Relative permittivity of the ground; None: not known.
+            target: As for `target_of`.
+            cancellation: Ends the process.
+
+        Raises:
+            ImagingError: There is no map; the message says why.
+        """
+        found: HidingMap = self._ask(
+            LIMIT_S, cancellation, "map_hidden", folder, permittivity, target
         )
         return found
 

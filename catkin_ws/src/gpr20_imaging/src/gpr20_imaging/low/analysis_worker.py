@@ -12,6 +12,8 @@ from typing import Any, Optional, Tuple
 import gpr20_analysis
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hidden_target import target_of
+from gpr20_survey.results.hiding_map import HidingMap
 
 STEP = "background:method=surface"
 
@@ -36,6 +38,13 @@ class Analysis:
         survey = self._load(folder)
         remarks = gpr20_analysis.survey_remarks(survey, language)
         return _candidates(survey, permittivity), "\n".join(remarks)
+
+    def map_hidden(self, folder: Path, permittivity: Optional[float], target: str) -> HidingMap:
+        """Return where a target could hide in a survey."""
+        found: HidingMap = gpr20_analysis.map_hidden_in_field(
+            self._load(folder), permittivity, target_of(target)
+        )
+        return found
 
     def write_candidates(
         self, folder: Path, output: Path, permittivity: Optional[float], _language: str

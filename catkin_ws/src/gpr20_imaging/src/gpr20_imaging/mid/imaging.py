@@ -24,6 +24,8 @@ from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hidden_target import target_of
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
 
 MOST_ID_CHARACTERS = 64
@@ -117,6 +119,28 @@ class Imaging:
             lambda stop: self._analysis.find_candidates(folder, value, language, stop),
         )
         return SearchAnswer(*found)
+
+    def map_hidden(
+        self, request_id: str, survey: str, permittivity: float, target: str
+    ) -> HidingMap:
+        """Return where a target could hide in a survey.
+
+        Args:
+            request_id: For `cancel`.
+            survey: Its id, or the name of its folder.
+            permittivity: Relative permittivity of the ground; 0: not known.
+            target: As for `target_of`.
+
+        Raises:
+            Gpr20Error: There is no map; the message says why.
+        """
+        value = _permittivity(permittivity)
+        target_of(target)
+        self._require_analysis()
+        folder, _ = find_survey(self._data, survey)
+        return self._run(
+            request_id, lambda stop: self._analysis.map_hidden(folder, value, target, stop)
+        )
 
     def export(
         self,

@@ -202,8 +202,10 @@ def hiding_from(text: str) -> HidingMap:
         if values["format"] != FORMAT:
             raise ValueError(f"the format is {values['format']!r}")
         axes = {name: np.asarray(values[name], np.float64) for name in AXES}
-        shape = tuple(len(axes[name]) for name in reversed(AXES))
-        ascending = all(len(one) and np.all(np.diff(one) > 0.0) for one in axes.values())
+        shape = tuple(axes[name].size for name in reversed(AXES))
+        ascending = all(
+            one.ndim == 1 and one.size and np.all(np.diff(one) > 0.0) for one in axes.values()
+        )
         counts = {name: np.asarray(values[name], np.int64) for name in COUNTS}
         limits = {name: np.asarray(values[name], np.float64) for name in LIMITS}
         tables = [*counts.values(), *limits.values()]

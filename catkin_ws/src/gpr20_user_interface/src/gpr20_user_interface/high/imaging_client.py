@@ -9,15 +9,24 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ImagingProgress
-from gpr20_msgs.srv import CancelImaging, ExportSurvey, FindCandidates, FocusSurvey, ListVolumes
+from gpr20_msgs.srv import (
+    CancelImaging,
+    ExportSurvey,
+    FindCandidates,
+    FocusSurvey,
+    ListVolumes,
+    MapHidden,
+)
 from gpr20_survey.results.candidate_json import list_from
 from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.hiding_map import hiding_from
 from gpr20_survey.results.volume import volume_from
 from gpr20_user_interface import faults
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 from gpr20_user_interface.mid.imaging_events import (
     CandidatesFound,
     ExportDone,
+    HidingMapped,
     ImageFailed,
     ImageFocused,
     RequestFailed,
@@ -39,6 +48,7 @@ class ImagingClient(RosEvents):
         super().__init__(listener)
         self._focus = ServiceClient("focus_survey", FocusSurvey)
         self._find = ServiceClient("find_candidates", FindCandidates)
+        self._hide = ServiceClient("map_hidden", MapHidden)
         self._export = ServiceClient("export_survey", ExportSurvey)
         self._volumes = ServiceClient("list_volumes", ListVolumes)
         self._cancel = ServiceClient("cancel_imaging", CancelImaging)
@@ -72,6 +82,20 @@ class ImagingClient(RosEvents):
             lambda response: CandidatesFound(
                 request_id, list_from(response.candidates_json), response.remarks
             ),
+            lambda reason: RequestFailed(request_id, reason),
+        )
+
+    def map_hidden(self, request_id: str, survey: str, permittivity: float, target: str) -> None:
+        """Ask where a target could hide in a survey; permittivity 0: not known."""
+        self._ask(
+            lambda: self._hide.call(
+                LONG_TIMEOUT_S,
+                request_id=request_id,
+                survey=survey,
+                permittivity=permittivity,
+                target=target,
+            ),
+            lambda response: HidingMapped(request_id, hiding_from(response.hiding_json)),
             lambda reason: RequestFailed(request_id, reason),
         )
 

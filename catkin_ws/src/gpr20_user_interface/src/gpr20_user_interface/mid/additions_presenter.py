@@ -10,8 +10,9 @@ from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_user_interface.mid.finer_plan import FinerPlan
-from gpr20_user_interface.mid.imaging_events import ImageFocused
+from gpr20_user_interface.mid.imaging_events import HidingMapped, ImageFocused
 from gpr20_user_interface.mid.laid_over import laid_over
 from gpr20_user_interface.mid.survey_additions import (
     AdditionsFailed,
@@ -37,6 +38,7 @@ class NoAdditions:
     candidates: Tuple[Candidate, ...] = ()
     markers: Tuple[Marker, ...] = ()
     image: Optional[FocusedImage] = None
+    hiding: Optional[HidingMap] = None
 
 
 class AdditionsPresenter:
@@ -72,6 +74,7 @@ class AdditionsPresenter:
         self.problem: Optional[Message] = None
         self.revision = 0
         self._images: Dict[str, FocusedImage] = {}
+        self._hiding: Dict[str, HidingMap] = {}
         self._asked_images: Set[str] = set()
         self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
         self._can_read = False
@@ -81,6 +84,11 @@ class AdditionsPresenter:
     def image(self) -> Optional[FocusedImage]:
         """The focused image of the survey that is shown; None: none yet."""
         return self._images.get(self.survey_id)
+
+    @property
+    def hiding(self) -> Optional[HidingMap]:
+        """Where a mine could hide in the survey that is shown; None: nobody asked."""
+        return self._hiding.get(self.survey_id)
 
     @property
     def candidates(self) -> Tuple[Candidate, ...]:
@@ -153,6 +161,9 @@ class AdditionsPresenter:
         """Take an event about additions or images."""
         if isinstance(event, ImageFocused):
             self._take_image(event.image)
+        elif isinstance(event, HidingMapped):
+            self._hiding[event.found.survey_id] = event.found
+            self.revision += 1
         elif isinstance(event, AdditionsRead) and event.survey_id == self.survey_id:
             self.markers, self.related = event.markers, event.related
             self.revision += 1

@@ -7,11 +7,15 @@ from typing import Callable, Optional
 
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.mid.imaging_events import CandidatesFound, RequestFailed
+from gpr20_user_interface.mid.imaging_events import CandidatesFound, HidingMapped, RequestFailed
 from gpr20_user_interface.mid.imaging_requests import SearchRequests, new_request_id
 from gpr20_user_interface.mid.permittivity_entry import entered_permittivity
 
+# The mine that is searched for most: small, of plastic.
+TARGET = Targets.TYPE_72.value.name
 SURVEY_RUNS = Message("A survey is running. Search for candidates when it has ended.")
 CANCELLED = Message("The search was cancelled.")
 OTHER_SURVEY = Message("The list of candidates is that of another survey.")
@@ -37,6 +41,7 @@ class CandidateSearch:
         survey: The survey in question; None before the first.
         state: What the search does.
         found: The list; None unless the search is done.
+        hiding: Where a mine could hide; None unless that was asked for.
         problem: Why there is no list; None if that is not known or there is one.
         remarks: What the analysis said about the survey, in the language of the window.
     """
@@ -50,6 +55,7 @@ class CandidateSearch:
         self.survey: Optional[SurveySummary] = None
         self.state = SearchState.READY
         self.found: Optional[CandidateList] = None
+        self.hiding: Optional[HidingMap] = None
         self.problem: Optional[Message] = None
         self.remarks = ""
 
@@ -102,6 +108,17 @@ class CandidateSearch:
             self._request_id, self.survey.folder, entered_permittivity(permittivity), language
         )
 
+    def start_hiding(self) -> None:
+        """Find where a mine could hide from the search that has found the list."""
+        found, survey = self.found, self.survey
+        if not self.can_start or found is None or survey is None:
+            return
+        self._request_id = new_request_id()
+        self._started_s = self._now_s()
+        self._rest(SearchState.RUNNING, None)
+        self.found = found
+        self._requests.map_hidden(self._request_id, survey.folder, found.permittivity, TARGET)
+
     def cancel(self) -> None:
         """End a search that is running."""
         if self.state is SearchState.RUNNING:
@@ -116,7 +133,8 @@ class CandidateSearch:
 
     def on_event(self, event: object) -> None:
         """Take the end of the search; other events are ignored."""
-        if not isinstance(event, (CandidatesFound, RequestFailed)) or self.survey is None:
+        answers = (CandidatesFound, HidingMapped, RequestFailed)
+        if not isinstance(event, answers) or self.survey is None:
             return
         if self.state is not SearchState.RUNNING or event.request_id != self._request_id:
             return  # it was cancelled
@@ -126,9 +144,12 @@ class CandidateSearch:
         if event.found.survey_id != self.survey.survey_id:
             self._rest(SearchState.FAILED, OTHER_SURVEY)
             return
+        if isinstance(event, HidingMapped):
+            self.state, self.hiding = SearchState.DONE, event.found
+            return
         self._rest(SearchState.DONE, None)
         self.found, self.remarks = event.found, " ".join(event.remarks.split())
 
     def _rest(self, state: SearchState, problem: Optional[Message]) -> None:
         self.state, self.problem = state, problem
-        self.found, self.remarks = None, ""
+        self.found, self.hiding, self.remarks = None, None, ""

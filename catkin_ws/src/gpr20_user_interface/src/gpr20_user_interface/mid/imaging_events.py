@@ -8,6 +8,7 @@ from typing import Tuple
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
 
 
@@ -59,6 +60,19 @@ class CandidatesFound:
     request_id: str
     found: CandidateList
     remarks: str
+
+
+@dataclass(frozen=True)
+class HidingMapped:
+    """It is known where a target could hide.
+
+    Attributes:
+        request_id: As it was sent.
+        found: The map.
+    """
+
+    request_id: str
+    found: HidingMap
 
 
 @dataclass(frozen=True)

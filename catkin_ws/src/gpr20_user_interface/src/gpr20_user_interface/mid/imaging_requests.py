@@ -21,6 +21,9 @@ class SearchRequests(CancelRequests, Protocol):
     ) -> None:
         """Ask for the candidates of a survey, by its id or folder; permittivity 0: not known."""
 
+    def map_hidden(self, request_id: str, survey: str, permittivity: float, target: str) -> None:
+        """Ask where a target could hide in a survey; permittivity 0: not known."""
+
 
 class ExportRequests(CancelRequests, Protocol):
     """Exports to sticks, without waiting; the answers come as events."""

@@ -19,6 +19,7 @@ from PyQt5.QtWidgets import (
 
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.hiding_map import ONLY_THIS
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
 from gpr20_user_interface.mid.permittivity_entry import PERMITTIVITY_RANGE, check_permittivity
@@ -70,6 +71,7 @@ class CandidatesSheet(Overlay):
         self.permittivity = TouchEdit("permittivity")
         self.number_pad = KeyPad(window)
         self.find_button = new_button(self._on_find)
+        self.hiding_button = new_button(self._on_hiding)
         self.cancel = new_button(self._on_cancel)
         self.close_button = new_button(self.hide)
         self.permittivity.tapped.connect(self._on_tap)
@@ -86,7 +88,8 @@ class CandidatesSheet(Overlay):
     def refresh(self) -> None:
         """Show the search if it has changed, and how long it has been running."""
         search = self.search
-        state = search.state, search.problem, search.can_start, int(search.running_s)
+        progress = search.state, search.problem, search.can_start, int(search.running_s)
+        state = (*progress, search.hiding is None)
         if state != self._shown:
             self._shown = state
             self._show()
@@ -107,6 +110,7 @@ class CandidatesSheet(Overlay):
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
         self.permittivity_label.setText(self.tr("Permittivity"))
         self.find_button.setText(self.tr("FIND"))
+        self.hiding_button.setText(self.tr("HIDDEN?"))
         self.cancel.setText(self.tr("CANCEL"))
         self.close_button.setText(self.tr("CLOSE"))
         self.table.setHorizontalHeaderLabels(
@@ -128,6 +132,7 @@ class CandidatesSheet(Overlay):
         wrong = check_permittivity(self.permittivity.text())
         self.permittivity.show_problem("" if wrong is None else shown_text(wrong))
         self.find_button.setEnabled(search.can_start and wrong is None)
+        self.hiding_button.setEnabled(search.can_start and found is not None)
         self.cancel.setEnabled(running)
         self.progress.setVisible(running)
         self.table.setVisible(not running and search.problem is None)
@@ -156,6 +161,9 @@ class CandidatesSheet(Overlay):
             return text.format(seconds=int(search.running_s))
         if search.problem is not None:
             return shown_text(search.problem)[:LONGEST_PROBLEM]
+        if search.hiding is not None:
+            details = " ".join(shown_text(one) for one in search.hiding.details)
+            return f"{shown_text(ONLY_THIS)} {details}"[:LONGEST_PROBLEM]
         found = search.found
         if found is None:
             return self.tr("FIND searches the stored data. It takes up to some minutes.")
@@ -174,6 +182,10 @@ class CandidatesSheet(Overlay):
 
     def _on_find(self) -> None:
         self.search.start(self.permittivity.text(), self._language())
+        self._show()
+
+    def _on_hiding(self) -> None:
+        self.search.start_hiding()
         self._show()
 
     def _on_cancel(self) -> None:
@@ -215,7 +227,7 @@ class CandidatesSheet(Overlay):
         buttons = QHBoxLayout()
         buttons.addWidget(self.permittivity_label)
         buttons.addWidget(self.permittivity, 1)
-        for button in (self.find_button, self.cancel, self.close_button):
+        for button in (self.find_button, self.hiding_button, self.cancel, self.close_button):
             buttons.addWidget(button, 1)
         grid.addLayout(buttons, 5, 0, 1, 2)
         grid.setRowStretch(2, 1)

@@ -6,11 +6,21 @@ from typing import Optional, Tuple, Union
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QFontMetrics, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
+from PyQt5.QtGui import (
+    QBrush,
+    QColor,
+    QFontMetrics,
+    QImage,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+)
 from PyQt5.QtWidgets import QSizePolicy
 
 from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter, NoAdditions
 from gpr20_user_interface.mid.finer_plan import FinerPlan
+from gpr20_user_interface.mid.hidden_areas import hidden_areas
 from gpr20_user_interface.mid.map_coverage import StopState
 from gpr20_user_interface.mid.map_geometry import Area, MapGeometry, fit, share_mm
 from gpr20_user_interface.mid.map_model import MapModel
@@ -22,6 +32,8 @@ from gpr20_user_interface.views.palette import Mark
 from gpr20_user_interface.views.translation import TranslatedWidget
 
 GAP_PX = 6
+# Of the depths that were tried: what is missed above that is hatched densely.
+DENSE_SHARE = 0.5
 # How far from a ring or a flag a finger may be.
 REACH_PX = 24
 # Single stops that are not done must not be overlooked among thousands.
@@ -131,6 +143,7 @@ class MapCanvas(TranslatedWidget):
             )
             return
         self._draw_stops(painter, _pixels_of(geometry, geometry.area))
+        self._draw_hiding(painter, geometry)
         shown = _pixels_of(geometry, geometry.shown)
         self._draw_axes(painter, geometry, shown)
         # The frame of a larger survey ends where the axes begin.
@@ -146,6 +159,19 @@ class MapCanvas(TranslatedWidget):
             painter.drawImage(QPointF(round(area.left()), round(area.top())), picture)
         painter.setPen(QPen(self._ink(Mark.BORDER), 1))
         painter.drawRect(round(area.left()), round(area.top()), *size)
+
+    def _draw_hiding(self, painter: QPainter, geometry: MapGeometry) -> None:
+        """Hatch where a mine could hide, the more densely the shallower."""
+        found = self._additions.hiding
+        if found is None:
+            return
+        painter.setPen(Qt.PenStyle.NoPen)
+        for area, share in hidden_areas(found):
+            dense = share < DENSE_SHARE
+            style = Qt.BrushStyle.Dense4Pattern if dense else Qt.BrushStyle.Dense6Pattern
+            painter.setBrush(QBrush(self._ink(Mark.INK), style))
+            painter.drawRect(_pixels_of(geometry, area))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
 
     def _stop_picture(self, size_px: Tuple[int, int]) -> Optional[QImage]:
         """Return the stops; drawn again only after a change."""
@@ -198,7 +224,10 @@ class MapCanvas(TranslatedWidget):
         if self._shows_candidates:
             rest = QRectF(0.0, below + metrics.descent(), self.width(), metrics.height())
             place = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
-            painter.drawText(rest, place, self.tr("No echo does not mean no mine."))
+            sentence = self.tr("No echo does not mean no mine.")
+            if self._additions.hiding is not None:
+                sentence = self.tr("Hatched: a small plastic mine could hide here.")
+            painter.drawText(rest, place, sentence)
 
     def _draw_frames(self, marks: MarkPainter) -> None:
         """Frame the surveys that belong to this one, and the one that is planned."""
@@ -245,7 +274,7 @@ class MapCanvas(TranslatedWidget):
 
     @property
     def _shows_candidates(self) -> bool:
-        return self._additions.image is not None
+        return self._additions.image is not None or self._additions.hiding is not None
 
     def _ink(self, mark: Mark) -> QColor:
         return QColor(look_of(self).colour(mark))

@@ -1,0 +1,146 @@
+"""What a target sends back, against closed forms and fields that share no code with it."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorded_worlds import UNIANDES, area, dataset
+
+from gpr20_analysis.hiding.injection import with_targets
+from gpr20_analysis.hiding.scattering import STEP_M, Soil, ball_amplitude_m, echo_of
+from gpr20_analysis.hiding.transmission import SurfaceReference
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.chain import process_survey
+from gpr20_survey.results.hidden_target import Target, Targets
+
+WORLDS = Path(__file__).resolve().parents[6] / "benchmarks/worlds"
+FREQUENCY_HZ = np.linspace(0.6e9, 3.5e9, 30)
+LIGHT_M_S = 299792458.0
+
+
+@pytest.fixture(scope="module")
+def load():
+    sys.path.insert(0, str(WORLDS))
+    yield importlib.import_module
+    sys.path.remove(str(WORLDS))
+
+
+def test_a_small_ball_scatters_as_rayleigh_says():
+    wave, radius_m = np.array([0.5, 1.0, 2.0]), 0.01
+    assert ball_amplitude_m(wave, radius_m) == pytest.approx(1.5 * wave**2 * radius_m**3, rel=1e-3)
+
+
+def test_a_large_ball_reflects_from_its_nearest_point():
+    wave, radius_m = np.linspace(400.0, 900.0, 40), 0.1
+    specular = -0.5 * radius_m * np.exp(2j * wave * radius_m)
+    assert np.abs(ball_amplitude_m(wave, radius_m) / specular - 1.0).max() < 0.05
+
+
+def test_in_air_an_echo_is_that_of_the_radar_equation():
+    target = Target("ball", 0.04, 0.04)
+    echo = echo_of(target, 0.08, Soil(1.0), 0.3, FREQUENCY_HZ, 0.2)
+    wave = 2.0 * np.pi * FREQUENCY_HZ / LIGHT_M_S
+    expected = ball_amplitude_m(wave, 0.02) / 0.4**2
+    assert np.abs(echo.values[0]) == pytest.approx(np.abs(expected), rel=1e-6)
+
+
+def test_loss_weakens_what_is_deep_by_its_way():
+    target, wave = Targets.FRAGMENT.value, 2.0 * np.pi * FREQUENCY_HZ / LIGHT_M_S
+    clear, lossy = (
+        echo_of(target, 0.1, Soil(9.0, loss), 0.2, FREQUENCY_HZ, 0.1).values[0]
+        for loss in (0.0, 0.05)
+    )
+    middle_m = 0.1 + target.diameter_m / 2.0
+    assert np.abs(lossy / clear) == pytest.approx(np.exp(-wave * 3.0 * 0.05 * middle_m), rel=1e-6)
+
+
+def level_db(survey, permittivity):
+    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
+    image = image_survey(process_survey(survey, *DEFAULT_STEPS), options, with_echoes=False)
+    return 20.0 * np.log10(float(abs(image["image"]).max()))
+
+
+@pytest.mark.parametrize("name_and_size", [("disc", 0.112, 0.015, 3.0), ("disc", 0.16, 0.02, 2.3)])
+def test_a_disc_is_as_bright_as_by_an_exact_integral(load, name_and_size):
+    """The antennas are dipoles over a half space; the disc differs little from the soil."""
+    body, field = load("born_body"), load("born_field")
+    target, top_m, permittivity, height_m = Target(*name_and_size), 0.07, 2.56, 0.4
+    soil, count, step_m = field.Soil(permittivity), 15, 0.035
+    pitch = body.pitch_m(FREQUENCY_HZ[-1], permittivity, step_m)
+    middle_m = 7 * step_m
+    layers = body.Layers.of(
+        (middle_m, middle_m, top_m), target.diameter_m, target.height_m, False, pitch
+    )
+    antennas = body.Antennas(height_m, 0.06, count, step_m)
+    exact = np.stack(
+        [
+            body.scattered(one, soil.at(one), antennas, layers, pitch)
+            * (target.permittivity - permittivity)
+            for one in FREQUENCY_HZ
+        ],
+        axis=-1,
+    )
+    level = np.array(
+        [
+            field.coupling(one, 0.06) + field.surface_echo(one, soil.at(one), height_m, 0.06)
+            for one in FREQUENCY_HZ
+        ]
+    )
+    place_m = step_m * np.arange(count)
+    empty = dataset(np.broadcast_to(level, exact.shape), height_m, place_m, place_m, FREQUENCY_HZ)
+    transmission = SurfaceReference(empty, 0.06).transmission(permittivity)
+    echo = echo_of(target, top_m, Soil(permittivity), height_m, FREQUENCY_HZ, 0.5)
+    injected = with_targets(empty, echo, [(middle_m, middle_m)], permittivity, transmission, 0.06)
+    direct = dataset(level + exact, height_m, place_m, place_m, FREQUENCY_HZ)
+    assert level_db(injected, permittivity) == pytest.approx(
+        level_db(direct, permittivity), abs=1.5
+    )
+
+
+@pytest.mark.parametrize(("number", "body"), [(1, 3), (3, 1), (4, 2), (4, 3)])
+def test_a_metal_ball_is_as_bright_as_by_finite_differences(number, body):
+    survey, truth = area(UNIANDES, number)
+    ball, permittivity = truth["bodies"][body], truth["permittivity"]
+    assert ball["name"] == "sphere"
+    target = Target("ball", ball["height_m"], ball["height_m"])
+    echo = echo_of(
+        target,
+        ball["top_m"],
+        Soil(permittivity),
+        truth["height_m"],
+        survey["frequency"].values,
+        1.0,
+    )
+    transmission = SurfaceReference(survey, 0.06).transmission(permittivity)
+    place_m = (ball["x_m"], ball["y_m"])
+    alone = with_targets(
+        survey.assign(s21=survey["s21"] * 0.0), echo, [place_m], permittivity, transmission, 0.06
+    )
+    levels_db = [peak_db(one, truth, ball) for one in (alone, survey)]
+    assert levels_db[0] == pytest.approx(levels_db[1], abs=3.0)
+
+
+def peak_db(survey, truth, ball):
+    """Return the level of the image at a ball."""
+    options = ImageOptions(permittivity=truth["permittivity"], ground=Ground.LEVEL)
+    processed = process_survey(survey, *DEFAULT_STEPS)
+    image = abs(image_survey(processed, options, with_echoes=False)["image"]).isel(polarization=0)
+    near = image.where(
+        (abs(image["x"] - ball["x_m"]) < 0.04)
+        & (abs(image["y"] - ball["y_m"]) < 0.04)
+        & (abs(image["depth"] - ball["top_m"]) < 0.03)
+    )
+    return 20.0 * np.log10(float(near.max()))
+
+
+def test_a_table_reaches_as_far_as_asked():
+    echo = echo_of(Targets.PMN.value, 0.05, Soil(4.0), 0.2, FREQUENCY_HZ, 0.33)
+    assert STEP_M * (len(echo.values) - 1) >= 0.33
+    assert np.isfinite(echo.values).all()
