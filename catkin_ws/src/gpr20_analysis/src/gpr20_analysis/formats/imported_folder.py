@@ -134,7 +134,7 @@ class _Content:
             raise _refused(Message("there is no sample with data"))
         self._s21 = dataset.require(survey, S21, S21_DIMS).values
         # Of each trace as numbers in JSON, twice: its file and its messages.
-        self.bytes_needed = 4 * self._s21.nbytes
+        self.bytes_needed = 5 * self._s21.nbytes
         self._survey_id, self._now_us = str(uuid.uuid4()), now_us
         self._times_us = self._known_times_us()
         known = np.array([now_us]) if self._times_us is None else self._times_us[self._usable]
@@ -270,10 +270,11 @@ class _Content:
 
 def _annotation(attributes: Dict[str, Any]) -> Annotation:
     names = annotation_attributes
-    texts = (str(attributes.get(one, "")) for one in (names.OPERATOR, names.SITE, names.NOTES))
     place = [attributes.get(one) for one in (names.LATITUDE, names.LONGITUDE)]
     return Annotation(
-        *texts,
+        operator=str(attributes.get(names.OPERATOR, "")),
+        site=str(attributes.get(names.SITE, "")),
+        notes=str(attributes.get(names.NOTES, "")),
         position=None if None in place else Wgs84Position(*map(float, place)),  # type: ignore[arg-type]
         name=str(attributes.get(names.NAME, "")),
     )
