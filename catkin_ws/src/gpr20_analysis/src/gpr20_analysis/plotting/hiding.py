@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.colors import BoundaryNorm
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from gpr20_analysis.plotting.style import PANEL_TITLE_PT, draw, in_mm, new_figure
@@ -12,10 +12,10 @@ from gpr20_analysis.sentences import ENGLISH, with_notes
 from gpr20_common.catalogue import Catalogue
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
 
-# The shallower a target can hide, the darker.
-HIDING_MAP = "Greys_r"
-NEVER = "#009e73"
-FEWEST_ROWS = 3
+# The shallower a target can hide, the darker. Where it was found it is no green, which would say
+# more than is known.
+DARKEST, BRIGHTEST = 0.1, 0.8
+FOUND = "#9ecae1"
 
 
 def hiding_figure(found: HidingMap, catalogue: Catalogue = ENGLISH) -> Figure:
@@ -38,14 +38,16 @@ def hiding_figure(found: HidingMap, catalogue: Catalogue = ENGLISH) -> Figure:
     depths_mm = in_mm(found.depth_m)
     missed_mm = in_mm(found.missed_m)
     steps = np.append(depths_mm, depths_mm[-1] * 1.25)
-    norm = BoundaryNorm(steps, 256)
+    greys = np.linspace(DARKEST, BRIGHTEST, len(depths_mm))
+    colours = ListedColormap([(one, one, one) for one in greys])
+    norm = BoundaryNorm(steps, len(depths_mm))
     x_mm, y_mm = in_mm(found.x_m), in_mm(found.y_m)
-    drawn = draw(panels[0], missed_mm, x_mm, y_mm, cmap=HIDING_MAP, norm=norm)
-    panels[0].set_facecolor(NEVER)
+    drawn = draw(panels[0], missed_mm, x_mm, y_mm, cmap=colours, norm=norm)
+    panels[0].set_facecolor(FOUND)
     bar = figure.colorbar(drawn, ax=panels[0], ticks=depths_mm)
     bar.ax.set_yticklabels([f"{one:.0f}" for one in depths_mm])
     bar.set_label(catalogue.tr("could hide from this depth on [mm]"))
-    panels[0].set_title(catalogue.tr("shallowest missed depth; green: none"), fontsize=PANEL_TITLE_PT)
+    panels[0].set_title(catalogue.tr("shallowest missed depth; blue: none of these depths"), fontsize=PANEL_TITLE_PT)
     panels[0].set_xlabel("x [mm]")
     panels[0].set_ylabel("y [mm]")
     panels[0].set_aspect("equal" if min(len(x_mm), len(y_mm)) > 1 else "auto")
