@@ -257,7 +257,6 @@ class _Content:
             "survey_id": self._survey_id,
             "started": utc_time.iso_text(self._started_us),
             **START,
-            "software_revision": SOFTWARE,
             IMPORTED: entry,
             ANNOTATION: _annotation(attributes).values(),
         }

@@ -66,6 +66,7 @@ def test_random_data_come_back_as_they_were(survey, tmp_path_factory):
 def test_what_is_not_known_is_absent_and_the_source_is_named(tmp_path):
     description = json.loads((imported_folder(tmp_path) / "survey.json").read_text("ascii"))
     names = {"parameters", "axes", "instrument", "settings", "planned_traces", "nodes", "report"}
+    names |= {"software_revision", "analyzer"}
     assert not names & description.keys()
     assert description["outcome"] == "imported" and description["stored_traces"] == 5
     entry = description["imported"]
