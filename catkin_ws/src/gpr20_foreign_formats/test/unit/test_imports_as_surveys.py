@@ -74,3 +74,20 @@ def test_outputs_that_cannot_take_a_survey_are_refused(tmp_path, capsys):
         assert main(call) == 3
         assert reason in " ".join(capsys.readouterr().err.split())
     assert {one: one.stat().st_mtime_ns for one in tmp_path.rglob("*")} == before
+
+
+def test_the_command_may_say_that_the_ground_is_real_but_not_of_simulated_data(tmp_path, capsys):
+    survey, data = random_survey(1), tmp_path / "data"
+    for name, simulated in (("simulated", 1), ("real", None)):
+        own = survey.assign_attrs(simulated=simulated) if simulated else survey.copy()
+        if not simulated:
+            own.attrs.pop("simulated")
+        export_survey(own, tmp_path / name, "group-csv")
+    found = load_survey(imported(tmp_path / "real", "group-csv", data))
+    assert "simulated" not in found.attrs
+    found = load_survey(imported(tmp_path / "real", "group-csv", data, "--real-ground"))
+    assert found.attrs["simulated"] == 0
+    capsys.readouterr()
+    call = ["import", str(tmp_path / "simulated"), str(data), "--format", "group-csv"]
+    assert main([*call, "--real-ground"]) == 3
+    assert "holds simulated data" in capsys.readouterr().err and len(list(data.glob("*"))) == 2

@@ -16,6 +16,7 @@ from gpr20_analysis.formats.conversion import import_survey
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
 from gpr20_analysis.formats.format import IMPORTS, Band
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
+from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -58,6 +59,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "contain it: a waveform with its frequency in Hz, such as ricker:1.5e9; a text file of "
         "times [s] and values; or none",
     )
+    parser.add_argument(
+        "--real-ground",
+        action="store_true",
+        help="the data show real ground, if the input does not say it; the window marks data of "
+        "which that is not known SIMULATED",
+    )
     _add_instrument_arguments(parser)
     outputs.add_overwrite(parser)
 
@@ -85,6 +92,12 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     )
     if dataset.A_SCAN in survey and chosen.domain == "frequency":
         survey = to_frequency(survey, *(dataclasses.astuple(band) if band else ()))
+    if chosen.real_ground and is_simulated(survey):
+        raise AnalysisError(
+            Message("{path} holds simulated data; leave out --real-ground", path=chosen.input)
+        )
+    if chosen.real_ground:
+        survey = survey.assign_attrs({SIMULATED_KEY: 0})
     inputs.print_warnings(survey, catalogue)
     output = chosen.output
     if into_folder:
