@@ -47,6 +47,8 @@ SOFTWARE = f"gpr20 {__version__}"
 # one after the other [ns].
 INTERVAL_NS = utc_time.NS_PER_S // 10
 COMMIT_BYTES = 8 << 20
+# Endings of files with one stem that are read together.
+BELONG = (".dt1", ".hd", ".rd3", ".rd7", ".rad", ".axes.yaml")
 # What a folder holds of a Dataset; anything else would be lost.
 VARIABLES = {S21, HEIGHT, TIMESTAMP, dataset.QUALITY, "remarks", "sample_id", "index"}
 
@@ -59,7 +61,7 @@ class ImportSource:
         name: Name of the file or folder.
         form: Name of its format.
         files: Number of its files.
-        content: Checksum of the file, or of the list of a folder's files, and their size.
+        content: Checksum of the file, or of the list of several files, and their size.
     """
 
     name: str
@@ -74,9 +76,14 @@ class ImportSource:
         Raises:
             OSError: One of them cannot be read.
         """
-        if not path.is_dir():
-            return cls(printable(path.name), form, 1, sum_of_file(path))
-        sums = {name: sum_of_file(path / name) for name in regular_files(path)}
+        if path.is_dir():
+            sums = {name: sum_of_file(path / name) for name in regular_files(path)}
+        else:
+            belong = {path.stem.lower() + ending for ending in BELONG}
+            beside = [one for one in path.parent.iterdir() if one.name.lower() in belong]
+            sums = {one.name: sum_of_file(one) for one in (path, *beside)}
+        if len(sums) == 1 and not path.is_dir():
+            return cls(printable(path.name), form, 1, sums[path.name])
         content = FileSum(sealing.content_sum(sums), sum(one.size for one in sums.values()))
         return cls(printable(path.name), form, len(sums), content)
 

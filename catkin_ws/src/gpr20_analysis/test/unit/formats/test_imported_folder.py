@@ -32,6 +32,7 @@ from gpr20_survey.files.file_sums import sum_of
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 TIME_LIMIT_S = 60.0
+NAMES = ("LINE.DT1", "LINE.hd")
 CHILD = """
 import sys
 from pathlib import Path
@@ -190,6 +191,12 @@ def test_a_source_is_the_sum_of_its_files(tmp_path):
     assert folder.content.sha256 == sum_of(lines.encode()).sha256
     file = ImportSource.of(tmp_path / "scans" / "a.csv", "csv")
     assert (file.files, file.content) == (1, sum_of(b"a.csv"))
+    for name in ("LINE.DT1", "LINE.hd", "line2.hd", "LINE.nc"):
+        (tmp_path / "scans" / name).write_text(name)
+    both = ImportSource.of(tmp_path / "scans" / "LINE.DT1", "dt1")
+    lines = "".join(f"{sum_of(one.encode()).sha256} {len(one)} {one}\n" for one in NAMES)
+    assert (both.name, both.files, both.content.size) == ("LINE.DT1", 2, 15)
+    assert both.content.sha256 == sum_of(lines.encode()).sha256
 
 
 def test_the_name_of_the_folder_is_that_of_a_survey_at_the_time_of_its_first_sample(tmp_path):
