@@ -25,7 +25,8 @@ import xarray as xr
 from recorded_worlds import UNIANDES, area, truths
 
 from gpr20_analysis.hiding.detector import Detector, is_found
-from gpr20_analysis.hiding.search import HidingOptions, map_hidden
+from gpr20_analysis.hiding.runs import HidingOptions
+from gpr20_analysis.hiding.search import map_hidden
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.records import Ground

@@ -20,7 +20,8 @@ from gpr20_analysis.dataset import HEIGHT, MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.detector import Detector
 from gpr20_analysis.hiding.files import check_hiding_path, read_hiding, write_hiding
-from gpr20_analysis.hiding.search import HidingOptions, map_hidden
+from gpr20_analysis.hiding.runs import HidingOptions
+from gpr20_analysis.hiding.search import map_hidden
 from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import shown
@@ -58,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "more give a finer map")  # fmt: skip
     add("--seed", type=int, default=STANDARD.seed, help="of the random places; default 0")
     add("--output", "-o", type=Path, action="append", default=[],
-        help="map as .json, which report and view read, .csv, .geojson or .gpkg, or a picture "
+        help="map as .json, which report and view read, .geojson or .gpkg, or a picture "
         f"({', '.join(FORMATS)}); may be given more than once")  # fmt: skip
     outputs.add_overwrite(parser)
 

@@ -1,4 +1,4 @@
-"""A map of where a target could hide as JSON, CSV, GeoJSON and GeoPackage.
+"""A map of where a target could hide as JSON, GeoJSON and GeoPackage.
 
 Each has the warning that it holds for its target only; beside it a file .sha256 is for
 `sha256sum -c`. JSON is what reports and windows read.
@@ -6,8 +6,6 @@ Each has the warning that it holds for its target only; beside it a file .sha256
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
@@ -15,11 +13,10 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 from gpr20_analysis import faults
-from gpr20_analysis.candidates.files import CSV, GEOJSON, GPKG, JSON, write_with_checksum
+from gpr20_analysis.candidates.files import GEOJSON, GPKG, JSON, write_with_checksum
 from gpr20_analysis.candidates.geopackage import POLYGON, Layer, write_geopackage
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, UnreadableFileError, wrong_ending
-from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.no_clearance import SIMULATED
@@ -35,7 +32,7 @@ def write_hiding(found: HidingMap, path: Path) -> None:
 
     Args:
         found: The map.
-        path: The file; its ending is .json, .csv, .geojson or .gpkg.
+        path: The file; its ending is .json, .geojson or .gpkg.
 
     Raises:
         ExportError: The ending is unknown, or the format needs a place on the earth that the survey
@@ -49,7 +46,7 @@ def write_hiding(found: HidingMap, path: Path) -> None:
                 "{others}",
                 file=path.name,
                 command="gpr20 annotate --position --heading",
-                others=", ".join((JSON, CSV, GPKG)),
+                others=", ".join((JSON, GPKG)),
             ),
             fault=faults.NO_POSITION,
         )
@@ -71,6 +68,9 @@ def read_hiding(path: Path) -> HidingMap:
 
     Args:
         path: The file.
+
+    Returns:
+        The map.
 
     Raises:
         UnreadableFileError: It is no such file.
@@ -133,17 +133,6 @@ def _write_json(found: HidingMap, path: Path) -> None:
     path.write_text(hiding_json(found) + "\n", encoding="utf-8")
 
 
-def _write_csv(found: HidingMap, path: Path) -> None:
-    lines, rows = io.StringIO(), _rows(found)
-    for name, value in _facts(found):
-        lines.write(f"# {name}: {csv_cell(' '.join(value.split()))}\n")
-    writer = csv.DictWriter(lines, list(rows[0]))
-    writer.writeheader()
-    writer.writerows(rows)
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        stream.write(lines.getvalue())
-
-
 def _write_geojson(found: HidingMap, path: Path) -> None:
     features = [
         {
@@ -172,7 +161,6 @@ def _or_none(value: float) -> Optional[float]:
 
 WRITERS: Dict[str, Callable[[HidingMap, Path], None]] = {
     JSON: _write_json,
-    CSV: _write_csv,
     GEOJSON: _write_geojson,
     GPKG: _write_gpkg,
 }

@@ -27,6 +27,9 @@ def hiding_figure(found: HidingMap, catalogue: Catalogue = ENGLISH) -> Figure:
 
     Returns:
         The figure.
+
+    Raises:
+        ValueError: The map has no places.
     """
     described = xr.Dataset(attrs={"simulated": found.simulated, "notes": []})
     described = described.assign_attrs(with_notes(described, [ONLY_THIS]))
@@ -47,7 +50,9 @@ def hiding_figure(found: HidingMap, catalogue: Catalogue = ENGLISH) -> Figure:
     bar = figure.colorbar(drawn, ax=panels[0], ticks=depths_mm)
     bar.ax.set_yticklabels([f"{one:.0f}" for one in depths_mm])
     bar.set_label(catalogue.tr("could hide from this depth on [mm]"))
-    panels[0].set_title(catalogue.tr("shallowest missed depth; blue: none of these depths"), fontsize=PANEL_TITLE_PT)
+    panels[0].set_title(
+        catalogue.tr("shallowest missed depth; blue: none of these depths"), fontsize=PANEL_TITLE_PT
+    )
     panels[0].set_xlabel("x [mm]")
     panels[0].set_ylabel("y [mm]")
     panels[0].set_aspect("equal" if min(len(x_mm), len(y_mm)) > 1 else "auto")

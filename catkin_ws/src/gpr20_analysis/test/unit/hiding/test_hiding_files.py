@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import sqlite3
@@ -31,7 +30,7 @@ def survey():
 @pytest.fixture(scope="module")
 def written(survey, tmp_path_factory):
     folder = tmp_path_factory.mktemp("hiding")
-    outputs = [one for name in ("a.json", "a.csv", "a.gpkg", "a.png")
+    outputs = [one for name in ("a.json", "a.gpkg", "a.png")
                for one in ("-o", str(folder / name))]  # fmt: skip
     assert main(["hiding", survey, *FAST, *outputs]) == DONE
     return folder
@@ -43,34 +42,23 @@ def found(written):
 
 
 def test_each_file_has_its_checksum(written):
-    for name in ("a.json", "a.csv", "a.gpkg"):
+    for name in ("a.json", "a.gpkg"):
         digest = hashlib.sha256((written / name).read_bytes()).hexdigest()
         assert (written / f"{name}.sha256").read_text() == f"{digest}  {name}\n"
     assert (written / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_csv_has_a_row_for_each_place(written, found):
-    lines = (written / "a.csv").read_text(encoding="utf-8").splitlines()
-    notes = [one for one in lines if one.startswith("#")]
-    assert "holds for this target only" in notes[0] and "SIMULATED" in notes[0]
-    rows = list(csv.DictReader(lines[len(notes) :]))
-    assert len(rows) == found.missed_m.size
-    shares = [float(row["found_30mm"]) for row in rows]
-    assert shares == pytest.approx(found.share[0].ravel().tolist(), abs=1e-6)
-    missed = [float(row["missed_from_m"]) if row["missed_from_m"] else np.nan for row in rows]
-    assert np.allclose(missed, found.missed_m.ravel(), equal_nan=True)
-
-
 def test_geopackage_has_a_polygon_around_each_place(written, found):
     with sqlite3.connect(str(written / "a.gpkg")) as database:
         kind = database.execute("SELECT geometry_type_name FROM gpkg_geometry_columns").fetchone()
-        rows = database.execute("SELECT geom, x_m, y_m FROM hiding").fetchall()
+        rows = database.execute("SELECT geom, x_m, y_m, found_30mm FROM hiding").fetchall()
         warning = database.execute(
             "SELECT value FROM hiding_facts WHERE name = 'warning'"
         ).fetchone()[0]
     assert kind == ("POLYGON",) and len(rows) == found.missed_m.size
-    assert "holds for this target only" in warning
-    for geometry, x_m, y_m in rows:
+    assert "holds for this target only" in warning and "SIMULATED" in warning
+    assert [row[-1] for row in rows] == pytest.approx(found.share[0].ravel().tolist(), abs=1e-6)
+    for geometry, x_m, y_m, _share in rows:
         order, number, rings, corners = struct.unpack_from("<BIII", geometry, 8)
         assert (order, number, rings, corners) == (1, 3, 1, 5)
         places = np.array(struct.unpack_from("<10d", geometry, 21)).reshape(5, 2)
@@ -108,7 +96,7 @@ def test_report_shows_the_map_of_its_survey_only(survey, written, tmp_path, refu
     other = tmp_path / "other.json"
     other.write_text(json.dumps({**values, "survey_id": "another"}))
     assert main([*given, str(other), "--overwrite"]) == REFUSED
-    assert main([*given, str(written / "a.csv"), "--overwrite"]) == REFUSED
+    assert main([*given, str(written / "a.gpkg"), "--overwrite"]) == REFUSED
     assert refusals == [faults.OPTION.code, faults.FILE_DAMAGED.code]
 
 

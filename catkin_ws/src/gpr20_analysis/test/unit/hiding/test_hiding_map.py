@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fault_kit import raises_fault
@@ -10,7 +12,8 @@ from recorded_worlds import BORN, area, truths
 
 from gpr20_analysis import faults
 from gpr20_analysis.hiding.detector import Detector, Searched, is_found
-from gpr20_analysis.hiding.search import HidingOptions, map_hidden
+from gpr20_analysis.hiding.runs import HidingOptions, Runs
+from gpr20_analysis.hiding.search import map_hidden
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method, imaging_method
 from gpr20_analysis.imaging.records import Ground
@@ -89,12 +92,10 @@ def test_one_target_is_found_as_the_whole_detector_finds_it(number):
     """Fields that the imaging did not make; 12 random places in each."""
     survey, truth = area(BORN, number)
     assert truths(BORN)[number] == truth
-    from gpr20_analysis.hiding.search import _Runs
-
     own = detector(truth["permittivity"])
     searched = Searched(survey, own)
     options = HidingOptions((0.05, 0.17), rounds=6, separation_m=0.06, loss_tangent=0.02)
-    runs = _Runs(survey, searched, own, DISC, options, None)
+    runs = Runs(survey, searched, own, DISC, options, None)
     alike = []
     for depth_m in options.depth_m:
         runs.left[depth_m] = runs.left_by(depth_m)
@@ -129,8 +130,6 @@ def test_changed_data_and_methods_that_are_no_sums_are_refused(ground):
     changed = process_survey(ground, *DEFAULT_STEPS)
     with raises_fault(faults.STEPS):
         map_hidden(changed, detector(), DISC, SMALL)
-    from dataclasses import replace
-
     squared = replace(imaging_method("phase-shift"), name="squared", is_linear=False)
     with raises_fault(faults.METHOD):
         map_hidden(ground, detector(method=squared), DISC, SMALL)
