@@ -1,6 +1,7 @@
 """Whether the map of where a target could hide agrees with direct simulation.
 
 Usage: scripts/bench.sh hiding [--places 100] [--trials 12] [--seed 1]
+       scripts/bench.sh hiding --size 67
 
 The surveys are the five computed laboratory scenes of Uniandes (finite differences, with all their
 bodies). For random places and depths in them the map's share is compared with that of targets that
@@ -9,11 +10,15 @@ over the disc (benchmarks/worlds/born_*.py), in the units of the scene by its co
 map does not use. Each is put alone into the scene's spectra, at places within the map's radius, and
 searched with the same detector. The discs differ little from the soil, where that integral is
 exact. Two shares agree if their 95 % intervals (Clopper-Pearson) overlap.
+
+--size times the map of a survey of so many positions along each side, 10 mm apart, two
+polarizations and 501 frequencies: a surface, 60 stones of random strength, and noise.
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
 import sys
 import time
 from functools import lru_cache
@@ -22,7 +27,8 @@ from typing import Dict, Tuple
 
 import numpy as np
 import xarray as xr
-from recorded_worlds import UNIANDES, area, truths
+from recorded_worlds import UNIANDES, area, dataset, truths
+from scipy.constants import epsilon_0, speed_of_light
 
 from gpr20_analysis.hiding.detector import Detector, is_found
 from gpr20_analysis.hiding.runs import HidingOptions
@@ -32,6 +38,7 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.trial.statistics import detection_interval
+from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.hidden_target import Target, target_of
 from gpr20_survey.results.hiding_map import HidingMap
 
@@ -43,7 +50,6 @@ from born_field import Soil, coupling, surface_echo
 SEPARATION_M = 0.06
 TARGETS = ("disc:112:15:3.2", "disc:160:20:2.2", "disc:120:20:3.0")
 DEPTHS_M = (0.02, 0.05, 0.09, 0.13)
-EPSILON_0 = 8.8541878128e-12
 
 
 class Direct:
@@ -119,7 +125,7 @@ def map_of(number: int, name: str) -> HidingMap:
     survey = scene(number).survey
     permittivity = truth["permittivity"]
     middle_hz = float(survey["frequency"].mean())
-    loss = truth["conductivity_s_per_m"] / (2.0 * np.pi * middle_hz * EPSILON_0 * permittivity)
+    loss = truth["conductivity_s_per_m"] / (2.0 * np.pi * middle_hz * epsilon_0 * permittivity)
     options = HidingOptions(DEPTHS_M, loss_tangent=loss, separation_m=SEPARATION_M)
     return map_hidden(survey, detector(permittivity), target_of(name), options)
 
@@ -133,7 +139,8 @@ def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
     row, column = int(random.integers(len(found.y_m))), int(random.integers(len(found.x_m)))
     direct, permittivity = scene(number), truths(UNIANDES)[number]["permittivity"]
     x_m, y_m = (direct.survey[one].values for one in ("x", "y"))
-    near = np.hypot(y_m[:, None] - found.y_m[row], x_m - found.x_m[column]) <= found.within_m
+    away_m = np.hypot(y_m[:, None] - found.y_m[row], x_m - found.x_m[column])
+    near = away_m <= found.within_m[layer]
     places = np.argwhere(near)
     chosen = places[random.choice(len(places), min(trials, len(places)), replace=False)]
     hits = sum(
@@ -149,16 +156,50 @@ def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
     return int(found.found[place]), int(found.tried[place]), hits, len(chosen)
 
 
+def stones(size: int) -> xr.Dataset:
+    """Return a survey over stones of random places and strengths."""
+    random, count, height_m, permittivity = np.random.default_rng(3), 60, 0.2, 4.0
+    place_m, frequency_hz = 0.01 * np.arange(size), np.linspace(0.6e9, 6e9, 501)
+    s21 = np.exp(-2j * np.pi * frequency_hz * 2.0 * height_m / speed_of_light) / height_m
+    s21 = np.tile(s21, (size, size, 1))
+    for _ in range(count):
+        x_m, y_m = random.uniform(0.0, place_m[-1], 2)
+        away_m = np.hypot(place_m - x_m, (place_m - y_m)[:, None])
+        delay_s = 2.0 * one_way_delay_s(height_m, random.uniform(0.02, 0.3), away_m, permittivity)
+        strength = 0.02 * np.exp(random.normal(0.0, 0.7))
+        s21 += strength * np.exp(-2j * np.pi * delay_s[..., None] * frequency_hz)
+    surveys = []
+    for _ in range(2):
+        noise = random.standard_normal((*s21.shape, 2)) @ np.array([0.05, 0.05j])
+        surveys.append(dataset(s21 + noise, height_m, place_m, place_m, frequency_hz))
+    turned = surveys[1].assign_coords(polarization=[90.0])
+    return xr.concat([surveys[0], turned], "polarization", combine_attrs="override")
+
+
+def time_map(size: int) -> str:
+    """Return how long the map of a Type 72 takes."""
+    survey = stones(size)
+    begin, busy = time.monotonic(), time.process_time()
+    found = map_hidden(survey, detector(4.0), target_of("type-72"), HidingOptions())
+    took_s, busy_s = time.monotonic() - begin, time.process_time() - busy
+    peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    lines = [str(one) for one in found.details]
+    return "\n".join([*lines, f"{took_s:.0f} s, {busy_s:.0f} s of processor, {peak_mib:.0f} MiB"])
+
+
 def main() -> None:
     """Print how the shares compare."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--places", type=int, default=100)
     parser.add_argument("--trials", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--size", type=int, help="time a map of so many positions a side")
     chosen = parser.parse_args()
-    begin, rows = time.monotonic(), []  # type: Tuple[float, List[Tuple[int, int, int, int]]]
-    for one in range(chosen.places):
-        rows.append(compared(1000 * chosen.seed + one, chosen.trials))
+    if chosen.size:
+        print(time_map(chosen.size))
+        return
+    begin = time.monotonic()
+    rows = [compared(1000 * chosen.seed + one, chosen.trials) for one in range(chosen.places)]
     counts = np.array(rows)
     overlap = []
     for hits, tried, direct, trials in rows:

@@ -33,7 +33,7 @@ def a_map(found: Any, tried: Any, needed: float = 0.8, **changes: Any) -> Hiding
         "lowest": np.zeros(found.shape),
         "highest": np.ones(found.shape),
         "needed": needed,
-        "within_m": 0.1,
+        "within_m": np.full(layers, 0.1),
         "permittivity": 5.0,
         "permittivity_range": (4.0, 6.0),
         "loss_tangent": 0.05,

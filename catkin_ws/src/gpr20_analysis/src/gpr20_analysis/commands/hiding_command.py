@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+from dataclasses import replace
 from pathlib import Path
 from typing import Optional
 
@@ -22,6 +23,7 @@ from gpr20_analysis.hiding.detector import Detector
 from gpr20_analysis.hiding.files import check_hiding_path, read_hiding, write_hiding
 from gpr20_analysis.hiding.runs import HidingOptions
 from gpr20_analysis.hiding.search import map_hidden
+from gpr20_analysis.processing.antenna_delay import recorded_separation_m
 from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import shown
@@ -87,6 +89,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     detector = Detector(lambda one: apply_steps(one, steps, read), options, listed, clean_ground)
     antenna: Optional[xr.Dataset] = load_survey(chosen.antenna) if chosen.antenna else None
     progress = inputs.progress_bar(catalogue.tr("hiding targets"))
+    hiding = replace(hiding, separation_m=chosen.separation or recorded_separation_m(survey))
     found = map_hidden(survey, detector, target, hiding, antenna, progress)
     _write(found, chosen, catalogue)
     say(*(shown(one, catalogue) for one in found.sentences))
@@ -135,7 +138,6 @@ def _options_of(chosen: argparse.Namespace) -> HidingOptions:
         rounds=chosen.rounds,
         needed=chosen.needed,
         loss_tangent=chosen.loss_tangent,
-        separation_m=chosen.separation,
         seed=chosen.seed,
     )
 

@@ -118,7 +118,7 @@ def _rows(found: HidingMap) -> List[Dict[str, Any]]:
 def _rings(found: HidingMap) -> List[Ring]:
     """Return the corners of the cell of each place, in degrees if the area is on the earth."""
     half_x_m, half_y_m = (
-        float(np.ptp(one)) / (len(one) - 1) / 2.0 if len(one) > 1 else found.within_m
+        float(np.ptp(one)) / (len(one) - 1) / 2.0 if len(one) > 1 else found.within_m.min()
         for one in (found.x_m, found.y_m)
     )
     rings = []

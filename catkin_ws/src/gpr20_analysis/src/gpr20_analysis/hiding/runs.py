@@ -34,6 +34,8 @@ APART_M, APART_WAVELENGTHS = 0.2, 2.0
 BEST = 1
 # Of the targets that the whole detector searches, at once: more would count as clutter.
 CHECKED_PER_M2, CHECKS = 5.0, 3
+# Of the slow way, which gives a coarser map.
+MOST_SLOW_ROUNDS = 8
 # Of these, the share that must have the same answer, else the whole detector searches that depth.
 ALIKE = 0.9
 
@@ -227,7 +229,9 @@ def search_all(runs: Runs, options: HidingOptions, progress: Progress) -> Result
 
     def search(job: _Job) -> List[_Tried]:
         if job[0] in by_whole:
-            return slow[job] if job in slow else runs.whole(job)
+            if job in slow or job[1] >= MOST_SLOW_ROUNDS:
+                return slow.get(job, [])
+            return runs.whole(job)
         return fast[job] if job in fast else runs.added(job)
 
     tried: Dict[float, List[_Tried]] = {one: [] for one in depths}

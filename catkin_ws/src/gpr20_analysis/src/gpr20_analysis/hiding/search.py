@@ -8,7 +8,7 @@ likely one, while the detector uses the best, as it would.
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Sequence
 
 import numpy as np
 import xarray as xr
@@ -30,8 +30,8 @@ from gpr20_survey.results.hiding_map import HidingMap
 
 # So many targets count for a place, on average.
 COUNTED = 12.0
-# Places are nearer than the targets that count for them.
-PLACE_SHARE = 0.7
+# Places are nearer to each other than the targets of one run.
+PLACE_SHARE = 0.4
 MOST_PLACES = 40
 # Arrays as large as the spectra that are held at once by each thread.
 COPIES = 6.0
@@ -103,15 +103,14 @@ def _counted(
     apart_m: float,
 ) -> HidingMap:
     axes_m = [survey[name].values for name in (X, Y)]
-    flat = min(len(one) for one in axes_m) > 1
-    per_place = COUNTED / options.rounds
-    within_m = apart_m * (np.sqrt(per_place / np.pi) if flat else per_place / 2.0)
-    x_m, y_m = (_places(axis_m, PLACE_SHARE * within_m) for axis_m in axes_m)
+    within_m = np.array([_within_m(axes_m, len(results.tried[one])) for one in options.depth_m])
+    # The same for each seed.
+    x_m, y_m = (_places(axis_m, PLACE_SHARE * apart_m) for axis_m in axes_m)
     shape = (len(options.depth_m), len(y_m), len(x_m))
     counts, hits = np.zeros(shape, int), np.zeros(shape, int)
     for layer, depth_m in enumerate(options.depth_m):
         for (at_x_m, at_y_m), found in results.tried[depth_m]:
-            near = np.hypot(y_m[:, None] - at_y_m, x_m - at_x_m) <= within_m
+            near = np.hypot(y_m[:, None] - at_y_m, x_m - at_x_m) <= within_m[layer]
             counts[layer] += near
             hits[layer] += near & found
     limits = [detection_interval(int(k), int(n)) if n else (0.0, 1.0)
@@ -129,7 +128,7 @@ def _counted(
         lowest=lowest,
         highest=highest,
         needed=options.needed,
-        within_m=float(within_m),
+        within_m=within_m,
         permittivity=listed.permittivity,
         permittivity_range=listed.permittivity_range,
         loss_tangent=options.loss_tangent,
@@ -140,6 +139,15 @@ def _counted(
         notes=listed.notes,
         position=listed.position,
     )
+
+
+def _within_m(axes_m: Sequence[np.ndarray], targets: int) -> float:
+    """Return the radius of a place for which so many targets count on average [m]."""
+    shorter_m, longer_m = sorted(float(np.ptp(one)) for one in axes_m)
+    share = COUNTED / max(targets, 1)
+    if shorter_m == 0.0:
+        return min(share, 1.0) * longer_m / 2.0
+    return float(np.sqrt(share * shorter_m * longer_m / np.pi))
 
 
 def _places(axis_m: np.ndarray, step_m: float) -> np.ndarray:

@@ -20,6 +20,8 @@ from gpr20_survey.results.hidden_target import Target
 FORMAT = "gpr20-hiding/1"
 MM_PER_M = 1e3
 AXES, COUNTS, LIMITS = ("x_m", "y_m", "depth_m"), ("tried", "found"), ("lowest", "highest")
+WITHIN = "within_m"
+FIGURES = ("needed", "permittivity", "loss_tangent")
 WHOLE = ("seed", "checked", "agreed")
 ONLY_THIS = Message(
     "This map holds for this target only. Where it was found, another object, or one that lies "
@@ -43,7 +45,7 @@ class HidingMap:
         lowest: Lower end of the 95 % interval of the share.
         highest: Upper end.
         needed: The share that must be found, else the target could hide.
-        within_m: Targets so near to a place count for it [m].
+        within_m: Targets so near to a place count for it, at each depth [m].
         permittivity: Relative permittivity of the soil.
         permittivity_range: Its lowest and highest likely value.
         loss_tangent: Loss tangent of the soil.
@@ -68,7 +70,7 @@ class HidingMap:
     lowest: np.ndarray
     highest: np.ndarray
     needed: float
-    within_m: float
+    within_m: np.ndarray
     permittivity: float
     permittivity_range: Tuple[float, float]
     loss_tangent: float
@@ -109,24 +111,24 @@ class HidingMap:
         lines = [
             Message("target: {target}", target=self.target.sentence),
             Message(
-                "soil: relative permittivity {low:.3g} to {high:.3g}, loss tangent {loss:g}; "
-                "targets within {within_mm:.0f} mm count for a place",
+                "soil: relative permittivity {low:.3g} to {high:.3g}, loss tangent {loss:g}",
                 low=low,
                 high=high,
                 loss=self.loss_tangent,
-                within_mm=MM_PER_M * self.within_m,
             ),
         ]
-        for depth_m, tried, found in zip(self.depth_m, self.tried, self.found):
+        for depth_m, within_m, share in zip(self.depth_m, self.within_m, self.share):
             hidden = int(np.count_nonzero(missed_m <= depth_m))
             lines.append(
                 Message(
-                    "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map (found near "
-                    "places: {least:.0f} to {most:.0f} %)",
+                    "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map; of the "
+                    "targets within {within_mm:.0f} mm of a place {least:.0f} to {most:.0f} % were "
+                    "found",
                     depth_mm=MM_PER_M * depth_m,
                     percent=100.0 * hidden / cells,
-                    least=100.0 * _least(found, tried),
-                    most=100.0 * _most(found, tried),
+                    within_mm=MM_PER_M * within_m,
+                    least=100.0 * float(np.nan_to_num(share).min()),
+                    most=100.0 * float(np.nan_to_num(share).max()),
                 )
             )
         by_whole = ", ".join(f"{MM_PER_M * one:.0f}" for one in self.by_whole_m)
@@ -159,14 +161,6 @@ class HidingMap:
         )
 
 
-def _least(found: np.ndarray, tried: np.ndarray) -> float:
-    return float(np.min(found / np.maximum(tried, 1)))
-
-
-def _most(found: np.ndarray, tried: np.ndarray) -> float:
-    return float(np.max(found / np.maximum(tried, 1)))
-
-
 def hiding_json(found: HidingMap) -> str:
     """Return a map as JSON."""
     values: Dict[str, Any] = {
@@ -176,15 +170,11 @@ def hiding_json(found: HidingMap) -> str:
         "simulated": found.simulated,
         "target": asdict(found.target),
         "coordinates": "X, Y and depth of the top in metres, in the survey's area",
-        **{name: getattr(found, name).tolist() for name in (*AXES, *COUNTS)},
+        **{name: getattr(found, name).tolist() for name in (*AXES, *COUNTS, WITHIN)},
         **{name: np.round(getattr(found, name), 6).tolist() for name in LIMITS},
         "by_whole_m": list(found.by_whole_m),
-        "needed": found.needed,
-        "within_m": found.within_m,
-        "permittivity": found.permittivity,
         "permittivity_range": list(found.permittivity_range),
-        "loss_tangent": found.loss_tangent,
-        **{name: getattr(found, name) for name in WHOLE},
+        **{name: getattr(found, name) for name in (*FIGURES, *WHOLE)},
         "position": asdict(found.position) if found.position else None,
         "notes": [str(note) for note in found.notes],
     }
@@ -209,26 +199,30 @@ def hiding_from(text: str) -> HidingMap:
         counts = {name: np.asarray(values[name], np.int64) for name in COUNTS}
         limits = {name: np.asarray(values[name], np.float64) for name in LIMITS}
         tables = [*counts.values(), *limits.values()]
-        if not ascending or any(one.shape != shape for one in tables):
+        within_m = np.asarray(values[WITHIN], np.float64)
+        if (
+            not ascending
+            or any(one.shape != shape for one in tables)
+            or within_m.shape != shape[:1]
+            or not np.all(within_m > 0.0)
+        ):
             raise ValueError("axes and tables contradict each other")
         if np.any(counts["found"] < 0) or np.any(counts["found"] > counts["tried"]):
             raise ValueError("more were found than tried")
         low, high = (float(one) for one in values["permittivity_range"])
         place = values["position"]
+        numbers: Dict[str, Any] = {**axes, **counts, **limits, WITHIN: within_m}
+        numbers.update((name, float(values[name])) for name in FIGURES)
+        numbers.update((name, int(values[name])) for name in WHOLE)
         return HidingMap(
             survey_id=str(values["survey_id"]),
             simulated=bool(values["simulated"]),
             target=Target(**values["target"]),
-            **axes,
-            **counts,
-            **limits,
-            **{name: float(values[name]) for name in ("needed", "within_m", "permittivity")},
             permittivity_range=(low, high),
             by_whole_m=tuple(float(one) for one in values["by_whole_m"]),
-            loss_tangent=float(values["loss_tangent"]),
-            **{name: int(values[name]) for name in WHOLE},
             notes=tuple(verbatim(str(one)) for one in values["notes"]),
             position=None if place is None else AreaPosition(**place),
+            **numbers,
         )
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         message = Message("the map of hidden targets is not complete or not valid", details=error)

@@ -94,7 +94,7 @@ def _extent_mm(found: HidingMap) -> Tuple[float, float, float, float]:
     corner, size = [], []
     for axis_m in (found.x_m, found.y_m):
         count = len(axis_m)
-        step_m = float(np.ptp(axis_m)) / (count - 1) if count > 1 else 2.0 * found.within_m
+        step_m = float(np.ptp(axis_m)) / (count - 1) if count > 1 else 2.0 * found.within_m.min()
         corner.append(MM_PER_M * (float(axis_m[0]) - step_m / 2.0))
         size.append(MM_PER_M * step_m * count)
     return corner[0], corner[1], size[0], size[1]
