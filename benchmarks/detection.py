@@ -27,7 +27,6 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 from recorded_worlds import AREAS, BORN, LINES, UNIANDES, area, line, real_line, truths
-from scipy.stats import beta, chi2
 
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.errors import WrongDatasetError
@@ -38,13 +37,13 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
+from gpr20_analysis.trial.statistics import alarm_interval, detection_interval
 from gpr20_survey.results.candidates import Candidate, CandidateList
 
 NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
 BAR_M = 0.015
 SEPARATION_M = 0.06
 SHALLOWEST_M = 0.02
-TWO_SIDED = (0.025, 0.975)
 Body = Dict[str, Any]
 
 
@@ -144,19 +143,6 @@ def of_areas(name: str) -> Dict[str, Score]:
     return scores
 
 
-def share_range(found: int, count: int) -> Tuple[float, float]:
-    """Return the interval of a share by Clopper and Pearson."""
-    low = 0.0 if found == 0 else float(beta.ppf(TWO_SIDED[0], found, count - found + 1))
-    high = 1.0 if found == count else float(beta.ppf(TWO_SIDED[1], found + 1, count - found))
-    return low, high
-
-
-def density_range(count: int, area_m2: float) -> Tuple[float, float]:
-    """Return the interval of a density by Poisson's law [1/m2]."""
-    low = 0.0 if count == 0 else float(chi2.ppf(TWO_SIDED[0], 2 * count)) / (2.0 * area_m2)
-    return low, float(chi2.ppf(TWO_SIDED[1], 2 * count + 2)) / (2.0 * area_m2)
-
-
 def rows(scores: Dict[str, Score]) -> List[str]:
     """Return a table in Markdown."""
     lines = [
@@ -167,11 +153,11 @@ def rows(scores: Dict[str, Score]) -> List[str]:
     for name, one in scores.items():
         if not one.bodies:
             continue
-        low, high = share_range(one.found, one.bodies)
+        low, high = detection_interval(one.found, one.bodies)
         found = f"{100 * one.found / one.bodies:.0f} ({100 * low:.0f} to {100 * high:.0f})"
         false = "-"
         if one.area_m2:
-            few, many = density_range(one.false, one.area_m2)
+            few, many = alarm_interval(one.false, one.area_m2)
             false = f"{one.false / one.area_m2:.1f} ({few:.1f} to {many:.1f})"
         within = 100.0 * np.mean(np.abs(one.errors) < 2.0, axis=0) if one.errors else (np.nan,) * 2
         lines.append(

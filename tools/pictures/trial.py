@@ -16,7 +16,6 @@ from pictures.report import SCALE
 
 SEED, LANES, COLUMNS, ROWS = 29, 4, 8, 2
 HALO_M, OFF_M = 0.15, 0.04
-WHO = ("--truth-known-by", "Ana")
 TYPES = ("plastic", "metal")
 DEPTHS_M = ("0.05", "0.10")
 # Chance that a method finds a target of each type, and false alarms per lane.
@@ -54,7 +53,7 @@ def _score(place: Path) -> Path:
         for at, (lane, x_m, y_m, kind, depth) in enumerate(buried, 1)
     ]
     targets.write_text("target,lane,x_m,y_m,depth_m,type\n" + "".join(rows))
-    _run("plan", lanes, targets, "--halo", HALO_M, "--strata", "type,depth_m", *WHO, "-o", plan)
+    _run("plan", lanes, targets, "--halo", HALO_M, "--strata", "type,depth_m", "-o", plan)
     sealed: List[Path] = []
     for method, (chances, false_alarms) in METHODS.items():
         for lane in (f"L{at}" for at in range(LANES)):
@@ -65,13 +64,13 @@ def _score(place: Path) -> Path:
             ]
             alarms = chance.randrange(false_alarms)
             places += [(chance.uniform(0, 8), chance.uniform(0, 2), 12.0) for _ in range(alarms)]
+            # The most certain candidate first.
+            places.sort(key=lambda one: one[2] + chance.gauss(0.0, 4.0), reverse=True)
             marks = [
-                f"C{at:02d},{x_m:.3f},{y_m:.3f},{level_db + chance.gauss(0.0, 4.0):.1f}\n"
-                for at, (x_m, y_m, level_db) in enumerate(places, 1)
+                f"C{at:02d},{x_m:.3f},{y_m:.3f}\n" for at, (x_m, y_m, _) in enumerate(places, 1)
             ]
             listed = place / f"{method}_{lane}.csv"
-            heading = "# simulated: true\nid,x_m,y_m,above_clutter_db\n"
-            listed.write_text(heading + "".join(marks))
+            listed.write_text("id,x_m,y_m\n" + "".join(marks))
             sealed.append(listed.with_suffix(".json"))
             own = ("--method", method, "--lane", lane, "--operator", "Eva")
             _run("seal", plan, listed, *own, "-o", sealed[-1])

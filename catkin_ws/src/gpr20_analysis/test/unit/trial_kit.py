@@ -67,27 +67,6 @@ def marks_at(
     return [(f"C{at:02d}", x, y, level_db - at, 0) for at, (x, y) in enumerate(places, 1)]
 
 
-JUNK = (None, True, -1, 1e308, "", "x" * 300, [], {}, [1], 0.5, "\u202e", "nan", 10**30)
-
-
-def with_junk(value: Any, chance: random.Random) -> Any:
-    """Return a JSON value in which one value somewhere is another one, missing or added."""
-    deeper = chance.random() < 0.8
-    if isinstance(value, dict) and value and deeper:
-        key, changed = chance.choice(sorted(value)), dict(value)
-        if chance.random() < 0.1:
-            del changed[key]
-        elif chance.random() < 0.1:
-            changed["more"] = 1
-        else:
-            changed[key] = with_junk(value[key], chance)
-        return changed
-    if isinstance(value, list) and value and deeper:
-        at = chance.randrange(len(value))
-        return [*value[:at], with_junk(value[at], chance), *value[at + 1 :]]
-    return chance.choice(JUNK)
-
-
 def flipped(content: bytes, chance: random.Random) -> bytes:
     """Return a content with one byte changed, in any way."""
     at = chance.randrange(len(content))

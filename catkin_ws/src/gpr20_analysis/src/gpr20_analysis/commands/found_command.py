@@ -6,7 +6,7 @@ import argparse
 import hashlib
 import time
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands import signing
@@ -21,7 +21,7 @@ from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.found_records import add_found, read_found
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.results.candidate_json import list_from
-from gpr20_survey.results.found import LABELS, Found, What, present
+from gpr20_survey.results.found import Found, What, present
 from gpr20_survey.trace import utc_time
 
 
@@ -29,13 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add = parser.add_argument
     add("survey", type=Path, help="folder of a survey that has ended")
-    add("candidate", nargs="?", help="id of the candidate, such as C03; needs --list")
+    add("candidate", nargs="?", help="id of the candidate, such as C03")
     add("--list", type=Path, metavar="LIST.json", help="the list of gpr20 candidates with that id")
-    add("--at", nargs=2, type=float, metavar=("X_MM", "Y_MM"),
-        help="the place, where no candidate is")  # fmt: skip
     add("--what", choices=[one.value for one in What], help="what was found")
     add("--depth-mm", type=float, metavar="MM", help="depth of it, from the surface to its top")
-    add("--who", metavar="NAME", help="who found it")
+    add("--who", metavar="NAME", default="", help="who found it")
     add("--photo", type=Path, metavar="FILE", help="photograph, which is copied into the survey")
     add("--notes", default="", metavar="TEXT", help="one line, such as the model of the device")
     signing.add_argument(parser)
@@ -43,71 +41,46 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Add a record if one is given, list what is known and return the exit status."""
-    status = DONE
-    if chosen.what is not None:
-        found = _found(chosen)
-        signer = signing.chosen_signer(chosen)
-        add = add_found(chosen.survey, found, chosen.photo)
-
-        def change(description: Dict[str, Any]) -> Optional[Fact]:
-            refuse_open(chosen.survey, description)
-            return add(description)
-
-        add_to_survey(chosen.survey, change, found.time)
-        status = signing.sign_again(chosen.survey, signer, catalogue)
-    elif chosen.candidate or chosen.at:
-        raise AnalysisError(Message("say with --what and --who what was found there, and by whom"))
-    records = present(read_found(chosen.survey))
-    for one in records:
-        row = (
-            *(one.candidate or "-", f"{one.x_mm:.0f}", f"{one.y_mm:.0f}"),
-            catalogue.text(LABELS[one.what]),
-            *("-" if one.depth_mm is None else f"{one.depth_mm:.0f}", one.who, one.time[:16]),
-            *(one.photo[:12] or "-", one.notes),
-        )
-        say("  ".join(row).rstrip())
-    if not records:
-        say(catalogue.tr("Nothing is noted of what was found in this survey."))
+    given = [one is not None for one in (chosen.candidate, chosen.list, chosen.what)]
+    if any(given) and not all(given):
+        raise AnalysisError(Message("give a candidate, --list and --what, or none of them"))
+    status = _add(chosen, catalogue) if all(given) else DONE
+    for one in present(read_found(chosen.survey)):
+        depth = "-" if one.depth_mm is None else f"{one.depth_mm:.0f}"
+        place = (one.candidate, f"{one.x_mm:.0f}", f"{one.y_mm:.0f}", one.what.value, depth)
+        say("  ".join([*place, one.who, one.time[:16], one.notes]).rstrip())
     return status
 
 
-def _found(chosen: argparse.Namespace) -> Found:
-    values: Dict[str, Any] = {
-        "what": What(chosen.what),
-        "who": chosen.who or "",
-        "time": utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US),
-        "depth_mm": chosen.depth_mm,
-        "notes": chosen.notes,
-    }
-    if bool(chosen.candidate) == bool(chosen.at) or bool(chosen.candidate) != bool(chosen.list):
-        raise AnalysisError(
-            Message(
-                "give the id of a candidate and with --list its list, because ids depend on how "
-                "the image is made; or a place with --at"
-            )
-        )
-    if chosen.at:
-        return Found(x_mm=chosen.at[0], y_mm=chosen.at[1], **values)
+def _add(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
+    photo = None if chosen.photo is None else read_regular(chosen.photo)
+    own = hashlib.sha256(photo or b"").hexdigest()
+    name = "" if photo is None else own + chosen.photo.suffix.lower()
+    given = {"who": chosen.who, "notes": chosen.notes, "depth_mm": chosen.depth_mm, "photo": name}
+    found = Found(What(chosen.what), **_candidate(chosen), **given, time=now)
+    signer = signing.chosen_signer(chosen)
+
+    def change(description: Dict[str, Any]) -> Fact:
+        refuse_open(chosen.survey, description)
+        return add_found(chosen.survey, found, photo)
+
+    add_to_survey(chosen.survey, change, now)
+    return signing.sign_again(chosen.survey, signer, catalogue)
+
+
+def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
+    """Return id and place of the candidate, and its list: ids depend on how an image is made."""
     content = read_regular(chosen.list)
     survey_id = read_description(chosen.survey)["survey_id"]
-    listed = list_from(content.decode("utf-8", "replace"), survey_id)
-    one = next((one for one in listed.candidates if one.id == chosen.candidate), None)
-    if one is None:
-        ids = ", ".join(own.id for own in listed.candidates)
-        raise AnalysisError(
-            Message(
-                "{list} has no {id}; it has {ids}", list=chosen.list, id=chosen.candidate, ids=ids
-            ),
-            fault=faults.NO_INPUT,
-        )
-    return Found(
-        x_mm=one.x_mm,
-        y_mm=one.y_mm,
-        candidate=one.id,
-        candidate_depth_mm=one.depth_mm,
-        list_sha256=hashlib.sha256(content).hexdigest(),
-        **values,
-    )
+    listed = list_from(content.decode("utf-8", "replace"), survey_id).candidates
+    for one in listed:
+        if one.id == chosen.candidate:
+            own = hashlib.sha256(content).hexdigest()
+            return {"x_mm": one.x_mm, "y_mm": one.y_mm, "candidate": one.id, "list_sha256": own}
+    ids = ", ".join(one.id for one in listed)
+    other = Message("there is no candidate {id}; write {ids}", id=chosen.candidate, ids=ids)
+    raise AnalysisError(other, fault=faults.NO_INPUT)
 
 
 COMMAND = Command(

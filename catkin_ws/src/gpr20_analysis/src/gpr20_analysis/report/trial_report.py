@@ -2,195 +2,97 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+import itertools
+from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_analysis.report.records import Report, Section
-from gpr20_analysis.trial.plan import Plan
-from gpr20_analysis.trial.score import MISSED, UNKNOWN, GroupScore, LaneScore, Score
-from gpr20_analysis.trial.seal import Mark, Seal
-from gpr20_analysis.trial.statistics import alarm_interval, detection_interval, targets_needed
+from gpr20_analysis.trial.documents import Plan
+from gpr20_analysis.trial.score import GroupScore, LaneScore, Score, counts
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.message import Message
 from gpr20_survey.no_clearance import SIMULATED
-from gpr20_survey.results.found import LABELS, What
 
-FORMAT = "gpr20-trial-score/1"
 FOOTER = Message(
     "A trial counts targets that were buried for it. It says nothing about any other ground."
 )
-LEAST_PART = 0.95
-"""Of the area of a lane; where less was surveyed, false alarms per m2 are too few."""
-ALL, METHOD, INTERVAL = Message("all targets"), Message("method"), Message("95 % interval")
-GROUP_HEADING = (
-    *(Message("stratum"), METHOD, Message("found"), Message("PD"), INTERVAL, Message("PD shown")),
-    *(Message("false alarms"), Message("m2"), Message("per m2"), INTERVAL),
-)
-LANE_HEADING = (
-    *(METHOD, Message("lane"), Message("sealed"), Message("operator"), Message("SHA-256")),
-    *(Message("missed targets"), Message("false alarms, (doubtful)"), Message("outside the lane")),
+NO_PD = Message("PD cannot be known from this: nobody looked where no candidate is.")
+LEAST_PART = 0.95  # of the area of a lane; where it is less, false alarms per m2 are too few
+HEADING = Message(
+    "stratum|method|found|PD|95 % interval|PD shown|false alarms|m2|per m2|95 % interval"
 )
 
 
-def score_record(plan: Plan, score: Score) -> Dict[str, Any]:
-    """Return a score as JSON holds it; None for what is not known."""
-    return {
-        "format": FORMAT,
-        "warning": str(FOOTER),
-        "plan_sha256": plan.sha256,
-        "simulated": any(one.seal.simulated for one in score.lanes),
-        "warnings": [str(one) for one in warnings_of(plan, score)],
-        **asdict(score),
-    }
-
-
-def trial_report(plan: Plan, score: Score, language: Language, catalogue: Catalogue) -> Report:
-    """Return the report of a score, without figures; its first section is the score."""
-    lines = [
-        Message(
-            "Halo radius {halo_m:g} m. Intervals: Clopper-Pearson, Poisson. PD shown: one-sided, "
-            "95 %; the plan asks for {detection:g}. A stratum of targets has the false alarms of "
-            "all lanes.",
-            halo_m=plan.halo_m,
-            detection=plan.detection,
-        ),
-        Message(
-            "The truth is as promised in the plan of {time}; it was known by {who}.",
-            time=plan.made[:16],
-            who=", ".join(plan.truth_known_by) or "-",
-        ),
-    ]
+def trial_report(
+    plan: Optional[Plan], score: Score, language: Language, catalogue: Catalogue
+) -> Report:
+    """Return the report of a score, without figures; without a plan it is of what was found."""
+    title, warnings, lines = Message("What was found at candidates"), [NO_PD], []
+    if plan is not None:
+        title, warnings = Message("Trial {plan}", plan=plan.sha256[:16]), warnings_of(plan, score)
+        promise = Message(
+            "The truth is as promised in the plan of {time}. Halo radius {halo_m:g} m. Intervals: "
+            "Clopper-Pearson, Poisson. PD shown: one-sided, 95 %. A stratum of targets has the "
+            "false alarms of all lanes.",
+            **{"time": plan.made[:16], "halo_m": plan.halo_m},
+        )
+        lines = [catalogue.text(promise)]
     lines += [
-        Message(
+        catalogue.tr(
             "{targets} targets, {only_first} found only by {first}, {only_second} only by "
             "{second}: p = {p_value:.3g} (McNemar, exact).",
-            **asdict(one),
+            **vars(one),
         )
         for one in score.comparisons
     ]
-    first, second = Section(catalogue.tr("Score")), Section(catalogue.tr("Sealed lists"))
-    first.warnings = [catalogue.text(one) for one in warnings_of(plan, score)]
-    first.lines = [*map(catalogue.text, lines), *plan.notes.splitlines()]
-    first.heading = tuple(map(catalogue.text, GROUP_HEADING))
-    first.rows = [_group_row(one, catalogue) for one in score.groups]
-    second.heading = tuple(map(catalogue.text, LANE_HEADING))
-    second.rows = [_lane_row(one) for one in score.lanes]
-    simulated = any(one.seal.simulated for one in score.lanes)
-    title = catalogue.tr("Trial {plan}", plan=plan.sha256[:16])
-    return _report(title, [first, second], simulated, language, catalogue)
-
-
-def found_report(
-    listed: Seal, counts: Mapping[str, int], language: Language, catalogue: Catalogue
-) -> Report:
-    """Return the report of what was found at the candidates of a list; see `score_found`."""
-    looked, devices = sum(counts[one.value] for one in What), counts[What.DEVICE.value]
-    area_m2, share = listed.area_m2 or 0.0, detection_interval(devices, looked)
-    alarms = alarm_interval(looked - devices, area_m2)
-    lines = [
-        Message(
-            "Share of devices where somebody looked: {range} (95 %).", range=_range(share, _share)
-        ),
-        Message(
-            "Known false alarms per m2 of the survey: {range} (95 %).",
-            range=_range(alarms) if area_m2 else "-",
-        ),
-        Message("PD cannot be known from this: nobody looked where no candidate is."),
+    lists = [
+        catalogue.tr(
+            "{method}, {lane}: {operator} {made:.16} SHA-256 {sha256:.12}; missed: {missed}; false "
+            "alarms, also doubtful ones: {alarms}; not counted: {outside}.",
+            **_lane_values(one),
+        )
+        for one in score.lanes
     ]
-    rows = [(catalogue.text(label), str(counts[one.value])) for one, label in LABELS.items()]
-    rows.append((catalogue.tr("not looked at"), str(counts[UNKNOWN])))
-    rows.append((catalogue.tr("devices where no candidate is"), str(counts[MISSED])))
-    title = catalogue.tr("What was found at candidates")
-    section = Section(title, lines=[catalogue.text(one) for one in lines], rows=rows)
-    return _report(title, [section], listed.simulated, language, catalogue)
+    rows = [_row(one, catalogue.tr("all targets")) for one in score.groups]
+    heading, said = catalogue.text(HEADING).split("|"), list(map(catalogue.text, warnings))
+    first = Section(catalogue.tr("Score"), "", said, lines, rows, tuple(heading))
+    second = Section(catalogue.tr("Sealed lists"), lines=lists)
+    simulated = any(one.seal.simulated for one in score.lanes)
+    marks = (catalogue.tr("SIMULATED"), catalogue.text(SIMULATED)) if simulated else ("", "")
+    return Report(catalogue.text(title), [first, second], language, *marks, catalogue.text(FOOTER))
 
 
 def warnings_of(plan: Plan, score: Score) -> List[Message]:
-    """Return what must be known before the numbers are believed."""
-    needed, warnings = targets_needed(plan.detection), []
-    few = sum(one.targets < needed for one in score.groups)
-    if few:
-        few_targets = Message(
-            "Too few targets to show a PD of {detection:g} in {few} of {rows} rows: it takes "
-            "{needed} that are all found.",
-            **{"detection": plan.detection, "few": few, "rows": len(score.groups)},
-            needed=needed,
-        )
-        warnings.append(few_targets)
-    warnings += [
+    """Return which lanes a method did not survey, or not all of."""
+    areas_m2 = {(one.seal.method, one.seal.lane): one.seal.area_m2 for one in score.lanes}
+    pairs = itertools.product(dict.fromkeys(method for method, _ in areas_m2), plan.lanes)
+    return [
         Message(
-            "The targets of {first} and {second} have other shares in the strata: compare them in "
-            "each stratum, not in all (Simpson's paradox).",
-            first=one.first,
-            second=one.second,
+            "{method} surveyed only {m2:.3g} m2 of lane {lane}: do not compare its totals with "
+            "those of others (Simpson's paradox).",
+            **{"method": method, "m2": areas_m2.get((method, lane), 0.0), "lane": lane},
         )
-        for one in score.comparisons
-        if not one.same_shares
+        for method, lane in pairs
+        if areas_m2.get((method, lane), 0.0) < LEAST_PART * plan.lanes[lane].area_m2
     ]
-    listed = {(one.seal.method, one.seal.lane): one.seal.area_m2 for one in score.lanes}
-    for method in dict.fromkeys(method for method, _ in listed):
-        for name, lane in plan.lanes.items():
-            values = {"method": method, "lane": name}
-            area_m2 = listed.get((method, name))
-            if (method, name) not in listed:
-                warnings.append(Message("{method} has no sealed list of lane {lane}.", **values))
-            elif area_m2 is not None and area_m2 < LEAST_PART * lane.area_m2:
-                part = Message(
-                    "{method} surveyed only {m2:.3g} m2 of lane {lane}.", **values, m2=area_m2
-                )
-                warnings.append(part)
-    return warnings
 
 
-def report_lines(report: Report) -> List[str]:
-    """Return a report as lines of text."""
-    lines = [one for one in (report.title, report.banner) if one]
-    for section in report.sections:
-        lines += ["", section.title, *section.warnings, *section.lines]
-        table = [*([section.heading] if section.heading else []), *section.rows]
-        widths = [max(map(len, column)) for column in zip(*table)]
-        lines += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
-    return [*lines, "", report.footer]
-
-
-def _report(
-    title: str, sections: List[Section], simulated: bool, language: Language, catalogue: Catalogue
-) -> Report:
-    marks = (catalogue.tr("SIMULATED"), catalogue.text(SIMULATED)) if simulated else ("", "")
-    return Report(title, sections, language, *marks, catalogue.text(FOOTER))
-
-
-def _group_row(one: GroupScore, catalogue: Catalogue) -> Tuple[str, ...]:
-    share = (
-        _share(one.detection),
-        _range(one.detection_range, _share),
-        _share(one.detection_shown),
+def _row(one: GroupScore, everything: str) -> Tuple[str, ...]:
+    return (
+        *(one.stratum or everything, one.method, f"{one.found}/{one.targets}"),
+        *(_numbers(one.detection), _numbers(*one.detection_range), _numbers(one.detection_shown)),
+        *(str(one.alarms), f"{one.area_m2:.2f}"),
+        *(_numbers(one.alarms_per_m2), _numbers(*one.alarms_range)),
     )
-    alarms = (str(one.alarms), f"{one.area_m2:.2f}", _number(one.alarms_per_m2))
-    name = one.stratum or catalogue.text(ALL)
-    found = f"{one.found}/{one.targets}"
-    return (name, one.method, found, *share, *alarms, _range(one.alarms_range))
 
 
-def _lane_row(one: LaneScore) -> Tuple[str, ...]:
-    seal, missed = one.seal, " ".join(one.missed) or "-"
-    head = (seal.method, seal.lane, seal.sealed[:16], seal.operator, seal.sha256[:12])
-    return (*head, missed, _ids(one.alarms), _ids(one.outside))
+def _lane_values(one: LaneScore) -> Dict[str, Any]:
+    return {
+        **vars(one.seal),
+        "missed": " ".join(name for name, mark in one.found.items() if not counts(mark)) or "-",
+        "alarms": " ".join(mark.id for mark in one.alarms) or "-",
+        "outside": " ".join(mark.id for mark in one.outside) or "-",
+    }
 
 
-def _ids(marks: Sequence[Mark]) -> str:
-    return " ".join(f"({one.id})" if one.doubtful else one.id for one in marks) or "-"
-
-
-def _share(value: Optional[float]) -> str:
-    return "-" if value is None else f"{value:.3f}"
-
-
-def _number(value: Optional[float]) -> str:
-    return "-" if value is None else f"{value:.3g}"
-
-
-def _range(
-    ends: Tuple[Optional[float], ...], shown: Callable[[Optional[float]], str] = _number
-) -> str:
-    return " \u2013 ".join(map(shown, ends))
+def _numbers(*values: Optional[float]) -> str:
+    return " \u2013 ".join("-" if one is None else f"{one:.3f}" for one in values)

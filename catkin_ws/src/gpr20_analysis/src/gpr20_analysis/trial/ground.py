@@ -1,69 +1,93 @@
-"""The ground of a trial: lanes, targets, the area outside all halos, and strata."""
+"""The ground of a trial: tables of lanes and targets, the area outside all halos, and strata.
+
+Tables are CSV in UTF-8. Commas separate the cells, or semicolons where the decimals have a comma.
+"""
 
 from __future__ import annotations
 
-import datetime
+import csv
+import math
+import re
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_analysis.trial.tables import Row, read_table
+from gpr20_analysis import faults
+from gpr20_analysis.errors import UnreadableFileError
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
+from gpr20_common.terminal_text import is_shown
 
-MOST_M, MOST_DEPTH_M = 1000.0, 10.0
-LANE_COLUMNS = ("lane", "x_min_m", "x_max_m", "y_min_m", "y_max_m")
-TARGET_COLUMNS = ("target", "lane", "x_m", "y_m", "depth_m", "type")
-SLICES, AT_ONCE = 20_000, 200
+LEAST_M, MOST_M, MOST_DEPTH_M = 0.01, 1000.0, 10.0
+PLACE = (-MOST_M, MOST_M)
+LANE_COLUMNS = {"lane": None, **dict.fromkeys(("x_min_m", "x_max_m", "y_min_m", "y_max_m"), PLACE)}
+TARGET_COLUMNS = {
+    **{"target": None, "lane": None, "x_m": PLACE, "y_m": PLACE},
+    **{"depth_m": (0.0, MOST_DEPTH_M), "type": None},
+}
+SLICES = 20_000
+MOST_CHARACTERS = 200
 Place = Tuple[float, float]
+Row = Dict[str, Any]
+Limits = Tuple[float, float]
+_NUMBER = re.compile(r"[-+]?[0-9]*[.,]?[0-9]+(e[-+]?[0-9]{1,3})?", re.ASCII | re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Lane:
     """A rectangle of ground, in the coordinates of the survey that is made on it."""
 
-    row: Row  # columns that are not read here are notes or strata, as the soil
-    low_m: Place  # the corner with the lowest X and Y [m]
-    high_m: Place  # the corner with the highest X and Y [m]
+    notes: Mapping[str, str]  # other columns, such as the soil, by which targets may be divided
+    name: str
+    x_min_m: float
+    x_max_m: float
+    y_min_m: float
+    y_max_m: float
+
+    def __post_init__(self) -> None:
+        for axis in "xy":
+            low_m, high_m = getattr(self, f"{axis}_min_m"), getattr(self, f"{axis}_max_m")
+            number_between(f"{self.name}: {axis}_min_m", low_m, *PLACE, "m")
+            number_between(f"{self.name}: {axis}_max_m", high_m, low_m + LEAST_M, MOST_M, "m")
 
     @property
     def area_m2(self) -> float:
         """Its area [m2]."""
-        return (self.high_m[0] - self.low_m[0]) * (self.high_m[1] - self.low_m[1])
+        return (self.x_max_m - self.x_min_m) * (self.y_max_m - self.y_min_m)
 
     def contains(self, place_m: Place) -> bool:
         """Return whether a place is in it or on its edge."""
-        (left, near), (right, far) = self.low_m, self.high_m
-        return left <= place_m[0] <= right and near <= place_m[1] <= far
+        x_m, y_m = place_m
+        return self.x_min_m <= x_m <= self.x_max_m and self.y_min_m <= y_m <= self.y_max_m
 
     def area_outside(self, centres_m: Sequence[Place], radius_m: float) -> float:
         """Return its area outside all circles [m2], which may overlap and leave it.
 
         It is cut into slices along X; the error is about 1e-6 of the area of the lane.
         """
-        (left, near), (right, far) = self.low_m, self.high_m
-        width_m = (right - left) / SLICES
-        circles, covered_m2 = np.reshape(np.asarray(centres_m, np.float64), (-1, 1, 2)), 0.0
-        for x_m in np.split(left + width_m * (np.arange(SLICES) + 0.5), SLICES // AT_ONCE):
-            half = np.sqrt(np.maximum(radius_m**2 - (x_m - circles[..., 0]) ** 2, 0.0))
-            low = np.clip(circles[..., 1] - half, near, far)
-            high = np.clip(circles[..., 1] + half, near, far)
-            order = np.argsort(low, axis=0)
-            low, high = (np.take_along_axis(one, order, 0) for one in (low, high))
-            # What is below the highest end so far is counted already.
-            low[1:] = np.maximum(low[1:], np.maximum.accumulate(high, axis=0)[:-1])
-            covered_m2 += width_m * float(np.maximum(high - low, 0.0).sum())
+        width_m = (self.x_max_m - self.x_min_m) / SLICES
+        x_m = self.x_min_m + width_m * (np.arange(SLICES) + 0.5)
+        centres = np.reshape(np.asarray(centres_m, np.float64), (-1, 2))
+        half = np.sqrt(np.maximum(radius_m**2 - (x_m - centres[:, :1]) ** 2, 0.0))
+        low = np.clip(centres[:, 1:] - half, self.y_min_m, self.y_max_m)
+        high = np.clip(centres[:, 1:] + half, self.y_min_m, self.y_max_m)
+        order = np.argsort(low, axis=0)
+        low, high = (np.take_along_axis(one, order, 0) for one in (low, high))
+        # What is below the highest end so far is counted already.
+        low[1:] = np.maximum(low[1:], np.maximum.accumulate(high, axis=0)[:-1])
+        covered_m2 = width_m * float(np.maximum(high - low, 0.0).sum())
         return max(self.area_m2 - covered_m2, 0.0)
 
 
 @dataclass(frozen=True)
 class Target:
-    """An object that was buried for the trial: its row, its name, its lane and its centre [m]."""
+    """An object that was buried for the trial."""
 
-    row: Row
     name: str
     lane: str
-    place_m: Place
+    place_m: Place  # its centre [m]
+    row: Mapping[str, Any]  # all columns
 
 
 @dataclass(frozen=True)
@@ -75,80 +99,103 @@ class Group:
     lanes: List[str]
 
 
-def lane_of(row: Row) -> Lane:
-    """Return the lane of a row.
+def read_table(content: bytes, file: str, columns: Mapping[str, Optional[Limits]]) -> List[Row]:
+    """Return the rows of a table; its other columns may hold any text.
 
-    Raises:
-        UnreadableFileError: A cell is not allowed.
+    Args:
+        content: The CSV.
+        file: Its name, for messages.
+        columns: Those that it must have, with the limits of a number, or None for a text. Each row
+            names another thing in the first of them.
     """
-    left, right, near, far = (row.number(one, -MOST_M, MOST_M) for one in LANE_COLUMNS[1:])
-    for column, low, high in (("x_max_m", left, right), ("y_max_m", near, far)):
-        if not low < high:
-            row.refuse(column, Message("more than {low:g}", low=low))
-    return Lane(row, (left, near), (right, far))
+    try:
+        lines = content.decode("utf-8-sig").splitlines()
+        comma = ";" if lines and ";" in lines[0] else ","
+        reader = csv.DictReader(lines, delimiter=comma, strict=True)
+        found = [(reader.line_num, cells) for cells in reader if any(cells.values())]
+    except (UnicodeDecodeError, csv.Error) as error:
+        other = Message("save {file} as CSV in UTF-8", file=file, details=error)
+        raise UnreadableFileError(other, fault=faults.FILE_CONTENT) from error
+    heading = reader.fieldnames or []
+    if not set(columns) <= set(heading) or len(set(heading)) < len(heading):
+        names = ", ".join(columns)
+        wanted = Message("the heading must name each column once, among them {names}", names=names)
+        raise _refused(file, 1, wanted)
+    rows: Dict[str, Row] = {}
+    for line, cells in found:
+        row = _row(file, line, cells, columns)
+        name = row[next(iter(columns))]
+        if rows.setdefault(name, row) is not row:
+            raise _refused(file, line, Message("there are two rows of {name}", name=repr(name)))
+    return list(rows.values())
+
+
+def _row(file: str, line: int, cells: Row, columns: Mapping[str, Optional[Limits]]) -> Row:
+    if None in cells or None in cells.values():
+        raise _refused(file, line, Message("it needs as many cells as the heading has"))
+    row: Row = {column: cell.strip() for column, cell in cells.items()}
+    for column, limits in columns.items():
+        cell = row[column]
+        if limits is None:
+            is_right = 0 < len(cell) <= MOST_CHARACTERS and all(map(is_shown, cell))
+        else:
+            row[column] = float(cell.replace(",", ".")) if _NUMBER.fullmatch(cell) else math.nan
+            is_right = limits[0] <= row[column] <= limits[1]
+        if not is_right:
+            allowed = "{:g} ... {:g}".format(*limits) if limits else Message("a text")
+            refusal = Message(
+                "{value} in column {column} is not allowed; write {allowed}",
+                **{"value": repr(cell[:64]), "column": column, "allowed": allowed},
+            )
+            raise _refused(file, line, refusal)
+    return row
+
+
+def _refused(file: str, line: int, reason: Message) -> UnreadableFileError:
+    message = Message("{file}, line {line}: {reason}", file=file, line=line, reason=reason)
+    return UnreadableFileError(message, fault=faults.FILE_CONTENT)
 
 
 def read_lanes(content: bytes, file: str) -> Dict[str, Lane]:
-    """Return the lanes of a table by their names.
-
-    Raises:
-        UnreadableFileError: It is no table of lanes.
-    """
-    rows = read_table(content, file, LANE_COLUMNS, at_least_one=True)
-    return {row.text("lane"): lane_of(row) for row in rows}
+    """Return the lanes of a table by their names."""
+    rows = read_table(content, file, LANE_COLUMNS)
+    lanes = [Lane(row, *map(row.pop, LANE_COLUMNS)) for row in rows]
+    return {one.name: one for one in lanes}
 
 
-def read_targets(content: bytes, file: str, lanes: Mapping[str, Lane]) -> List[Target]:
-    """Return the targets of a table.
-
-    Raises:
-        UnreadableFileError: It is no table of targets in these lanes.
-    """
+def read_targets(
+    content: bytes, file: str, lanes: Mapping[str, Lane], strata: Sequence[str] = ()
+) -> List[Target]:
+    """Return the targets of a table, which has the strata that the lanes do not have."""
+    columns: Dict[str, Any] = dict(TARGET_COLUMNS)
+    for one in strata:
+        if not any(one in lane.notes for lane in lanes.values()):
+            columns.setdefault(one, None)
     targets = []
-    for row in read_table(content, file, TARGET_COLUMNS, at_least_one=True):
-        lane = lanes.get(row.text("lane"))
-        if lane is None:
-            row.refuse("lane", Message("one of the lanes {lanes}", lanes=", ".join(lanes)))
-        (left, near), (right, far) = lane.low_m, lane.high_m
-        place_m = row.number("x_m", left, right), row.number("y_m", near, far)
-        row.number("depth_m", 0.0, MOST_DEPTH_M)
-        if row.cells.get("diameter_m"):
-            row.number("diameter_m", 0.0, MOST_DEPTH_M)
-        if row.cells.get("burial_date"):
-            try:
-                datetime.date.fromisoformat(row.cells["burial_date"])
-            except ValueError:
-                row.refuse("burial_date", Message("a date such as {example}", example="2026-11-27"))
-        row.text("type")
-        targets.append(Target(row, row.text("target"), row.text("lane"), place_m))
+    for row in read_table(content, file, columns):
+        place_m = row["x_m"], row["y_m"]
+        if row["lane"] not in lanes or not lanes[row["lane"]].contains(place_m):
+            outside = Message(
+                "{file}: the place of target {target} is not in its lane, {lane}; lanes: {lanes}",
+                **{"file": file, "target": row["target"], "lane": row["lane"]},
+                lanes=", ".join(lanes),
+            )
+            raise UnreadableFileError(outside, fault=faults.FILE_CONTENT)
+        targets.append(Target(row["target"], row["lane"], place_m, row))
     return targets
 
 
 def groups_of(
-    columns: Sequence[str], targets: Sequence[Target], lanes: Mapping[str, Lane]
+    strata: Sequence[str], targets: Sequence[Target], lanes: Mapping[str, Lane]
 ) -> List[Group]:
-    """Return all targets, then those of each value of each column.
-
-    Args:
-        columns: Each is a column of the lanes or, if they lack it, of the targets.
-        targets: The targets.
-        lanes: The lanes by their names; a value of a lane limits them, one of a target does not.
-
-    Raises:
-        UnreadableFileError: A table lacks a column, or a cell is empty.
-    """
+    """Return all targets, then those of each value of each column of the lanes or targets."""
     groups = [Group("", [one.name for one in targets], list(lanes))]
-    for column in columns:
-        is_of_lanes = any(column in one.row.cells for one in lanes.values())
-        members: Dict[str, List[str]] = {}
-        for target in targets:
-            row = lanes[target.lane].row if is_of_lanes else target.row
-            members.setdefault(row.text(column), []).append(target.name)
-        for value, names in sorted(members.items()):
-            near = [
-                name
-                for name, lane in lanes.items()
-                if not is_of_lanes or lane.row.cells.get(column) == value
-            ]
+    for column in strata:
+        of_lanes = {name: one.notes[column] for name, one in lanes.items() if column in one.notes}
+        values = [of_lanes.get(one.lane) if of_lanes else one.row[column] for one in targets]
+        for value in sorted(set(values), key=str):
+            names = [one.name for one, own in zip(targets, values) if own == value]
+            # A value of a lane limits the false alarms, one of a target does not.
+            near = [one for one in lanes if not of_lanes or of_lanes.get(one) == value]
             groups.append(Group(f"{column} {value}", names, near))
     return groups

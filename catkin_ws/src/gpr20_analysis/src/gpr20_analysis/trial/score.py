@@ -2,33 +2,27 @@
 
 The unit is the target. A candidate counts for the nearest target whose halo it is in, and for no
 other: one mark on the ground does not prove that two objects were seen. A candidate in no halo is
-a false alarm, unless it is outside its lane; that is listed and counts for nothing. Each candidate
-is judged by itself, so a longer list never finds less.
+a false alarm, unless it is outside its lane; that is listed and counts for nothing. Doubtful
+candidates are only in the curves. A longer list never finds less.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
-from typing import Dict, List, Optional, Sequence, Tuple
+from bisect import bisect_right
+from dataclasses import dataclass, replace
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.trial import statistics
+from gpr20_analysis.trial.documents import Mark, Plan, Seal
 from gpr20_analysis.trial.ground import Group, Place, Target, groups_of
-from gpr20_analysis.trial.plan import Plan
-from gpr20_analysis.trial.seal import Mark, Seal
-from gpr20_analysis.trial.statistics import (
-    alarm_interval,
-    detection_interval,
-    mcnemar,
-    shown_detection,
-)
 from gpr20_common.message import Message
-from gpr20_survey.results.found import Found, What
+from gpr20_survey.results.found import Found, What, present
 
 MM_PER_M = 1e3
-UNKNOWN, MISSED = "not_looked_at", "devices_without_candidate"
 Range = Tuple[float, Optional[float]]
 
 
@@ -38,10 +32,9 @@ class LaneScore:
 
     seal: Seal
     area_m2: float  # of the lane outside all halos [m2]
-    found: Dict[str, Mark]  # the most certain candidate of each target that was found
-    missed: List[str]  # also what only a candidate that does not count finds
+    found: Dict[str, Optional[Mark]]  # the most certain candidate of each target
     alarms: List[Mark]  # candidates in no halo
-    outside: List[Mark]  # candidates outside the lane and every halo
+    outside: List[Mark]  # candidates outside the lane and every halo, which are not counted
 
 
 @dataclass(frozen=True)
@@ -64,10 +57,7 @@ class GroupScore:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two methods on the same targets: how many only one of them found; McNemar's exact test.
-
-    Where the shares of a method's targets in the strata are others, the totals are not comparable.
-    """
+    """How many targets of both only one of two methods found; McNemar's exact test."""
 
     first: str
     second: str
@@ -75,7 +65,6 @@ class Comparison:
     only_first: int
     only_second: int
     p_value: float
-    same_shares: bool
 
 
 @dataclass(frozen=True)
@@ -87,147 +76,128 @@ class Score:
     lanes: List[LaneScore]
 
 
-def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) -> Score:
-    """Return the score of sealed lists.
+Lanes = Mapping[Tuple[str, str], LaneScore]  # by method and lane
 
-    Raises:
-        AnalysisError: A list was sealed for another plan, or two for one lane and method.
-    """
+
+def counts(mark: Optional[Mark]) -> bool:
+    """Return whether there is a candidate that is not doubtful."""
+    return mark is not None and not mark.doubtful
+
+
+def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) -> Score:
+    """Return the score of sealed lists."""
     lanes: Dict[Tuple[str, str], LaneScore] = {}
     for seal in seals:
-        names = {"method": seal.method, "lane": seal.lane}
-        if seal.plan_sha256 != plan.sha256:
-            other = Message("the list of {method} for lane {lane} has another plan", **names)
+        is_of_plan = seal.plan_sha256 == plan.sha256 and seal.lane in plan.lanes
+        if not is_of_plan or (seal.method, seal.lane) in lanes:
+            other = Message(
+                "the list of {method} for lane {lane} is of another plan, or given twice",
+                **{"method": seal.method, "lane": seal.lane},
+            )
             raise AnalysisError(other, fault=faults.FILE_CHANGED)
-        if (seal.method, seal.lane) in lanes:
-            twice = Message("there are two sealed lists of {method} for lane {lane}", **names)
-            raise AnalysisError(twice, fault=faults.FILE_CHANGED)
-        lanes[seal.method, seal.lane] = _score_lane(plan, targets, seal)
-    return _Scorer(plan, groups_of(plan.strata, targets, plan.lanes), lanes).score()
+        lane = plan.lanes[seal.lane]
+        own = [one for one in targets if one.lane == seal.lane]
+        area_m2 = lane.area_outside([one.place_m for one in own], plan.halo_m)
+        scored = _score_lane(seal, own, plan.halo_m, area_m2, lane.contains)
+        lanes[seal.method, seal.lane] = scored
+    methods = list(dict.fromkeys(method for method, _ in lanes))
+    groups = [
+        _score_group(group, method, lanes)
+        for group in groups_of(plan.strata, targets, plan.lanes)
+        for method in methods
+    ]
+    return Score(
+        [one for one in groups if one.targets or not one.stratum],
+        [_compared(*pair, lanes) for pair in itertools.combinations(methods, 2)],
+        list(lanes.values()),
+    )
 
 
-def score_found(listed: Seal, records: Sequence[Found], halo_m: float) -> Dict[str, int]:
-    """Return how many candidates of a list were what: each record says it of the nearest one.
+def score_found(listed: Seal, records: Sequence[Found], halo_m: float) -> Score:
+    """Return the score of a list of a survey by what was found there.
 
-    Args:
-        listed: The list, in the coordinates of the survey.
-        records: What was found; of two for one candidate the last one counts.
-        halo_m: A record further from every candidate is of none [m].
-
-    Returns:
-        Numbers by the values of `What`; `UNKNOWN` and `MISSED` are those of candidates without a
-        record, and of devices without a candidate.
+    Devices are the targets, and other finds false alarms; all other candidates count for nothing,
+    because nobody looked there. Nor did anybody where no candidate is, so there is no PD.
     """
-    places_m = [((one.x_m, one.y_m), one.id) for one in listed.marks]
-    what: Dict[str, What] = {}
-    missed = 0
-    for one in records:
-        name = _nearest((one.x_mm / MM_PER_M, one.y_mm / MM_PER_M), places_m, halo_m)
-        if name:
-            what[name] = one.what
-        else:
-            missed += one.what is What.DEVICE
-    counts = {kind.value: sum(one is kind for one in what.values()) for kind in What}
-    return {**counts, UNKNOWN: len(places_m) - len(what), MISSED: missed}
+    finds: Dict[bool, List[Target]] = {True: [], False: []}
+    for one in present(records):
+        place_m = one.x_mm / MM_PER_M, one.y_mm / MM_PER_M
+        name = f"{one.candidate} {one.list_sha256[:8]}"
+        finds[one.what is What.DEVICE].append(Target(name, "", place_m, {}))
+    devices, others = finds[True], finds[False]
+    lane = _score_lane(
+        listed, devices, halo_m, listed.area_m2, lambda one: _nearest(one, others, halo_m)
+    )
+    group = Group("", [one.name for one in devices], [listed.lane])
+    score = _score_group(group, listed.method, {(listed.method, listed.lane): lane})
+    unknown = replace(score, detection=None, detection_range=(0.0, 1.0), detection_shown=0.0)
+    return Score([replace(unknown, curve=())], [], [lane])
 
 
-def _nearest(place_m: Place, named: Sequence[Tuple[Place, str]], halo_m: float) -> str:
-    """Return the name of the nearest place within a distance; empty: there is none."""
-    near = [(math.dist(place_m, one), name) for one, name in named]
+def _nearest(place_m: Place, targets: Sequence[Target], halo_m: float) -> str:
+    """Return the name of the nearest target within a distance; empty: there is none."""
+    near = [(math.dist(place_m, one.place_m), one.name) for one in targets]
     distance_m, name = min(near, default=(math.inf, ""))
     return name if distance_m <= halo_m else ""
 
 
-def _counts(plan: Plan, mark: Mark) -> bool:
-    return plan.with_doubtful or not mark.doubtful
-
-
-def _score_lane(plan: Plan, targets: Sequence[Target], seal: Seal) -> LaneScore:
-    lane = plan.lane(seal.lane)
-    places_m = [(one.place_m, one.name) for one in targets if one.lane == seal.lane]
-    found: Dict[str, Mark] = {}
+def _score_lane(
+    seal: Seal,
+    targets: Sequence[Target],
+    halo_m: float,
+    area_m2: float,
+    is_searched: Callable[[Place], object],
+) -> LaneScore:
+    found: Dict[str, Optional[Mark]] = {one.name: None for one in targets}
     alarms: List[Mark] = []
     outside: List[Mark] = []
     for mark in sorted(seal.marks, key=lambda one: one.rank):
         place_m = mark.x_m, mark.y_m
-        name = _nearest(place_m, places_m, plan.halo_m)
+        name = _nearest(place_m, targets, halo_m)
         if name:
-            found.setdefault(name, mark)
+            found[name] = found[name] or mark
         else:
-            (alarms if lane.contains(place_m) else outside).append(mark)
-    counted = [name for name, mark in found.items() if _counts(plan, mark)]
-    missed = [name for _, name in places_m if name not in counted]
-    area_m2 = lane.area_outside([place for place, _ in places_m], plan.halo_m)
-    return LaneScore(seal, area_m2, found, missed, alarms, outside)
+            (alarms if is_searched(place_m) else outside).append(mark)
+    return LaneScore(seal, area_m2, found, alarms, outside)
 
 
-class _Scorer:
-    def __init__(
-        self, plan: Plan, groups: List[Group], lanes: Dict[Tuple[str, str], LaneScore]
-    ) -> None:
-        self._plan, self._groups, self._lanes = plan, groups, lanes
-        self._finds = {
-            (method, name): name not in lane.missed
-            for (method, _), lane in lanes.items()
-            for name in (*lane.found, *lane.missed)
-        }
+def _score_group(group: Group, method: str, lanes: Lanes) -> GroupScore:
+    own = [lanes[method, one] for one in group.lanes if (method, one) in lanes]
+    best = [mark for lane in own for name, mark in lane.found.items() if name in group.targets]
+    false = [mark for lane in own for mark in lane.alarms]
+    targets, area_m2 = len(best), sum(lane.area_m2 for lane in own)
+    found, alarms = sum(map(counts, best)), sum(map(counts, false))
+    low, high = statistics.alarm_interval(alarms, area_m2)
+    return GroupScore(
+        *(group.name, method, targets, found),
+        found / targets if targets else None,
+        statistics.detection_interval(found, targets),
+        statistics.shown_detection(found, targets),
+        *(alarms, area_m2, alarms / area_m2 if area_m2 > 0.0 else None),
+        (low, high if math.isfinite(high) else None),
+        _curve([one for one in best if one], false, targets, area_m2),
+    )
 
-    def score(self) -> Score:
-        methods = list(dict.fromkeys(method for method, _ in self._lanes))
-        groups = [self._of(group, method) for group in self._groups for method in methods]
-        return Score(
-            [one for one in groups if one.targets or not one.stratum],
-            [self._compared(*pair) for pair in itertools.combinations(methods, 2)],
-            list(self._lanes.values()),
-        )
 
-    def _in(self, group: Group, method: str) -> List[str]:
-        return [one for one in group.targets if (method, one) in self._finds]
-
-    def _of(self, group: Group, method: str) -> GroupScore:
-        names = self._in(group, method)
-        lanes = [self._lanes[method, one] for one in group.lanes if (method, one) in self._lanes]
-        hits = [lane.found[name] for lane in lanes for name in lane.found if name in names]
-        false = [mark for lane in lanes for mark in lane.alarms]
-        targets, area_m2 = len(names), sum(lane.area_m2 for lane in lanes)
-        found = sum(self._finds[method, one] for one in names)
-        alarms = sum(_counts(self._plan, one) for one in false)
-        low, high = alarm_interval(alarms, area_m2)
-        return GroupScore(
-            group.name,
-            method,
-            targets,
-            found,
-            found / targets if targets else None,
-            detection_interval(found, targets),
-            shown_detection(found, targets),
-            alarms,
-            area_m2,
-            alarms / area_m2 if area_m2 > 0.0 else None,
-            (low, high if math.isfinite(high) else None),
-            _curve(hits, false, targets, area_m2),
-        )
-
-    def _compared(self, first: str, second: str) -> Comparison:
-        both = [one for one in self._in(self._groups[0], first) if (second, one) in self._finds]
-        found = [(self._finds[first, one], self._finds[second, one]) for one in both]
-        only = found.count((True, False)), found.count((False, True))
-        shares = self._shares(first) == self._shares(second)
-        return Comparison(first, second, len(both), *only, mcnemar(*only), shares)
-
-    def _shares(self, method: str) -> List[float]:
-        counts = [len(self._in(one, method)) for one in self._groups]
-        return [round(one / max(counts[0], 1), 9) for one in counts]
+def _compared(first: str, second: str, lanes: Lanes) -> Comparison:
+    pairs = [
+        (counts(mark), counts(lanes[second, name].found[target]))
+        for (method, name), lane in lanes.items()
+        if method == first and (second, name) in lanes
+        for target, mark in lane.found.items()
+    ]
+    only = pairs.count((True, False)), pairs.count((False, True))
+    return Comparison(first, second, len(pairs), *only, statistics.mcnemar(*only))
 
 
 def _curve(
     hits: Sequence[Mark], false: Sequence[Mark], targets: int, area_m2: float
 ) -> Tuple[Tuple[float, float], ...]:
-    curve, found, alarms = [(0.0, 0.0)], 0, 0
-    marks = sorted([(one.rank, 1) for one in hits] + [(one.rank, 0) for one in false])
-    known = marks if targets and area_m2 > 0.0 else []
-    for _, same in itertools.groupby(known, lambda one: one[0]):
-        for _, is_hit in same:
-            found, alarms = found + is_hit, alarms + 1 - is_hit
-        curve.append((alarms / area_m2, found / targets))
-    return tuple(curve)
+    if not (targets and area_m2 > 0.0):
+        return ((0.0, 0.0),)
+    first, second = sorted(one.rank for one in false), sorted(one.rank for one in hits)
+    points = [
+        (bisect_right(first, one) / area_m2, bisect_right(second, one) / targets)
+        for one in sorted({*first, *second})
+    ]
+    return ((0.0, 0.0), *points)

@@ -46,12 +46,7 @@ def test_a_record_has_place_depth_list_who_and_photograph(folder, listed, tmp_pa
     assert note(folder, listed, "C02", "device", *options) == 0
     (one,) = read_found(folder)
     assert (one.what, one.x_mm, one.y_mm, one.depth_mm) == (What.DEVICE, 300.0, 90.0, 40.0)
-    assert (one.candidate, one.candidate_depth_mm, one.who, one.notes) == (
-        "C02",
-        60.0,
-        "Ana",
-        "PMN",
-    )
+    assert (one.candidate, one.who, one.notes) == ("C02", "Ana", "PMN")
     assert len(one.list_sha256) == 64
     assert (folder / "photos" / one.photo).read_bytes() == PHOTO
     assert gpr20_verify([str(folder)]) == 0
@@ -60,14 +55,14 @@ def test_a_record_has_place_depth_list_who_and_photograph(folder, listed, tmp_pa
 
 def test_a_correction_is_a_new_record_and_the_former_one_stays(folder, listed, capsys):
     assert note(folder, listed, "C01", "device") == note(folder, listed, "C01", "scrap") == 0
-    assert main(["found", str(folder), "--at", "10", "20", "--what", "device", "--who", "Bo"]) == 0
+    assert note(folder, listed, "C03", "device") == 0
     records = read_found(folder)
     assert [one.what for one in records] == [What.DEVICE, What.SCRAP, What.DEVICE]
-    assert [one.candidate for one in present(records)] == ["C01", ""]
+    assert [one.candidate for one in present(records)] == ["C01", "C03"]
     capsys.readouterr()
     assert main(["found", str(folder)]) == 0
     assert [line.split()[:4] for line in capsys.readouterr().out.splitlines()] == [
-        ["C01", "150", "90", "scrap"], ["-", "10", "20", "device"],
+        ["C01", "150", "90", "scrap"], ["C03", "450", "90", "device"],
     ]  # fmt: skip
 
 
@@ -112,12 +107,12 @@ def test_a_photograph_of_an_interrupted_command_damages_nothing(folder, listed, 
     [
         (("C09", "--list", "{list}", "--what", "scrap", "--who", "A"), "C01, C02, C03"),
         (("C01", "--what", "scrap", "--who", "A"), "--list"),
-        (("--what", "scrap", "--who", "A"), "--at"),
+        (("--what", "scrap", "--who", "A"), "candidate"),
         (("C01", "--list", "{list}", "--what", "scrap"), "who"),
         (("C01", "--list", "{list}"), "--what"),
         (("C01", "--list", "{list}", "--what", "scrap", "--who", "A\nB"), "who"),
         (("C01", "--list", "{list}", "--what", "scrap", "--who", "A", "--depth-mm", "-1"), "10000"),
-        (("C01", "--list", "{list}", "--what", "scrap", "--who", "A", "--photo", "{list}"), ".jpg"),
+        (("C01", "--list", "{list}", "--what", "scrap", "--who", "A", "--photo", "{list}"), "jpg"),
         (("C01", "--list", "{folder}/survey.json", "--what", "scrap", "--who", "A"), "candidates"),
     ],
 )
@@ -162,19 +157,23 @@ def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
 def test_found_records_score_candidates_and_say_that_pd_is_not_known(
     folder, listed, tmp_path, capsys
 ):
-    assert note(folder, listed, "C01", "device") == note(folder, listed, "C02", "nothing") == 0
-    # At 45 mm from C02, of which it is the last record, and far from every candidate.
-    for x_mm in ("345", "900"):
-        place = ("--at", x_mm, "90", "--what", "device", "--who", "Bo")
-        assert main(["found", str(folder), *place]) == 0
+    # A former list had a candidate 20 mm from C03.
+    former = tmp_path / "former.json"
+    places = [candidate(1, 430.0, 90.0), candidate(2, 900.0, 90.0)]
+    former.write_text(json_text(candidate_list(places, survey_id=SURVEY)), encoding="utf-8")
+    assert note(folder, listed, "C01", "nothing") == note(folder, former, "C01", "device") == 0
+    assert note(folder, former, "C02", "device") == 0
     report = tmp_path / "report.json"
     score = ["trial", "score", str(listed), "--found", str(folder), "--halo", "0.05"]
     assert main([*score, "-o", str(report)]) == 0
-    assert json.loads(report.read_text())["counts"] == {
-        "nothing": 0, "scrap": 0, "device": 2, "not_looked_at": 1, "devices_without_candidate": 1,
-    }  # fmt: skip
+    values = json.loads(report.read_text())
+    (group,), (lane,) = values["groups"], values["lanes"]
+    assert (group["targets"], group["found"], group["alarms"]) == (2, 1, 1)
+    assert group["detection"] is None and group["alarms_per_m2"] == 1 / group["area_m2"]
+    assert [one["id"] for one in lane["found"].values() if one] == ["C03"]
+    assert [one["id"] for one in lane["outside"]] == ["C02"]
     printed = capsys.readouterr().out
     assert "PD cannot be known" in printed and "SIMULATED" in printed
     assert main([*score, "-o", str(tmp_path / "report.html")]) == 0
     assert "PD cannot be known" in (tmp_path / "report.html").read_text()
-    assert main(score[:-2]) == 3
+    assert main(score[:-2]) == main([*score, "--truth", "x.csv"]) == 3

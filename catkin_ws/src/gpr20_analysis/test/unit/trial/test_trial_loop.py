@@ -5,21 +5,18 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-import math
 import random
 import re
 from pathlib import Path
 
 import pytest
 from candidate_examples import candidate, candidate_list
-from trial_kit import TARGETS, Trial, flipped, marks_at, with_junk
+from trial_kit import TARGETS, Trial, flipped, marks_at
 
 import gpr20_analysis
 from gpr20_analysis import faults
-from gpr20_analysis.candidates.files import write_candidates
 from gpr20_analysis.commands.main import main
 from gpr20_survey.results.candidate_json import json_text
-from gpr20_survey.results.candidates import Flag
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 CHANGES = 100
@@ -45,7 +42,10 @@ def test_a_trial_goes_from_plan_to_score(trial, capsys):
     first = values["groups"][0]
     assert (first["targets"], first["found"], first["alarms"]) == (4, 2, 1)
     assert first["detection_range"] == pytest.approx([0.0676, 0.9324], abs=1e-4)
-    assert [one["missed"] for one in values["lanes"]] == [["T2"], ["T4"]]
+    finds = [
+        (name, one and one["id"]) for lane in values["lanes"] for name, one in lane["found"].items()
+    ]
+    assert finds == [("T1", "C01"), ("T2", None), ("T3", "C01"), ("T4", None)]
     assert "2/4" in capsys.readouterr().out
 
 
@@ -147,24 +147,6 @@ def hashed(values):
     return (json.dumps({**values, "sha256": own}, indent=2) + "\n").encode()
 
 
-def test_other_entries_with_a_right_hash_are_scored_or_refused_with_a_sentence(trial, refusals):
-    chance, seals = random.Random(3), trial.sealed
-    originals = {one: json.loads(one.read_text()) for one in (trial.file, *seals)}
-    for _ in range(400):
-        path = chance.choice(sorted(originals))
-        changed = with_junk(originals[path], chance)
-        if not isinstance(changed, dict):
-            continue
-        path.write_bytes(hashed(changed))
-        plan = json.loads(trial.file.read_text())["sha256"]
-        for one in seals:
-            values = originals[one] if one != path else changed
-            one.write_bytes(hashed({**values, "plan_sha256": plan}))
-        assert trial.score() in (0, 3)
-        path.write_bytes(hashed(originals[path]))
-    assert len(refusals) > 100 and faults.PROGRAM.code not in refusals
-
-
 def test_a_list_that_was_sealed_for_another_plan_is_refused(trial, tmp_path, refusals):
     other = tmp_path / "other.json"
     own = ("--halo", "0.2", "--strata", "type", "-o", str(other))
@@ -196,8 +178,8 @@ def test_a_plan_with_wrong_options_is_refused_and_leaves_nothing(tmp_path, capsy
     trial = Trial(tmp_path)
     before = sorted(tmp_path.iterdir())
     for options, said in (
-        (("--strata", "type,colour"), "column colour"),
-        (("--pd", "1"), "probability of detection"),
+        (("--strata", "type,colour"), "colour"),
+        (("--strata", ""), "heading"),
     ):
         assert trial.plan(*options) == 3
         assert said in capsys.readouterr().err
@@ -214,32 +196,18 @@ def test_the_planner_learns_how_many_targets_there_are(tmp_path, capsys):
 
 def test_a_list_of_gpr20_candidates_is_sealed_with_its_hash_and_what_it_shows(trial, capsys):
     listed = trial.folder / "list.json"
-    found = candidate_list([candidate(1, 500.0, 500.0), candidate(2, 2500.0, 500.0)], omitted=3)
+    found = candidate_list([candidate(1, 500.0, 500.0), candidate(2, 2500.0, 500.0)])
     listed.write_text(json_text(found), encoding="utf-8")
     sealed = trial.folder / "sealed.json"
     assert trial.seal_file(listed, sealed, "L1", "other") == 0
     values = json.loads(sealed.read_text())
     assert values["list_sha256"] == hashlib.sha256(listed.read_bytes()).hexdigest()
-    assert (values["simulated"], values["omitted"], values["area_m2"]) == (True, 3, 0.25)
+    assert (values["simulated"], values["area_m2"], values["operator"]) == (True, 0.25, "Eva")
     trial.sealed.append(sealed)
     assert trial.score() == 0
     printed = capsys.readouterr().out
     assert "SIMULATED" in printed and "other surveyed only 0.25 m2" in printed
     assert "1 only by other" in printed
-
-
-def test_a_list_as_gpr20_candidates_writes_it_is_the_same_as_csv_and_as_json(trial):
-    places = [candidate(at, 100.0 * at, 500.0, level_db=30.0 - at) for at in range(1, 5)]
-    doubtful = candidate(5, 900.0, 500.0, flags=(Flag.CLUTTER,), false_alarms_per_m2=math.nan)
-    sealed = []
-    for ending in ("csv", "json"):
-        listed = trial.folder / f"list.{ending}"
-        write_candidates(candidate_list([*places, doubtful]), listed)
-        path = trial.folder / f"sealed_{ending}.json"
-        assert trial.seal_file(listed, path, "L1") == 0
-        sealed.append(json.loads(path.read_text()))
-    assert sealed[0]["marks"] == sealed[1]["marks"] and sealed[0]["marks"][4]["doubtful"]
-    assert sealed[0]["simulated"] and sealed[1]["simulated"]
 
 
 def test_a_survey_in_place_of_a_list_is_refused_with_the_command_that_makes_one(trial, capsys):
@@ -257,7 +225,7 @@ def test_what_is_no_list_is_not_sealed(trial, name, capsys):
 
 def test_an_unknown_lane_is_refused_with_those_of_the_plan(trial, capsys):
     assert trial.seal("L7", marks_at([(1.0, 0.5)])) == 3
-    assert "'L7'" in (printed := capsys.readouterr().err) and "L1, L2" in printed
+    assert "L7" in (printed := capsys.readouterr().err) and "L1, L2" in printed
 
 
 def without_pictures(text):

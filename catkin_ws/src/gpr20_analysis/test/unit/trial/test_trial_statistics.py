@@ -11,10 +11,9 @@ import pytest
 from scipy.stats import binom, poisson
 
 from gpr20_analysis.trial import ground
+from gpr20_analysis.trial.documents import Mark, Plan, Seal
 from gpr20_analysis.trial.ground import Lane, Target
-from gpr20_analysis.trial.plan import Plan
 from gpr20_analysis.trial.score import score_trial
-from gpr20_analysis.trial.seal import Mark, Seal
 from gpr20_analysis.trial.statistics import (
     alarm_interval,
     detection_interval,
@@ -22,7 +21,6 @@ from gpr20_analysis.trial.statistics import (
     shown_detection,
     targets_needed,
 )
-from gpr20_analysis.trial.tables import Row
 
 EXACT, BITS = 1e-6, 40
 TRIALS = 10_000
@@ -139,10 +137,10 @@ def test_intervals_of_densities_cover_every_true_density_in_95_of_100_trials():
 
 def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_of_10000_trials(monkeypatch):
     chance, halo_m = np.random.default_rng(29), 0.1
-    lane = Lane(Row("lanes", 2, {"lane": "L"}), (0.0, 0.0), (10.0, 2.0))
+    lane = Lane({}, "L", 0.0, 10.0, 0.0, 2.0)
     places = [(0.5 + at, 0.5) for at in range(10)]
-    targets = [Target(Row("t", 2, {}), f"T{at}", "L", one) for at, one in enumerate(places)]
-    plan = Plan(halo_m, (), 0.9, False, "", (), {"L": lane}, "", "", sha256="p")
+    targets = [Target(f"T{at}", "L", one, {}) for at, one in enumerate(places)]
+    plan = Plan(halo_m, (), {"L": lane}, sha256="p")
     area_m2 = lane.area_outside(places, halo_m)
     assert area_m2 == pytest.approx(20.0 - 10 * math.pi * halo_m**2, abs=1e-4)
     # The targets of all trials are the same, so it is computed once.

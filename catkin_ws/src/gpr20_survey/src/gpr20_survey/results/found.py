@@ -1,9 +1,8 @@
-"""What people found at a candidate, or elsewhere: a record of the survey's log."""
+"""What people found at a candidate: a record of the survey's log."""
 
 from __future__ import annotations
 
 import enum
-import math
 import re
 from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Mapping, Optional
@@ -19,21 +18,14 @@ from gpr20_survey.trace.trace import MAX_COORDINATE
 FORMAT = "gpr20-found/1"
 PHOTOS = "photos"
 """Folder of a survey."""
-PHOTO_NAME = re.compile(r"[0-9a-f]{64}\.(jpg|jpeg|png|heic|webp)")
-MAX_DEPTH_MM, MAX_CHARACTERS = 10_000.0, 500
-NUMBERS = (
-    ("x_mm", -MAX_COORDINATE, MAX_COORDINATE),
-    ("y_mm", -MAX_COORDINATE, MAX_COORDINATE),
-    ("depth_mm", 0.0, MAX_DEPTH_MM),
-    ("candidate_depth_mm", 0.0, MAX_DEPTH_MM),
-)
-TEXTS = (
-    ("who", re.compile(".+")),
-    ("notes", re.compile(".*")),
-    ("candidate", re.compile(f"({CANDIDATE_ID.pattern})?")),
-    ("list_sha256", re.compile("([0-9a-f]{64})?")),
-    ("photo", re.compile(f"({PHOTO_NAME.pattern})?")),
-)
+MAX_DEPTH_MM = 10_000.0
+TEXTS = {
+    "who": ".{1,500}",
+    "notes": ".{0,500}",
+    "candidate": CANDIDATE_ID.pattern,
+    "list_sha256": "[0-9a-f]{64}",
+    "photo": r"([0-9a-f]{64}\.(jpg|jpeg|png|heic|webp))?",
+}
 
 
 class What(enum.Enum):
@@ -44,60 +36,35 @@ class What(enum.Enum):
     DEVICE = "device"
 
 
-LABELS = {
-    What.NOTHING: Message("nothing"),
-    What.SCRAP: Message("scrap"),
-    What.DEVICE: Message("device"),
-}
-"""Their names, as people read them."""
-
-
 @dataclass(frozen=True)
 class Found:
-    """What was found at a place. The id of a candidate means nothing without its list.
-
-    A later record of the same candidate of the same list, or of the same place where no candidate
-    is, replaces an earlier one; both stay in the log.
-    """
+    """What was found at a candidate, whose id means nothing without its list."""
 
     what: What
-    x_mm: float  # place of the candidate, or of the object [mm], in the coordinates of the robot
+    candidate: str  # its id
+    list_sha256: str  # of the file of the list of candidates
+    x_mm: float  # its place [mm], in the coordinates of the robot
     y_mm: float
     who: str
     time: str  # ISO 8601
     depth_mm: Optional[float] = None  # of the object, to its top [mm]
-    candidate: str = ""  # its id; empty: there was none
-    candidate_depth_mm: Optional[float] = None  # that the image shows [mm]
-    list_sha256: str = ""  # of the file of the list of candidates
     photo: str = ""  # name in the folder of photographs: SHA-256 of the file, and its ending
     notes: str = ""
 
     def __post_init__(self) -> None:
-        for name, least, most in NUMBERS:
-            value = getattr(self, name)
-            if value is not None or least < 0.0:
-                is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-                number_between(name, value if is_number else math.nan, least, most, "mm")
-        for name, form in TEXTS:
+        number_between("x_mm", self.x_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
+        number_between("y_mm", self.y_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
+        if self.depth_mm is not None:
+            number_between("depth_mm", self.depth_mm, 0.0, MAX_DEPTH_MM, "mm")
+        for name, form in TEXTS.items():
             text = getattr(self, name)
-            is_text = isinstance(text, str) and len(text) <= MAX_CHARACTERS
-            if not (is_text and form.fullmatch(text) and all(map(is_shown, text))):
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {text}; it must be one line of at most {most} letters and have "
-                        "the form {form}",
-                        name=name,
-                        text=repr(str(text)[:64]),
-                        most=MAX_CHARACTERS,
-                        form=form.pattern,
-                    )
+            if not (re.fullmatch(form, text) and all(map(is_shown, text))):
+                refusal = Message(
+                    "{name} is {text}; it must be one line of the form {form}",
+                    **{"name": name, "text": repr(text[:80]), "form": form},
                 )
+                raise InvalidValueError(refusal)
         utc_time.parse_iso(self.time)
-
-    @property
-    def subject(self) -> Any:
-        """What it is about: records with the same are corrections of each other."""
-        return (self.list_sha256, self.candidate) if self.candidate else (self.x_mm, self.y_mm)
 
     def values(self) -> Dict[str, Any]:
         """Return the values of its record in the log."""
@@ -105,22 +72,16 @@ class Found:
 
 
 def found_of(values: Mapping[str, Any]) -> Found:
-    """Return what a record of the log says.
-
-    Raises:
-        InvalidValueError: It is not as `Found.values` writes it.
-    """
+    """Return what a record of the log says, if it is as `Found.values` writes it."""
     try:
-        known = dict(values)
-        if known.pop("format") != FORMAT:
-            raise ValueError("it has another format")
-        return Found(**{**known, "what": What(known["what"])})
+        known = {**values, "what": What(values["what"])}
+        del known["format"]
+        return Found(**known)
     except (KeyError, TypeError, ValueError) as error:
         message = Message("a record of what was found is not as it should be", details=error)
         raise InvalidValueError(message) from error
 
 
 def present(records: Iterable[Found]) -> List[Found]:
-    """Return the records that no later one replaces, in their order."""
-    latest = {one.subject: one for one in records}
-    return list(latest.values())
+    """Return the last record of each candidate of each list."""
+    return list({(one.list_sha256, one.candidate): one for one in records}.values())
