@@ -87,7 +87,7 @@ def _row(one: GroupScore, everything: str) -> Tuple[str, ...]:
 
 def _lane_values(one: LaneScore) -> Dict[str, Any]:
     return {
-        **vars(one.seal),
+        **{key: getattr(one.seal, key) for key in ("method", "lane", "operator", "made", "sha256")},
         "missed": " ".join(name for name, mark in one.found.items() if not counts(mark)) or "-",
         "alarms": " ".join(mark.id for mark in one.alarms) or "-",
         "outside": " ".join(mark.id for mark in one.outside) or "-",
