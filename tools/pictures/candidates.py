@@ -14,6 +14,7 @@ from pictures.kit import shown_window, wait
 
 SCENE = "imaging_targets.yaml"
 PERMITTIVITY = "5"  # of the scene
+ENDED = (SearchState.DONE, SearchState.FAILED)
 
 
 def make(folder: Path) -> None:
@@ -35,9 +36,21 @@ def make(folder: Path) -> None:
 
         def find() -> None:
             window.candidates.find_button.click()
-            ended = (SearchState.DONE, SearchState.FAILED)
-            wait(lambda: window.candidates.search.state in ended, "the search ends")
+            wait(lambda: window.candidates.search.state in ENDED, "the search ends")
             if window.candidates.search.state is SearchState.FAILED:
                 raise SystemExit(f"no candidates: {window.candidates.search.problem}")
 
+        def hide() -> None:
+            window.show_tab(TabName.SURVEYS)
+            surveys = window.tabs.currentIndex()
+            window.past.candidates.click()
+            find()
+            window.candidates.hiding_button.click()
+            wait(lambda: window.candidates.search.state in ENDED, "the map ends")
+            window.candidates.close_button.click()
+            window.past.open.click()
+            wait(lambda: window.tabs.currentIndex() != surveys, "the survey is open")
+            window.show_tab(TabName.MAP)
+
         shown.take(folder, "candidates", find)
+        shown.take(folder, "hidden", hide)

@@ -128,7 +128,7 @@ def _score(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
         from gpr20_analysis.plotting.froc import froc_figure  # its library is optional
 
         figure = froc_figure(score.groups, [report.banner] if report.banner else [], catalogue)
-        first.figures.append((catalogue.tr("FROC, 95 % intervals"), figure))
+        first.figures.append((catalogue.tr("FROC with intervals (95 %)"), figure))
     save_report(report, output, catalogue)
 
 

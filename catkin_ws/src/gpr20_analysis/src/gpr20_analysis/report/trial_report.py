@@ -17,9 +17,7 @@ FOOTER = Message(
 )
 NO_PD = Message("PD cannot be known from this: nobody looked where no candidate is.")
 LEAST_PART = 0.95  # of the area of a lane; where it is less, false alarms per m2 are too few
-HEADING = Message(
-    "stratum|method|found|PD|95 % interval|PD shown|false alarms|m2|per m2|95 % interval"
-)
+HEADING = Message("stratum|method|found|PD|interval|PD shown|false alarms|m2|per m2|interval")
 
 
 def trial_report(

@@ -18,7 +18,9 @@ def hidden_areas(found: HidingMap) -> List[Tuple[Area, float]]:
     """
     x_mm, y_mm = MM_PER_M * found.x_m, MM_PER_M * found.y_m
     half_x_mm, half_y_mm = (
-        float(np.ptp(one)) / (len(one) - 1) / 2.0 if len(one) > 1 else MM_PER_M * found.within_m.min()
+        float(np.ptp(one)) / (len(one) - 1) / 2.0
+        if len(one) > 1
+        else MM_PER_M * found.within_m.min()
         for one in (x_mm, y_mm)
     )
     missed_m = found.missed_m
