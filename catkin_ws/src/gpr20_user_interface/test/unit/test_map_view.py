@@ -265,7 +265,7 @@ def test_a_place_is_measured_finer_or_marked_but_not_that_of_a_replay(shown):
 
 
 def test_where_a_mine_could_hide_is_hatched(shown):
-    stops = [Stop(3, 0), Stop(3, 4)]
+    stops = [Stop(0, 0), Stop(0, 4)]
     places = [shown.place(one) for one in stops]
 
     def colours(place):
@@ -286,7 +286,7 @@ def test_where_a_mine_could_hide_is_hatched(shown):
             a_map(found, tried, x_m=np.sort(x_m), y_m=np.sort(y_m), survey_id=shown.grid.survey_id),
         )
     )
-    hidden = [Look().colour(Mark.INK) in colours(one) - was for one, was in zip(places, before)]
+    hidden = [Look().colour(Mark.PAPER) in colours(one) - was for one, was in zip(places, before)]
     assert hidden == [bool(shown.grid.xs_mm[0] < shown.grid.xs_mm[-1]), False] or hidden == [
         False,
         bool(shown.grid.xs_mm[0] > shown.grid.xs_mm[-1]),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     ANTENNA,
     ANTENNA_DIMS,
+    MM_PER_M,
     S21,
     S21_DIMS,
     SAMPLE_DIMS,
@@ -20,6 +22,7 @@ from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.delay import known_height
 from gpr20_analysis.processing.surface_echo import fit_delay
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
+from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 
 # Of the terms of a model.
@@ -31,6 +34,8 @@ PADDING = 8
 LASTS = 0.375
 # Of the resolution: the distance of the echoes that a spectrum is fitted with.
 TAPS = 0.6
+# The way through the air is at least so many resolutions long.
+LEAST_RESOLUTIONS = 2.5
 SMALLEST_SHARE = 1e-3
 
 
@@ -73,8 +78,9 @@ class SurfaceReference:
             back = np.exp(turn * (paths_m / SPEED_OF_LIGHT_M_S + delay_s)) * paths_m
             mean = np.mean(spectra[present] * back, axis=0)
             air_s = float(paths_m.mean()) / SPEED_OF_LIGHT_M_S
-            echo = _surface(mean, air_s, sweep)
-            if unclear is not None and not _is_clear(echo, sweep):
+            _check_separate(air_s, sweep)
+            echo, rest = _surface(mean, air_s, sweep)
+            if unclear is not None and not _is_clear(rest, sweep):
                 raise unclear
             echoes.append(echo * np.exp(-turn * delay_s))
         self._echoes = np.stack(echoes)
@@ -86,10 +92,32 @@ class SurfaceReference:
         return found
 
 
-def _surface(mean: np.ndarray, air_s: float, sweep: FrequencyGrid) -> np.ndarray:
-    """Return what is near delay 0 in a spectrum, without the coupling that is earlier by `air_s`.
+def _check_separate(air_s: float, sweep: FrequencyGrid) -> None:
+    """Check that the band separates the surface from the coupling.
 
-    Both are fitted by least squares as sums of echoes near their delays.
+    Raises:
+        WrongDatasetError: It does not, so that a part of the coupling would count as surface, and
+            targets would seem brighter than they are.
+    """
+    least_s = LEAST_RESOLUTIONS / (sweep.step_hz * sweep.count)
+    # Written so that NaN is refused too.
+    if not air_s >= least_s:
+        raise WrongDatasetError(
+            Message(
+                "the antennas are {height_mm:.0f} mm above the surface; below {least_mm:.0f} mm "
+                "this band does not separate its echo from the coupling, so give --antenna",
+                height_mm=MM_PER_M * 0.5 * air_s * SPEED_OF_LIGHT_M_S,
+                least_mm=MM_PER_M * 0.5 * least_s * SPEED_OF_LIGHT_M_S,
+            ),
+            fault=faults.NO_SURFACE_ECHO,
+        )
+
+
+def _surface(mean: np.ndarray, air_s: float, sweep: FrequencyGrid) -> Tuple[np.ndarray, np.ndarray]:
+    """Return what is near delay 0 in a spectrum, and all of it, without the coupling before it.
+
+    Surface and coupling, which is earlier by `air_s`, are fitted by least squares as sums of echoes
+    near their delays.
     """
     apart_s = TAPS / (sweep.step_hz * sweep.count)
     count = int(LASTS * air_s / apart_s)
@@ -97,8 +125,10 @@ def _surface(mean: np.ndarray, air_s: float, sweep: FrequencyGrid) -> np.ndarray
     delays_s = np.concatenate([near_s, near_s - air_s])
     columns = np.exp(-2j * np.pi * np.outer(sweep.frequency_hz, delays_s))
     found = np.linalg.lstsq(columns, mean, rcond=SMALLEST_SHARE)[0]
-    surface: np.ndarray = columns[:, : len(near_s)] @ found[: len(near_s)]
-    return surface
+    surface, coupling = (
+        columns[:, part] @ found[part] for part in (slice(len(near_s)), slice(len(near_s), None))
+    )
+    return surface, mean - coupling
 
 
 def _is_clear(echo: np.ndarray, sweep: FrequencyGrid) -> bool:

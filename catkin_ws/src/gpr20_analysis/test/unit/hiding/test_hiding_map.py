@@ -159,3 +159,9 @@ def test_heights_without_a_surface_echo_need_a_model(ground):
     no_surface = ground.assign(s21=noise(ground, 1.0))
     with raises_fault(faults.NO_SURFACE_ECHO):
         map_hidden(no_surface, detector(), DISC, SMALL)
+
+
+def test_antennas_near_the_ground_need_a_model(ground):
+    near = survey_of(scene([point(240.0, 240.0, 0.08)], height_m=0.03))
+    with raises_fault(faults.NO_SURFACE_ECHO):
+        map_hidden(near, detector(), DISC, SMALL)

@@ -168,8 +168,8 @@ class MapCanvas(TranslatedWidget):
         painter.setPen(Qt.PenStyle.NoPen)
         for area, share in hidden_areas(found):
             dense = share < DENSE_SHARE
-            style = Qt.BrushStyle.Dense4Pattern if dense else Qt.BrushStyle.Dense6Pattern
-            painter.setBrush(QBrush(self._ink(Mark.INK), style))
+            style = Qt.BrushStyle.Dense5Pattern if dense else Qt.BrushStyle.Dense6Pattern
+            painter.setBrush(QBrush(self._ink(Mark.PAPER), style))
             painter.drawRect(_pixels_of(geometry, area))
         painter.setBrush(Qt.BrushStyle.NoBrush)
 
@@ -226,7 +226,7 @@ class MapCanvas(TranslatedWidget):
             place = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
             sentence = self.tr("No echo does not mean no mine.")
             if self._additions.hiding is not None:
-                sentence = self.tr("Hatched: a small plastic mine could hide here.")
+                sentence = self.tr("Hatched: a mine could hide here.")
             painter.drawText(rest, place, sentence)
 
     def _draw_frames(self, marks: MarkPainter) -> None:
