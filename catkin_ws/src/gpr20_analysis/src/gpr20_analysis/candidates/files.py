@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
@@ -19,6 +19,7 @@ from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
+from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidate_json import candidate_record, json_text, list_record
 from gpr20_survey.results.candidates import CandidateList
 
@@ -38,18 +39,32 @@ def write_candidates(found: CandidateList, path: Path) -> None:
             does not have, or the output cannot be written.
     """
     check_candidates_path(path)
-    if path.suffix == GEOJSON and found.position is None:
+    require_place(path, found.position, WRITERS)
+    write_with_checksum(path, lambda place: WRITERS[path.suffix](found, place))
+
+
+def require_place(path: Path, position: Optional[AreaPosition], endings: Iterable[str]) -> None:
+    """Check that a survey that is written as GeoJSON has a place on the earth.
+
+    Args:
+        path: The file.
+        position: Where the survey's area is; None: not known.
+        endings: Of all files that can be written.
+
+    Raises:
+        ExportError: It has none.
+    """
+    if path.suffix == GEOJSON and position is None:
         raise ExportError(
             Message(
                 "{file} needs the survey's place on the earth, because GeoJSON has WGS 84 "
                 "coordinates only; set it with {command}, or write {others}",
                 file=path.name,
                 command="gpr20 annotate --position --heading",
-                others=", ".join((CSV, JSON, GPKG)),
+                others=", ".join(one for one in endings if one != GEOJSON),
             ),
             fault=faults.NO_POSITION,
         )
-    write_with_checksum(path, lambda place: WRITERS[path.suffix](found, place))
 
 
 def write_with_checksum(path: Path, write: Callable[[Path], None]) -> None:

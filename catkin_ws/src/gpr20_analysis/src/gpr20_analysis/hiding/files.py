@@ -12,8 +12,13 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from gpr20_analysis import faults
-from gpr20_analysis.candidates.files import GEOJSON, GPKG, JSON, write_with_checksum
+from gpr20_analysis.candidates.files import (
+    GEOJSON,
+    GPKG,
+    JSON,
+    require_place,
+    write_with_checksum,
+)
 from gpr20_analysis.candidates.geopackage import POLYGON, Layer, write_geopackage
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, UnreadableFileError, wrong_ending
@@ -39,17 +44,7 @@ def write_hiding(found: HidingMap, path: Path) -> None:
             does not have.
     """
     check_hiding_path(path)
-    if path.suffix == GEOJSON and found.position is None:
-        raise ExportError(
-            Message(
-                "{file} needs the survey's place on the earth; set it with {command}, or write "
-                "{others}",
-                file=path.name,
-                command="gpr20 annotate --position --heading",
-                others=", ".join((JSON, GPKG)),
-            ),
-            fault=faults.NO_POSITION,
-        )
+    require_place(path, found.position, WRITERS)
     write_with_checksum(path, lambda place: WRITERS[path.suffix](found, place))
 
 

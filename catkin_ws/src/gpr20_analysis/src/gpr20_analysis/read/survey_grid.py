@@ -11,7 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.plan.imported import ImportedFit, is_imported
+from gpr20_survey.plan.imported import ImportedFit, ImportedGrid, is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.trace.trace import Trace
@@ -23,18 +23,8 @@ MAX_FILLING = 4
 
 
 @dataclass(frozen=True)
-class SurveyGrid:
-    """Coordinates of a survey, each ascending.
-
-    Attributes:
-        polarization_deg: Rotations of the antennas [deg].
-        y_mm: Rows [mm].
-        x_mm: Columns [mm].
-    """
-
-    polarization_deg: Tuple[float, ...]
-    y_mm: Tuple[float, ...]
-    x_mm: Tuple[float, ...]
+class SurveyGrid(ImportedGrid):
+    """Coordinates of a survey, each ascending."""
 
     @property
     def shape(self) -> Tuple[int, int, int]:
