@@ -17,7 +17,7 @@ from gpr20_foreign_formats.header import content_of, sibling, text_header, trace
 from gpr20_foreign_formats.traces import Traces, format_of
 
 HEADER_FLOATS = 32  # with the comment
-POSITION, SAMPLES = 1, 2  # places in the header of a trace
+POSITION, SAMPLES, ZERO_FLAG = 1, 2, 21  # places in the header of a trace; 21 is item 22
 TYPES: Dict[int, str] = {2: "<i2", 4: "<f4"}
 METRES = {"M": 1.0, "METRES": 1.0, "METERS": 1.0, "FT": 0.3048, "FEET": 0.3048}
 LONGEST_NS = 1e6
@@ -50,9 +50,11 @@ def read_dt1(path: Path, _: ImportOptions) -> Traces:
         if other.size:
             as_in = {"count": float(other[0]), "file": data.name}
             raise header.refused(key, Message("{count:g}, as in {file}", **as_in))
+    scans = traces["values"].astype(np.float64)
+    scans[traces["header"][:, ZERO_FLAG] == 1.0] = np.nan  # zero data: not measured
     return Traces(
         data,
-        traces["values"].astype(np.float64),
+        scans,
         step_s=step_s,
         zero_s=step_s * header.number("TIMEZERO AT POINT", 0.0, samples, 0.0),
         x_m=traces["header"][:, POSITION].astype(np.float64) * METRES[unit],

@@ -35,7 +35,7 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
     """Read one channel of a file, as shares of its full scale.
 
     Time zero is the negative of rhf_position, the time of the first sample; the spacing is
-    1 / rhf_spm, which is 0 if the traces were taken by time.
+    1 / rhf_spm, which is 0 if traces were taken by time, negative if the line goes back.
 
     Raises:
         AnalysisError: There are several channels and none was chosen.
@@ -64,7 +64,7 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
     values = own / 2.0 ** (bits - 1) - (0.0 if bits == 32 else 1.0)
     values[:, :MARKS] = values[:, MARKS : MARKS + 1]
     position_s = 1e-9 * header.number("rhf_position", -LONGEST_NS, LONGEST_NS)
-    per_m = header.number("rhf_spm", 0.0, MOST_PER_M)
+    per_m = header.number("rhf_spm", -MOST_PER_M, MOST_PER_M)
     note = Message(
         "GSSI antenna {antenna}, permittivity {permittivity:g} in the header, which is not used; "
         "the first {marks} samples of each trace hold marks and are replaced by the next",

@@ -45,6 +45,7 @@ OF_TRACE: Dict[str, Tuple[int, str]] = {
     "source": (73, "2?i4"),
     "group": (81, "2?i4"),
     "units": (89, "?i2"),
+    "delay": (109, "?i2"),
     "count": (115, "?u2"),
     "interval": (117, "?u2"),
     "cdp": (181, "2?i4"),
@@ -62,7 +63,8 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
 
     Raises:
         AnalysisError: The places are no lengths.
-        UnreadableFileError: The file is damaged, has another kind of samples, or was changed.
+        UnreadableFileError: The file is damaged, has another kind of samples, or was changed; or
+            its times are not clear.
     """
     facts, content = checked_facts(path), content_of(path)
     if len(content) < START_BYTES:
@@ -74,6 +76,7 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
     traces = _traces(path, content, header, order)
     is_own = segy.UNIT_OF_TIME in text
     interval = header.entries["sample interval"] or int(traces["interval"][0])
+    _check_times(path, traces, interval, options)
     found = Traces(path, _samples(traces, header), interval / segy.PS_PER_S)
     found.values[traces["code"] == segy.DEAD] = np.nan
     found.facts, found.was_moved = facts, segy.MOVED in text
@@ -138,6 +141,18 @@ def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarra
         as_in = Message("{count:g}, as in {file}", count=float(other[0]), file=path.name)
         raise header.refused("number of samples", as_in)
     return traces
+
+
+def _check_times(path: Path, traces: np.ndarray, interval: int, options: ImportOptions) -> None:
+    all_same = Message("{interval} in all headers, or give --interval PS", interval=interval)
+    start = Message("0, or give --time-zero NS, counted from the first sample")
+    for name, key, given, right, allowed in (
+        ("sample interval", "interval", options.interval_s, interval, all_same),
+        ("delay recording time", "delay", options.time_zero_s, 0, start),
+    ):
+        other = traces[key][~np.isin(traces[key], (0, right))]
+        if given is None and other.size:
+            raise Header(path.name, {name: int(other[0])}).refused(name, allowed)
 
 
 def _samples(traces: np.ndarray, header: Header) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from gpr20_analysis.formats.format import ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import SIMULATED
 from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
+from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header
@@ -23,10 +24,13 @@ from gpr20_survey.files.regular_file import check_regular
 
 ENTRY: Dict[str, Tuple[int, int]] = {".s1p": (0, 0), ".s2p": (1, 0)}
 """What of the scattering matrix is the survey's: S11 of one antenna, S21 of two."""
-PLACE = {one: re.compile(rf"(?<![A-Za-z]){one}([+-]?\d+(?:\.\d+)?)") for one in "XYZ"}
+PLACE = [
+    re.compile(rf"(?<![A-Z]){one}([+-]?\d+(?:[.,]\d+)?)(?![.,]?\d)", re.IGNORECASE) for one in "XYZ"
+]
 HEIGHT = re.compile(rf"{re.escape(HEIGHT_WORDS)} (\d[\d.e+-]*)")
 MM_PER_M = 1000.0
 BYTES_PER_BYTE = 20.0  # of memory, for a text of numbers
+NOISE_COLUMNS = 5
 SAME_HZ, LOWEST_HZ, HIGHEST_HZ = 0.5, 1e5, 1e12
 
 
@@ -38,8 +42,8 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
 
     Raises:
         MissingLibraryError: scikit-rf is not installed.
-        AnalysisError: Places are not known.
-        UnreadableFileError: There is no such file, one is damaged, or frequencies differ.
+        AnalysisError: Places are not known, or frequencies are uneven.
+        UnreadableFileError: There is no such file, one is damaged, or frequencies or kinds differ.
     """
     try:
         from skrf.io.touchstone import Touchstone
@@ -51,10 +55,19 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
             Message("{folder} contains no files {pattern}", folder=folder, pattern="*.s1p, *.s2p"),
             fault=faults.NO_INPUT,
         )
+    if len({one.suffix.lower() for one in paths}) > 1:
+        mixed = Message(
+            "{folder} contains both .s1p (S11) and .s2p (S21); a survey is of one kind: move the "
+            "others to another folder",
+            folder=folder,
+        )
+        raise UnreadableFileError(mixed, fault=faults.FILE_CONTENT)
     # Parts that are no numbers and those that are alternate.
     paths.sort(key=lambda one: [
         int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
     ])  # fmt: skip
+    if options.spacing_m is None:
+        paths.sort(key=lambda one: _place(folder, one))
     facts = checked_facts(folder)
     size = sum(one.stat().st_size for one in paths)
     lazy.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
@@ -76,8 +89,11 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
     found.was_moved = any(MOVED in one for one in comments)
     found.facts = facts
     if options.spacing_m is None:
-        _add_places(found, paths)
-    return as_survey(found, options)
+        places = np.array([_place(folder, one) for one in paths]).T
+        found.x_m, found.y_m, found.rotation_deg = places
+    survey = as_survey(found, options)
+    FrequencyGrid.of(survey)  # refuses uneven frequencies
+    return survey
 
 
 def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
@@ -89,31 +105,38 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         frequency_hz = np.asarray(frequency_hz, np.float64)
         entry = (slice(None), *ENTRY[path.suffix.lower()])
         spectrum = np.asarray(matrices[entry], np.complex128)
+        noise = file.noise
+        # After a lower frequency scikit-rf takes the parameters of two ports as noise.
+        if noise is not None and noise.shape[1] > NOISE_COLUMNS:
+            frequency_hz = np.append(frequency_hz, noise[:, 0])
         ends = {"first frequency [Hz]": frequency_hz[0], "last frequency [Hz]": frequency_hz[-1]}
-        if spectrum.shape != frequency_hz.shape or not (np.diff(frequency_hz) > 0.0).all():
-            raise ValueError("frequencies do not ascend")
+        descends = ~(np.diff(frequency_hz) > 0.0)
+        if spectrum.shape != frequency_hz.shape and not descends.any():
+            raise ValueError("not one value for each frequency")
         comments = str(file.get_comments())
     # On damaged files scikit-rf and numpy raise exceptions of many kinds.
     except Exception as error:
         raise UnreadableFileError(
             Message("{file} is damaged, or is no Touchstone file", file=path.name, details=error)
         ) from error
+    if descends.any():
+        later = {"frequency [Hz]": frequency_hz[1:][descends][0]}
+        higher = Message("higher than the one before; sort the lines by frequency")
+        raise Header(path.name, later).refused("frequency [Hz]", higher)
     for key in ends:
         Header(path.name, ends).number(key, LOWEST_HZ, HIGHEST_HZ)
     return frequency_hz, spectrum, comments
 
 
-def _add_places(traces: Traces, paths: List[Path]) -> None:
-    found = {key: [rule.search(path.stem) for path in paths] for key, rule in PLACE.items()}
-    if None in found["X"]:
-        name = paths[found["X"].index(None)].name
+def _place(folder: Path, path: Path) -> Tuple[float, float, float]:
+    """Return x, y [m] and rotation [deg] by the name of a file."""
+    found = [rule.search(path.stem) for rule in PLACE]
+    if found[0] is None:
         raise needs_spacing(
-            traces.path, Message("the name {file} has no place such as X50_Y0.5 [mm]", file=name)
+            folder, Message("the name {file} has no place such as X50_Y0.5 [mm]", file=path.name)
         )
-    x_mm, y_mm, z_deg = (
-        np.array([float(one.group(1)) if one else 0.0 for one in found[key]]) for key in PLACE
-    )
-    traces.x_m, traces.y_m, traces.rotation_deg = x_mm / MM_PER_M, y_mm / MM_PER_M, z_deg
+    x_mm, y_mm, z_deg = (float(one.group(1).replace(",", ".")) if one else 0.0 for one in found)
+    return x_mm / MM_PER_M, y_mm / MM_PER_M, z_deg
 
 
 def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:

@@ -156,17 +156,19 @@ def _positions(found: Traces, spacing_m: Optional[float]) -> np.ndarray:
     if spacing_m is not None:
         given = Header(found.path.name, {SPACING: spacing_m * dataset.MM_PER_M})
         given.number(SPACING, 0.01, LONGEST_SPACING_M * dataset.MM_PER_M)
-        x_m, y_m = np.arange(count) * spacing_m, np.zeros(count)
+        goes_back = x_m is not None and x_m[-1] < x_m[0]
+        x_m, y_m = np.arange(count)[:: -1 if goes_back else 1] * spacing_m, np.zeros(count)
     if x_m is None:
         raise needs_spacing(found.path, Message("the places of the traces are not recorded"))
     wrong = ~((np.abs(x_m) <= FURTHEST_M) & (np.abs(y_m) <= FURTHEST_M))
     if not (np.any(y_m) or np.any(found.rotation_deg)):
-        # A line is recorded in one direction: what goes back is an error of the wheel or the file.
-        wrong[1:] |= np.diff(x_m) <= 0.0
+        # A line is recorded in one direction: what turns is an error of the wheel or the file.
+        wrong[1:] |= np.diff(x_m) * np.sign(x_m[-1] - x_m[0]) <= 0.0
     if wrong.any():
         trace = int(wrong.argmax())
         reason = Message(
-            "trace {trace} is at {x_m:g} m; places must be lengths that ascend along a line",
+            "trace {trace} is at {x_m:g} m; places must be lengths that only ascend, or only "
+            "descend, along a line",
             trace=trace + 1,
             x_m=x_m[trace],
         )

@@ -47,7 +47,7 @@ def write_dzt(path, channels=None, bits=16, **more):
     path.write_bytes((header * blocks)[: 1024 * blocks] + stored.astype(kind).tobytes())
 
 
-def write_dt1(path, kind="<i2", values=None, x=None, unit="m", **entries):
+def write_dt1(path, kind="<i2", values=None, x=None, unit="m", dead=(), **entries):
     values = counts() if values is None else values
     x = np.arange(len(values)) * SPACING_M if x is None else x
     lines = {
@@ -66,6 +66,7 @@ def write_dt1(path, kind="<i2", values=None, x=None, unit="m", **entries):
         for number, (trace, place) in enumerate(zip(values, x)):
             header = np.zeros(32, "<f4")
             header[:6] = number + 1, place, len(trace), 0.0, 0.0, np.dtype(kind).itemsize
+            header[21] = number in dead  # item 22 of the manual, the zero flag
             stream.write(header.tobytes() + trace.astype(kind).tobytes())
 
 

@@ -156,7 +156,7 @@ def test_nothing_is_imported_half(tmp_path, form, output):
         ({"range": np.nan}, ["rhf_range", "nan"]),
         ({"epsr": 0.5}, ["rhf_epsr", "0.5", "between 1"]),
         ({"epsr": np.nan}, ["rhf_epsr", "nan"]),
-        ({"spm": -118.0}, ["rhf_spm"]),
+        ({"spm": -1e6}, ["rhf_spm"]),
         ({"spm": np.inf}, ["rhf_spm"]),
         ({"position": -1e30}, ["rhf_position"]),
         ({"position": -9.0}, ["time zero", "--time-zero"]),
@@ -202,9 +202,9 @@ def test_traces_that_were_taken_by_time_need_a_spacing(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "x", [[0, 1, 1, 2, 3, 4], [0, 1, 0.5, 2, 3, 4], [5, 4, 3, 2, 1, 0], [0, 1, np.nan, 3, 4, 5]]
+    "x", [[0, 1, 1, 2, 3, 4], [0, 1, 0.5, 2, 3, 4], [5, 4, 4, 2, 1, 0], [0, 1, np.nan, 3, 4, 5]]
 )
-def test_places_that_do_not_ascend_are_refused_with_the_way_out(tmp_path, x):
+def test_places_that_turn_are_refused_with_the_way_out(tmp_path, x):
     write_dt1(tmp_path / "l.dt1", x=x)
     with raises_fault(faults.OPTION, "l.dt1", "trace", "--spacing"):
         read(tmp_path / "l.dt1", "dt1")
@@ -247,6 +247,9 @@ def test_a_text_header_that_contradicts_its_file_is_refused(tmp_path, write, nam
         ({"b115": [SAMPLES, SAMPLES, 7, SAMPLES, SAMPLES, SAMPLES]}, ["number of samples", "7"]),
         ({"b3217": 0, "b117": 0}, ["sample interval"]),
         ({"b89": 2}, ["angles", "--spacing"]),
+        ({"b117": [200, 200, 0, 300, 200, 200]}, ["300", "200 in all headers", "--interval"]),
+        ({"b3217": 0, "b117": [200, 200, 0, 300, 200, 200]}, ["300", "200", "--interval"]),
+        ({"b109": -5}, ["delay recording time", "-5", "--time-zero"]),
     ],
 )
 def test_a_segy_header_that_is_wrong_is_refused(tmp_path, more, shown):
@@ -268,7 +271,10 @@ def test_places_of_segy_that_form_no_grid_need_a_spacing(tmp_path):
 @pytest.mark.parametrize(
     ("text", "shown"),
     [
-        ("# MHz S RI R 50\n1100 0 0 1 0 0 0 0 0\n1000 0 0 1 0 0 0 0 0\n", "other frequencies"),
+        (
+            "# MHz S RI R 50\n1100 0 0 1 0 0 0 0 0\n1000 0 0 1 0 0 0 0 0\n",
+            "frequency [Hz] is 1000000000",
+        ),
         ("# MHz S RI R 50\n", "damaged"),
         ("# Hz S RI R 50\n1 0 0 1 0 0 0 0 0\n2 0 0 1 0 0 0 0 0\n", "first frequency"),
         ("# MHz S RI R 50\n1000 0 0 1 0 0 0 0 0\n1100 0 0 1\n", "damaged"),
@@ -282,6 +288,27 @@ def test_a_touchstone_file_that_is_wrong_is_refused_by_its_name(tmp_path, text, 
     with pytest.raises(UnreadableFileError) as caught:
         read(tmp_path / "t", "touchstone")
     assert "X20_Y0.s2p" in str(caught.value) and shown in str(caught.value)
+
+
+@pytest.mark.parametrize("ending", ["s1p", "s2p"])
+@pytest.mark.parametrize(
+    ("hz", "shown"),
+    [
+        (np.linspace(6e9, 6e8, 101), ["frequency [Hz] is 5946", "sort the lines"]),
+        ([1e9, 2e9, 2e9], ["frequency [Hz] is 2000", "sort the lines"]),
+        ([1e9, 2e9, 4e9], ["not evenly spaced"]),
+    ],
+)
+def test_touchstone_frequencies_that_are_no_even_sweep_are_refused(tmp_path, ending, hz, shown):
+    write_touchstone(tmp_path / "t", [f"X0.{ending}", f"X1.{ending}"], hz=np.array(hz))
+    with raises_fault((CONTENT, faults.SWEEP), *shown):
+        read(tmp_path / "t", "touchstone")
+
+
+def test_a_folder_of_both_s11_and_s21_is_refused(tmp_path):
+    write_touchstone(tmp_path / "t", ["X0.s1p", "X10.S2P", "X20.s1p"])
+    with raises_fault(CONTENT, "S11", "S21", "another folder"):
+        read(tmp_path / "t", "touchstone")
 
 
 def test_two_traces_at_one_place_are_refused(tmp_path):

@@ -85,6 +85,22 @@ def test_a_dt1_file_is_read_with_its_header_beside_it(tmp_path, kind, unit, unit
         assert found.attrs["antenna_separation_m"] == pytest.approx(0.05 * unit_m)
 
 
+def test_a_dt1_trace_whose_zero_flag_is_set_is_missing(tmp_path):
+    write_dt1(tmp_path / "l.dt1", dead=[2])
+    found = read(tmp_path / "l.dt1", "dt1")
+    assert len(found.attrs["missing"]) == 1
+    assert np.isnan(found.a_scan.values[0, 0]).all(axis=-1).nonzero()[0].tolist() == [2]
+
+
+def test_a_line_that_was_driven_backwards_is_read_from_its_other_end(tmp_path):
+    write_dt1(tmp_path / "l.dt1", x=X_M[::-1])
+    check_line(read(tmp_path / "l.dt1", "dt1"), counts()[::-1])
+    check_line(read(tmp_path / "l.dt1", "dt1", spacing_m=SPACING_M), counts()[::-1])
+    write_dzt(tmp_path / "l.dzt", spm=-1.0 / SPACING_M)
+    found = read(tmp_path / "l.dzt", "dzt")
+    check_line(found.assign_coords(x=found.x - found.x[0]), counts()[::-1] / 2.0**15)
+
+
 @pytest.mark.parametrize("ending", [".rd3", ".RD7"])
 def test_a_mala_file_is_read_with_its_header_beside_it(tmp_path, ending):
     write_rd3(tmp_path / f"l{ending}")
@@ -143,6 +159,13 @@ def test_segy_says_where_source_and_receiver_are_and_what_is_dead(tmp_path):
     assert read(tmp_path / "g.sgy", "segy").a_scan.shape[:3] == (1, 3, 2)
 
 
+def test_options_decide_what_the_times_in_segy_headers_leave_open(tmp_path):
+    write_segy(tmp_path / "l.sgy", b109=5, b117=[200, 200, 0, 300, 200, 200])
+    found = read(tmp_path / "l.sgy", "segy", interval_s=50e-12, time_zero_s=1e-9)
+    check_line(found, counts(8), 50e-12)
+    assert found.attrs["antenna_delay_s"] == 1e-9
+
+
 def test_extended_headers_of_segy_are_skipped_and_garbage_of_old_files_is_not_one(tmp_path):
     write_segy(tmp_path / "l.sgy", b3501=0x0100, b3505=1)
     content = (tmp_path / "l.sgy").read_bytes()
@@ -163,6 +186,22 @@ def test_a_folder_of_touchstone_files_has_its_places_in_their_names(tmp_path, fo
     np.testing.assert_allclose(found.y, [0.0105])
     echo = np.exp(-2j * np.pi * np.linspace(1e9, 2e9, 11) * 1e-9)
     np.testing.assert_allclose(found.s21.values[0, 0], [0.1 * echo, 0.2 * echo], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("names", "x_mm"),
+    [
+        (["x0_y0", "x10_y0", "x20,5_y0"], [0, 10, 20.5]),
+        (["X-20", "X-40", "X20", "X0"], [-20, -40, 20, 0]),
+        (["X0.25", "X0.5", "X0.75"], [0.25, 0.5, 0.75]),
+    ],
+)
+def test_places_in_names_of_touchstone_files_are_ordered_as_numbers(tmp_path, names, x_mm):
+    write_touchstone(tmp_path / "t", [f"{one}.s2p" for one in names])
+    found = read(tmp_path / "t", "touchstone")
+    order = np.argsort(x_mm)
+    np.testing.assert_allclose(found.x, np.array(x_mm)[order] / 1e3)
+    np.testing.assert_allclose(np.abs(found.s21.values[0, 0, :, 0]), 0.1 * (order + 1))
 
 
 def test_touchstone_files_without_places_are_a_line_in_the_order_of_their_numbers(tmp_path):
