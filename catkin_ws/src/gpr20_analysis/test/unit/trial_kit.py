@@ -46,7 +46,7 @@ class Trial:
         name = f"{method}_{lane}_{len(self.sealed)}"
         rows = [",".join(map(str, one)) for one in marks]
         listed = self.folder / f"{name}.csv"
-        listed.write_text("\n".join(["id,x_m,y_m,above_clutter_db,doubtful", *rows, ""]))
+        listed.write_text("\n".join(["id,x_m,y_m", *rows, ""]))
         sealed = self.folder / f"{name}.json"
         self.sealed.append(sealed)
         return self.seal_file(listed, sealed, lane, method)
@@ -60,11 +60,9 @@ class Trial:
         return main(["trial", "score", *files, "--truth", str(self.truth), *options])
 
 
-def marks_at(
-    places: Iterable[Tuple[float, float]], level_db: float = 20.0
-) -> List[Tuple[Any, ...]]:
-    """Return certain candidates at places, the first one the most certain."""
-    return [(f"C{at:02d}", x, y, level_db - at, 0) for at, (x, y) in enumerate(places, 1)]
+def marks_at(places: Iterable[Tuple[float, float]]) -> List[Tuple[Any, ...]]:
+    """Return candidates at places, the first one the most certain."""
+    return [(f"C{at:02d}", x, y) for at, (x, y) in enumerate(places, 1)]
 
 
 def flipped(content: bytes, chance: random.Random) -> bytes:

@@ -92,9 +92,11 @@ def _seal(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
         lanes = ", ".join(plan.lanes)
         unknown = Message("there is no lane {lane}; write {lanes}", lane=chosen.lane, lanes=lanes)
         raise AnalysisError(unknown)
+    own = {name: getattr(chosen, name).strip() for name in ("method", "lane", "operator")}
+    for name in (one for one, text in own.items() if not text):
+        raise AnalysisError(Message("--{option} is blank; write a name", option=name))
     listed = read_candidates(chosen.candidates)
     area_m2 = listed.area_m2 or plan.lanes[chosen.lane].area_m2
-    own = {name: getattr(chosen, name) for name in ("method", "lane", "operator")}
     sealed = replace(listed, plan_sha256=plan.sha256, area_m2=area_m2, **own)
     _write(chosen.output, documents.SEAL, sealed, catalogue)
 
@@ -127,7 +129,8 @@ def _score(chosen: argparse.Namespace, catalogue: Catalogue) -> None:
     if plan is not None:
         from gpr20_analysis.plotting.froc import froc_figure  # its library is optional
 
-        figure = froc_figure(score.groups, [report.banner] if report.banner else [], catalogue)
+        drawn = [one for one in score.groups if one.targets or not one.stratum]
+        figure = froc_figure(drawn, [report.banner] if report.banner else [], catalogue)
         first.figures.append((catalogue.tr("FROC with intervals (95 %)"), figure))
     save_report(report, output, catalogue)
 

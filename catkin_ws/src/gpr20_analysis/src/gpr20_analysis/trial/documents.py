@@ -121,7 +121,11 @@ def salt_of(truth: Path) -> bytes:
     path = truth.with_name(truth.name + SALT)
     if not path.exists():
         write_new_file(path, f"{secrets.token_hex(32)}\n".encode("ascii"))
-    return read_regular(path)
+    salt = read_regular(path)
+    if not _SALT_CONTENT.fullmatch(salt):
+        other = Message("{file} is not 64 hexadecimal digits and a line feed; delete it", file=path)
+        raise UnreadableFileError(other, fault=faults.FILE_CONTENT)
+    return salt
 
 
 def promise_of(salt: bytes, truth: bytes) -> str:
@@ -143,8 +147,17 @@ def read_candidates(path: Path) -> Seal:
     content = b"" if path.is_dir() else read_regular(path)  # a survey is no list
     own = hashlib.sha256(content).hexdigest()
     if path.suffix == ".csv":
-        rows = enumerate(read_table(content, path.name, MARK_COLUMNS))
-        return Seal(tuple(Mark(one["id"], one["x_m"], one["y_m"], -at) for at, one in rows), own)
+        rows = read_table(content, path.name, MARK_COLUMNS)
+        unknown = [repr(one) for one in next(iter(rows), ()) if one not in MARK_COLUMNS]
+        if unknown:
+            only = Message(
+                "{file} has columns {unknown}; keep only {names}, or give the .json of {command}",
+                **{"file": path, "unknown": ", ".join(unknown), "names": ", ".join(MARK_COLUMNS)},
+                command="gpr20 candidates",
+            )
+            raise UnreadableFileError(only, fault=faults.FILE_CONTENT)
+        marks = tuple(Mark(one["id"], one["x_m"], one["y_m"], -at) for at, one in enumerate(rows))
+        return Seal(marks, own)
     try:
         found = list_from(content.decode("utf-8"))
     except (UnicodeDecodeError, InvalidValueError) as error:

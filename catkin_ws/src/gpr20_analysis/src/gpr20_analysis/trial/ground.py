@@ -193,7 +193,7 @@ def groups_of(
     for column in strata:
         of_lanes = {name: one.notes[column] for name, one in lanes.items() if column in one.notes}
         values = [of_lanes.get(one.lane) if of_lanes else one.row[column] for one in targets]
-        for value in sorted(set(values), key=str):
+        for value in sorted({*values, *of_lanes.values()}, key=str):
             names = [one.name for one, own in zip(targets, values) if own == value]
             # A value of a lane limits the false alarms, one of a target does not.
             near = [one for one in lanes if not of_lanes or of_lanes.get(one) == value]

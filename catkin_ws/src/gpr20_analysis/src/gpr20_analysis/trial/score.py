@@ -95,6 +95,15 @@ def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) ->
                 **{"method": seal.method, "lane": seal.lane},
             )
             raise AnalysisError(other, fault=faults.FILE_CHANGED)
+        for one in (one.seal for one in lanes.values()):
+            # A table of a heading alone may be that of several lanes.
+            if one.list_sha256 == seal.list_sha256 and (seal.marks or seal.survey_id):
+                same = Message(
+                    "one list is sealed for {first} and for {second}; seal the right one for each",
+                    first=f"{one.method}, {one.lane}",
+                    second=f"{seal.method}, {seal.lane}",
+                )
+                raise AnalysisError(same, fault=faults.FILE_CHANGED)
         lane = plan.lanes[seal.lane]
         own = [one for one in targets if one.lane == seal.lane]
         area_m2 = lane.area_outside([one.place_m for one in own], plan.halo_m)
@@ -107,7 +116,7 @@ def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) ->
         for method in methods
     ]
     return Score(
-        [one for one in groups if one.targets or not one.stratum],
+        groups,
         [_compared(*pair, lanes) for pair in itertools.combinations(methods, 2)],
         list(lanes.values()),
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from candidate_examples import candidate, candidate_list
-from trial_kit import TARGETS, Trial, flipped, marks_at
+from trial_kit import LANES, TARGET_HEADING, TARGETS, Trial, flipped, marks_at
 
 import gpr20_analysis
 from gpr20_analysis import faults
@@ -186,6 +186,51 @@ def test_a_plan_with_wrong_options_is_refused_and_leaves_nothing(tmp_path, capsy
     assert trial.plan(halo_m=0.0) == 3
     assert "halo radius" in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("salt", [b"", b"0" * 64, b"0" * 64 + b"\r\n", b"A" * 64 + b"\n"])
+def test_a_salt_that_no_plan_wrote_is_refused_and_left_as_it_is(tmp_path, capsys, salt):
+    trial = Trial(tmp_path)
+    trial.salt.write_bytes(salt)
+    assert trial.plan() == 3
+    assert "targets.csv.salt" in (said := capsys.readouterr().err) and "delete it" in said
+    assert not trial.file.exists() and trial.salt.read_bytes() == salt
+
+
+@pytest.mark.parametrize("option", ["--method", "--operator"])
+@pytest.mark.parametrize("text", ["", " "])
+def test_a_list_is_not_sealed_without_the_name_of(trial, option, text, capsys):
+    sealed, listed = trial.folder / "sealed.json", trial.sealed[0].with_suffix(".csv")
+    own = ("--lane", "L1", "--method", "m", "--operator", "o", option, text, "-o", str(sealed))
+    assert main(["trial", "seal", str(trial.file), str(listed), *own]) == 3
+    assert f"{option} is" in capsys.readouterr().err and not sealed.exists()
+
+
+@pytest.mark.parametrize("column", ["Doubtful", "doubtful", "above_clutter_db"])
+def test_a_list_with_a_column_that_would_not_count_is_refused(trial, column, capsys):
+    listed, sealed = trial.folder / "list.csv", trial.folder / "sealed.json"
+    listed.write_text(f"id,x_m,y_m,{column}\nA,1,0.5,1\n")
+    assert trial.seal_file(listed, sealed, "L1") == 3
+    said = capsys.readouterr().err
+    assert f"'{column}'" in said and "id, x_m, y_m" in said and not sealed.exists()
+
+
+def test_a_list_that_was_sealed_for_two_lanes_is_refused(trial, refusals, capsys):
+    listed = trial.folder / "list.csv"
+    listed.write_text("id,x_m,y_m\nA,1,0.5\n")
+    trial.sealed = [trial.folder / "a.json", trial.folder / "b.json"]
+    for sealed, lane in zip(trial.sealed, ("L1", "L2")):
+        assert trial.seal_file(listed, sealed, lane) == 0
+    assert trial.score() == 3 and refusals == [faults.FILE_CHANGED.code]
+    assert "for radar, L1 and for radar, L2" in capsys.readouterr().err
+
+
+def test_false_alarms_are_counted_where_nothing_is_buried(tmp_path, capsys):
+    trial = Trial(tmp_path, LANES.splitlines()[0] + "\nL1,0,4,0,1,sand\n", TARGET_HEADING + "\n")
+    assert trial.plan() == trial.seal("L1", marks_at([(0.5, 0.5)])) == 0
+    assert trial.score("-o", str(tmp_path / "report.html")) == 0
+    rows = [one for one in capsys.readouterr().out.splitlines() if "0/0 | - |" in one]
+    assert ["| 1 | 4.00 | 0.250 |" in one for one in rows] == [True, True]
 
 
 def test_the_planner_learns_how_many_targets_there_are(tmp_path, capsys):

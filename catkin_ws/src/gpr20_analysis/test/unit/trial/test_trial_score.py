@@ -25,9 +25,10 @@ def plan(strata=("type", "soil")):
     return Plan(HALO_M, strata, LANE_MAP, sha256="p")
 
 
-def seal(places, lane="L1", method="radar", doubtful=(), area_m2=4.0):
+def seal(places, lane="L1", method="radar", doubtful=(), area_m2=4.0, own=None):
+    own = own or f"{method} {lane}"
     marks = [Mark(f"C{at}", *one, 20.0 - at, at in doubtful) for at, one in enumerate(places)]
-    return Seal(tuple(marks), "", area_m2=area_m2, plan_sha256="p", lane=lane, method=method)
+    return Seal(tuple(marks), own, area_m2=area_m2, plan_sha256="p", lane=lane, method=method)
 
 
 def score(*seals):
@@ -89,6 +90,14 @@ def test_a_stratum_of_lanes_has_their_ground_and_one_of_targets_that_of_all():
     assert group(result, "type PMN").area_m2 == sum(lanes)
 
 
+def test_a_lane_without_targets_has_its_row_of_false_alarms():
+    blank = Lane({"soil": "gravel"}, "L3", 0.0, 2.0, 0.0, 1.0)
+    of_three = Plan(HALO_M, ("soil",), {**LANE_MAP, "L3": blank}, sha256="p")
+    result = score_trial(of_three, TARGET_LIST, [seal([]), seal([(0.5, 0.5)], "L3")])
+    own = group(result, "soil gravel")
+    assert (own.targets, own.detection, own.alarms, own.alarms_per_m2) == (0, None, 1, 0.5)
+
+
 def test_methods_are_compared_on_the_targets_of_both():
     result = score(
         seal([(0.5, 0.5)]), seal([(0.5, 0.5)], "L2"),
@@ -119,6 +128,16 @@ def test_lists_of_another_plan_and_two_for_one_lane_are_refused(other):
         second = Seal((), "", plan_sha256=other, lane="L1", method="detector")
     with pytest.raises(AnalysisError, match="L1"):
         score(seal([]), second)
+
+
+def test_one_list_for_two_methods_is_refused_unless_nothing_was_found():
+    for place in ([], [(1.0, 0.5)]):
+        both = [seal(place, method=one, own="abc") for one in ("radar", "detector")]
+        if place:
+            with pytest.raises(AnalysisError, match="radar, L1 and .*detector, L1"):
+                score(*both)
+        else:
+            assert len(score(*both).lanes) == 2
 
 
 @settings(max_examples=60, deadline=None)
