@@ -39,6 +39,7 @@ from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.trial.statistics import detection_interval
 from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hidden_target import Target, target_of
 from gpr20_survey.results.hiding_map import HidingMap
 
@@ -119,6 +120,12 @@ def detector(permittivity: float) -> Detector:
 
 
 @lru_cache(maxsize=None)
+def listed_of(number: int) -> CandidateList:
+    """Return the candidates of a scene."""
+    return detector(truths(UNIANDES)[number]["permittivity"]).search(scene(number).survey)
+
+
+@lru_cache(maxsize=None)
 def map_of(number: int, name: str) -> HidingMap:
     """Return the map of a target in a scene."""
     truth = truths(UNIANDES)[number]
@@ -146,6 +153,7 @@ def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
     hits = sum(
         is_found(
             detector(permittivity).search(direct.survey_with(target, DEPTHS_M[layer], *one)),
+            listed_of(number),
             (float(x_m[one[1]]), float(y_m[one[0]])),
             DEPTHS_M[layer],
             target,

@@ -37,14 +37,14 @@ def test_the_missed_depth_is_the_first_at_which_too_few_were_found(counts, neede
 
 
 def test_where_none_was_tried_one_could_hide():
-    found = a_map([[[5, 0]]], [[[5, 0]]])
+    found = a_map([[[6, 0]]], [[[6, 0]]])
     assert np.isnan(found.missed_m[0, 0]) and found.missed_m[0, 1] == 0.02
     assert "found down to 20 mm" in str(found.at(0.0, 0.0))
     assert "could hide from 20 mm on" in str(found.at(0.2, 0.0))
 
 
 def test_the_warning_comes_first_and_never_are_there_words_of_clearance():
-    found = a_map([[[5, 0]]], [[[5, 5]]])
+    found = a_map([[[6, 0]]], [[[6, 6]]])
     assert found.sentences[0] == ONLY_THIS
     text = " ".join(str(one) for one in found.sentences).lower()
     for word in ("clear", "free", "safe"):
@@ -63,9 +63,9 @@ def test_json_gives_the_same_map(position):
     st.none() | st.booleans() | st.floats() | st.text() | st.integers(),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
     max_leaves=8,
-), st.sampled_from(sorted(json.loads(hiding_json(a_map([[[5, 0]]], [[[5, 5]]]))))))  # fmt: skip
+), st.sampled_from(sorted(json.loads(hiding_json(a_map([[[6, 0]]], [[[6, 6]]]))))))  # fmt: skip
 def test_a_damaged_map_is_refused_or_read_whole(value, name):
-    values = json.loads(hiding_json(a_map([[[5, 0]]], [[[5, 5]]])))
+    values = json.loads(hiding_json(a_map([[[6, 0]]], [[[6, 6]]])))
     values[name] = value
     try:
         found = hiding_from(json.dumps(values))

@@ -80,9 +80,9 @@ def test_where_a_mine_could_hide_is_asked_after_the_list_and_shown_on_the_map(wi
     ended(window)
     sheet.hiding_button.click()
     request_id, survey, permittivity, target = node.of("hide")[-1]
-    assert (survey, permittivity, target) == (FOLDER, LIST.permittivity, "type-72")
+    assert (survey, permittivity, target) == (FOLDER, 0.0, "type-72")
     assert sheet.progress.isVisible() and sheet.cancel.isEnabled()
-    found = a_map([[[5, 0]]], [[[5, 5]]], survey_id=SURVEY)
+    found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
     window.on_event(HidingMapped(request_id, found))
     assert shown_text(ONLY_THIS) in sheet.details.text()
     assert cells(sheet.table)[0][0] == "C01"

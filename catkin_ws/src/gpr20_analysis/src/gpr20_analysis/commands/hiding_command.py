@@ -116,10 +116,11 @@ def hiding_of(chosen: argparse.Namespace, survey: xr.Dataset) -> Optional[Hiding
         return None
     found = read_hiding(chosen.hiding)
     survey_id = str(survey.attrs.get("survey_id", ""))
-    if found.survey_id != survey_id:
+    if not survey_id or found.survey_id != survey_id:
         raise WrongDatasetError(
             Message(
-                "{path} is a map of the survey {other}, not of {survey}",
+                "{path} is a map of the survey {other}, not of {survey}; gpr20 import into a "
+                "folder gives data an id",
                 path=chosen.hiding,
                 other=found.survey_id or "-",
                 survey=survey_id or "-",

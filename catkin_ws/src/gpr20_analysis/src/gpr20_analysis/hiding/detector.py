@@ -25,11 +25,13 @@ from gpr20_analysis.imaging.image import ECHO_VALUES, REST, image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import decibels
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import Candidate, CandidateList
 from gpr20_survey.results.hidden_target import Target
 
 # A candidate is the target if it is so near to it: across its rim, above its top, below its bottom.
 NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
+# Than a candidate that is there without the target.
+STRONGER_DB = 1.0
 # The clutter around a target is within that of it, across.
 AROUND_M = 0.36
 
@@ -117,8 +119,10 @@ class Searched:
         Returns:
             An image (polarization, depth, y, x).
         """
-        image = image_survey(self._added(injected), self._options, with_rest=True)
-        left: np.ndarray = image[REST].values
+        added = self._added(injected)
+        if not np.any(np.nan_to_num(added[S21].values)):
+            return np.zeros_like(self._rest)
+        left: np.ndarray = image_survey(added, self._options, with_rest=True)[REST].values
         return left
 
     def with_echo(self, injected: xr.Dataset) -> np.ndarray:
@@ -128,6 +132,8 @@ class Searched:
             injected: The survey as measured, with targets in it.
         """
         added = self._added(injected)
+        if not np.any(np.nan_to_num(added[S21].values)):
+            return self._rest  # the target is like the soil
         image: np.ndarray = image_survey(added, self._options, with_echoes=False)[IMAGE].values
         return self._rest + image
 
@@ -154,7 +160,7 @@ class Searched:
         found = self._detector.candidates(
             self._image.assign({ECHOES: (dims, echoes, self._image[ECHOES].attrs)})
         )
-        return is_found(found, place_m, top_m, target)
+        return is_found(found, self.found, place_m, top_m, target)
 
     def _rows(
         self,
@@ -218,19 +224,36 @@ class Searched:
 
 
 def is_found(
-    found: CandidateList, place_m: Tuple[float, float], top_m: float, target: Target
+    found: CandidateList,
+    without: CandidateList,
+    place_m: Tuple[float, float],
+    top_m: float,
+    target: Target,
 ) -> bool:
     """Return whether a candidate that is not doubtful is a target.
 
+    Where the survey has a candidate without the target, too, it must be stronger with it: what
+    changes nothing was not found.
+
     Args:
-        found: The candidates.
+        found: The candidates with the target.
+        without: Those of the survey without it.
         place_m: X and Y of the target [m].
         top_m: Depth of its top [m].
         target: What it is.
     """
-    return any(
-        np.hypot(one.x_m - place_m[0], one.y_m - place_m[1]) < NEAR_M + target.diameter_m / 2.0
+    with_db, without_db = (
+        max([-np.inf, *(one.above_clutter_db for one in listed.candidates
+                        if _is_at(one, place_m, top_m, target))])
+        for listed in (found, without)
+    )  # fmt: skip
+    return bool(with_db > without_db + STRONGER_DB)
+
+
+def _is_at(one: Candidate, place_m: Tuple[float, float], top_m: float, target: Target) -> bool:
+    away_m = np.hypot(one.x_m - place_m[0], one.y_m - place_m[1])
+    return bool(
+        not one.is_doubtful
+        and away_m < NEAR_M + target.diameter_m / 2.0
         and -ABOVE_M < one.depth_m - top_m < target.height_m + BELOW_M
-        for one in found.candidates
-        if not one.is_doubtful
     )

@@ -112,10 +112,7 @@ def _rows(found: HidingMap) -> List[Dict[str, Any]]:
 
 def _rings(found: HidingMap) -> List[Ring]:
     """Return the corners of the cell of each place, in degrees if the area is on the earth."""
-    half_x_m, half_y_m = (
-        float(np.ptp(one)) / (len(one) - 1) / 2.0 if len(one) > 1 else found.within_m.min()
-        for one in (found.x_m, found.y_m)
-    )
+    half_x_m, half_y_m = (size_m / 2.0 for size_m in found.cell_m)
     rings = []
     for y_m, x_m in ((y, x) for y in found.y_m for x in found.x_m):
         corners = [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]

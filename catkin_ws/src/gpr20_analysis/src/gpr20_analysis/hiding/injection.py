@@ -13,6 +13,9 @@ from gpr20_analysis.imaging.one_height import unit_phasor
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_survey.radar.refraction import one_way_delay_s
 
+# Of the median magnitude of all traces: in fainter ones, the antennas received nothing.
+DEAD_SHARE = 0.1
+
 
 def with_targets(
     survey: xr.Dataset,
@@ -22,7 +25,7 @@ def with_targets(
     transmission: np.ndarray,
     separation_m: float,
 ) -> xr.Dataset:
-    """Return a survey with the echoes of targets added to its spectra.
+    """Return a survey with the echoes of targets added to its spectra, but not to dead traces.
 
     Args:
         survey: The survey as measured, in memory.
@@ -39,7 +42,7 @@ def with_targets(
     turns_rad = np.radians(np.nan_to_num(survey[POLARIZATION].values.astype(np.float64)))
     for turn, rotation_rad in enumerate(turns_rad):
         half_m = 0.5 * separation_m * np.array([np.cos(rotation_rad), np.sin(rotation_rad)])
-        at = np.flatnonzero(np.isfinite(height_m[turn].ravel()))
+        at = np.flatnonzero(np.isfinite(height_m[turn]).ravel() & _alive(spectra[turn]).ravel())
         added = np.zeros((at.size, sweep.count), np.complex64)
         for target_m in places_m:
             away = np.stack([x_m.ravel()[at] - target_m[0], y_m.ravel()[at] - target_m[1]])
@@ -55,6 +58,13 @@ def with_targets(
             added += _levels(echo, np.hypot(*away)) * _phasors(np.asarray(delay_s), sweep)
         spectra[turn].reshape(-1, sweep.count)[at] += added * transmission[turn]
     return survey.assign({S21: (S21_DIMS, spectra, survey[S21].attrs)})
+
+
+def _alive(spectra: np.ndarray) -> np.ndarray:
+    """Return which traces (y, x) have received about as much as the others, so not only noise."""
+    level = np.sqrt(np.mean(np.abs(np.nan_to_num(spectra)) ** 2, axis=-1))
+    alive: np.ndarray = level > DEAD_SHARE * np.median(level[level > 0.0]) if level.any() else level
+    return alive
 
 
 def _levels(echo: Echo, distance_m: np.ndarray) -> np.ndarray:

@@ -31,7 +31,7 @@ from gpr20_survey.results.hidden_target import Target
 # Targets of one run are apart by that, or by so many wavelengths in air.
 APART_M, APART_WAVELENGTHS = 0.2, 2.0
 # Of the permittivities.
-BEST = 1
+BEST = 0
 # Of the targets that the whole detector searches, at once: more would count as clutter.
 CHECKED_PER_M2, CHECKS = 5.0, 3
 # Of the slow way, which gives a coarser map.
@@ -127,7 +127,10 @@ class Runs:
         self.left: Dict[float, np.ndarray] = {}
         self._frequency_hz = FrequencyGrid.of(survey).frequency_hz
         lowest, highest = listed.permittivity_range
-        self._permittivities = (lowest, listed.permittivity, highest)
+        self._permittivities = [listed.permittivity, lowest, highest]
+        if target.permittivity is not None and lowest <= target.permittivity <= highest:
+            # What may be invisible is taken as invisible.
+            self._permittivities = [target.permittivity]
         if antenna is None:
             surface = SurfaceReference(survey, options.separation_m)
             self._transmissions = [surface.transmission(one) for one in self._permittivities]
@@ -164,7 +167,8 @@ class Runs:
         if not places_m:
             return []
         found = self._detector.search(self._survey_with(places_m, depth_m, number))
-        return [(one, is_found(found, one, depth_m, self._target)) for one in places_m]
+        without, target = self._searched.found, self._target
+        return [(one, is_found(found, without, one, depth_m, target)) for one in places_m]
 
     def _places_m(self, depth_m: float, number: int) -> List[Tuple[float, float]]:
         """Return the places of one run [m]."""

@@ -2,8 +2,9 @@
 
 Every run puts targets at one depth on a lattice with a random origin into the spectra as measured,
 and looks for each with the survey's own detector. So what a survey's own ground, heights, noise and
-bodies hide is hidden here. The soil's permittivity is in turn the lowest, the best and the highest
-likely one, while the detector uses the best, as it would.
+bodies hide is hidden here. The soil's permittivity is in turn the best, the lowest and the highest
+likely one, while the detector uses the best, as it would. If one of these is that of the target, it
+is taken, and the target is invisible.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hidden_target import Target
 from gpr20_survey.results.hiding_map import HidingMap
 
-# So many targets count for a place, on average.
-COUNTED = 12.0
+# The nearest of that many targets count for a place.
+COUNTED = 12
 # Places are nearer to each other than the targets of one run.
 PLACE_SHARE = 0.4
 MOST_PLACES = 40
@@ -103,16 +104,20 @@ def _counted(
     apart_m: float,
 ) -> HidingMap:
     axes_m = [survey[name].values for name in (X, Y)]
-    within_m = np.array([_within_m(axes_m, len(results.tried[one])) for one in options.depth_m])
     # The same for each seed.
     x_m, y_m = (_places(axis_m, PLACE_SHARE * apart_m) for axis_m in axes_m)
     shape = (len(options.depth_m), len(y_m), len(x_m))
-    counts, hits = np.zeros(shape, int), np.zeros(shape, int)
+    counts, hits, within_m = np.zeros(shape, int), np.zeros(shape, int), np.zeros(shape[0])
     for layer, depth_m in enumerate(options.depth_m):
-        for (at_x_m, at_y_m), found in results.tried[depth_m]:
-            near = np.hypot(y_m[:, None] - at_y_m, x_m - at_x_m) <= within_m[layer]
-            counts[layer] += near
-            hits[layer] += near & found
+        tried = results.tried[depth_m]
+        if not tried:
+            continue
+        at_x_m, at_y_m = np.array([place_m for place_m, _ in tried]).T
+        found = np.array([is_found for _, is_found in tried])
+        away_m = np.hypot(y_m[:, None, None] - at_y_m, x_m[:, None] - at_x_m)
+        nearest = np.argsort(away_m, axis=-1, kind="stable")[..., :COUNTED]
+        counts[layer], hits[layer] = nearest.shape[-1], found[nearest].sum(axis=-1)
+        within_m[layer] = np.take_along_axis(away_m, nearest[..., -1:], axis=-1).max()
     limits = [detection_interval(int(k), int(n)) if n else (0.0, 1.0)
               for k, n in zip(hits.ravel(), counts.ravel())]  # fmt: skip
     lowest, highest = np.array(limits).T.reshape(2, *shape)
@@ -136,18 +141,22 @@ def _counted(
         checked=results.checked,
         agreed=results.agreed,
         by_whole_m=results.by_whole_m,
-        notes=listed.notes,
+        notes=(*listed.notes, *_notes(listed, target)),
         position=listed.position,
     )
 
 
-def _within_m(axes_m: Sequence[np.ndarray], targets: int) -> float:
-    """Return the radius of a place for which so many targets count on average [m]."""
-    shorter_m, longer_m = sorted(float(np.ptp(one)) for one in axes_m)
-    share = COUNTED / max(targets, 1)
-    if shorter_m == 0.0:
-        return min(share, 1.0) * longer_m / 2.0
-    return float(np.sqrt(share * shorter_m * longer_m / np.pi))
+def _notes(listed: CandidateList, target: Target) -> Sequence[Message]:
+    lowest, highest = listed.permittivity_range
+    if target.permittivity is None or not lowest <= target.permittivity <= highest:
+        return []
+    return [
+        Message(
+            "the soil may have the permittivity of the target, {value:g}, which is then invisible; "
+            "measure that of the soil",
+            value=target.permittivity,
+        )
+    ]
 
 
 def _places(axis_m: np.ndarray, step_m: float) -> np.ndarray:

@@ -29,6 +29,8 @@ from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 TRANSMISSION = 1
 # An echo there is the surface, if it is that much above the median.
 SURFACE_WITHIN_S, CLEAR = 0.3e-9, 6.0
+# What the fit leaves of the coupling may be stronger.
+OF_STRONGEST = 0.5
 PADDING = 8
 # Of the way through the air: how long what belongs to an echo lasts, before and after it.
 LASTS = 0.375
@@ -131,9 +133,9 @@ def _surface(mean: np.ndarray, air_s: float, sweep: FrequencyGrid) -> Tuple[np.n
     return surface, mean - coupling
 
 
-def _is_clear(echo: np.ndarray, sweep: FrequencyGrid) -> bool:
-    """Return whether the strongest of a spectrum is near delay 0."""
-    level = np.abs(a_scans(echo, sweep, PADDING * sweep.count))
+def _is_clear(rest: np.ndarray, sweep: FrequencyGrid) -> bool:
+    """Return whether a spectrum without coupling has an echo near delay 0."""
+    level = np.abs(a_scans(rest, sweep, PADDING * sweep.count))
     delay_s = np.fft.fftfreq(len(level)) * sweep.unambiguous_s
-    near = np.abs(delay_s[np.argmax(level)]) < SURFACE_WITHIN_S
-    return bool(near and level.max() > CLEAR * np.median(level))
+    surface = level[np.abs(delay_s) < SURFACE_WITHIN_S].max()
+    return bool(surface > CLEAR * np.median(level) and surface > OF_STRONGEST * level.max())

@@ -21,6 +21,9 @@ FORMAT = "gpr20-hiding/1"
 MM_PER_M = 1e3
 AXES, COUNTS, LIMITS = ("x_m", "y_m", "depth_m"), ("tried", "found"), ("lowest", "highest")
 WITHIN = "within_m"
+SINGLE_CELL_M = 0.05
+FEWEST = 6
+"""Targets near a place; with fewer it counts as one where the target could hide."""
 FIGURES = ("needed", "permittivity", "loss_tangent")
 WHOLE = ("seed", "checked", "agreed")
 ONLY_THIS = Message(
@@ -45,7 +48,7 @@ class HidingMap:
         lowest: Lower end of the 95 % interval of the share.
         highest: Upper end.
         needed: The share that must be found, else the target could hide.
-        within_m: Targets so near to a place count for it, at each depth [m].
+        within_m: The targets of every place are at most so far from it, at each depth [m].
         permittivity: Relative permittivity of the soil.
         permittivity_range: Its lowest and highest likely value.
         loss_tangent: Loss tangent of the soil.
@@ -89,12 +92,15 @@ class HidingMap:
         return share
 
     @property
-    def missed_m(self) -> np.ndarray:
-        """The shallowest depth at which the target could hide (y, x) [m].
+    def missed(self) -> np.ndarray:
+        """Whether the target could hide (depth, y, x): too few were found, or tried at all."""
+        missed: np.ndarray = ~(self.share >= self.needed) | (self.tried < FEWEST)
+        return missed
 
-        NaN: at no depth that was tried. Where no target was tried it could hide.
-        """
-        missed = ~(self.share >= self.needed)
+    @property
+    def missed_m(self) -> np.ndarray:
+        """The shallowest depth at which the target could hide (y, x) [m]; NaN: at none tried."""
+        missed = self.missed
         first = self.depth_m[np.argmax(missed, axis=0)]
         return np.where(np.any(missed, axis=0), first, np.nan)
 
@@ -104,9 +110,15 @@ class HidingMap:
         return [*([SIMULATED] if self.simulated else []), ONLY_THIS, *self.details]
 
     @property
+    def cell_m(self) -> Tuple[float, float]:
+        """Extent along X and Y of the cell around each place; of a line as wide as long [m]."""
+        sizes = [float(np.ptp(one)) / max(len(one) - 1, 1) for one in (self.x_m, self.y_m)]
+        known = [one for one in sizes if one > 0.0] or [SINGLE_CELL_M]
+        return sizes[0] or min(known), sizes[1] or min(known)
+
+    @property
     def details(self) -> List[Message]:
         """What the map says, without the warnings."""
-        missed_m, cells = self.missed_m, self.missed_m.size
         low, high = self.permittivity_range
         lines = [
             Message("target: {target}", target=self.target.sentence),
@@ -117,15 +129,15 @@ class HidingMap:
                 loss=self.loss_tangent,
             ),
         ]
-        for depth_m, within_m, share in zip(self.depth_m, self.within_m, self.share):
-            hidden = int(np.count_nonzero(missed_m <= depth_m))
+        layers = zip(self.depth_m, self.within_m, self.share, self.missed)
+        for depth_m, within_m, share, missed in layers:
             lines.append(
                 Message(
                     "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map; of the "
                     "targets within {within_mm:.0f} mm of a place {least:.0f} to {most:.0f} % were "
                     "found",
                     depth_mm=MM_PER_M * depth_m,
-                    percent=100.0 * hidden / cells,
+                    percent=100.0 * float(np.mean(missed)),
                     within_mm=MM_PER_M * within_m,
                     least=100.0 * float(np.nan_to_num(share).min()),
                     most=100.0 * float(np.nan_to_num(share).max()),
@@ -204,7 +216,7 @@ def hiding_from(text: str) -> HidingMap:
             not ascending
             or any(one.shape != shape for one in tables)
             or within_m.shape != shape[:1]
-            or not np.all(within_m > 0.0)
+            or not np.all(within_m >= 0.0)
         ):
             raise ValueError("axes and tables contradict each other")
         if np.any(counts["found"] < 0) or np.any(counts["found"] > counts["tried"]):

@@ -52,6 +52,7 @@ class CandidateSearch:
         self._request_id = ""
         self._started_s = 0.0
         self._survey_runs = False
+        self._permittivity = 0.0
         self.survey: Optional[SurveySummary] = None
         self.state = SearchState.READY
         self.found: Optional[CandidateList] = None
@@ -103,9 +104,10 @@ class CandidateSearch:
             return
         self._request_id = new_request_id()
         self._started_s = self._now_s()
+        self._permittivity = entered_permittivity(permittivity)
         self._rest(SearchState.RUNNING, None)
         self._requests.find_candidates(
-            self._request_id, self.survey.folder, entered_permittivity(permittivity), language
+            self._request_id, self.survey.folder, self._permittivity, language
         )
 
     def start_hiding(self) -> None:
@@ -117,7 +119,8 @@ class CandidateSearch:
         self._started_s = self._now_s()
         self._rest(SearchState.RUNNING, None)
         self.found = found
-        self._requests.map_hidden(self._request_id, survey.folder, found.permittivity, TARGET)
+        # Not that of the list, which is a guess where none was entered.
+        self._requests.map_hidden(self._request_id, survey.folder, self._permittivity, TARGET)
 
     def cancel(self) -> None:
         """End a search that is running."""

@@ -17,12 +17,7 @@ def hidden_areas(found: HidingMap) -> List[Tuple[Area, float]]:
         found: The map.
     """
     x_mm, y_mm = MM_PER_M * found.x_m, MM_PER_M * found.y_m
-    half_x_mm, half_y_mm = (
-        float(np.ptp(one)) / (len(one) - 1) / 2.0
-        if len(one) > 1
-        else MM_PER_M * found.within_m.min()
-        for one in (x_mm, y_mm)
-    )
+    half_x_mm, half_y_mm = (MM_PER_M * size_m / 2.0 for size_m in found.cell_m)
     missed_m = found.missed_m
     return [
         (

@@ -91,13 +91,13 @@ class SliceView(PicturePlot):
 
 def _extent_mm(found: HidingMap) -> Tuple[float, float, float, float]:
     """Return left, top, width and height of a map."""
-    corner, size = [], []
-    for axis_m in (found.x_m, found.y_m):
-        count = len(axis_m)
-        step_m = float(np.ptp(axis_m)) / (count - 1) if count > 1 else 2.0 * found.within_m.min()
-        corner.append(MM_PER_M * (float(axis_m[0]) - step_m / 2.0))
-        size.append(MM_PER_M * step_m * count)
-    return corner[0], corner[1], size[0], size[1]
+    width_m, height_m = found.cell_m
+    return (
+        MM_PER_M * (float(found.x_m[0]) - width_m / 2.0),
+        MM_PER_M * (float(found.y_m[0]) - height_m / 2.0),
+        MM_PER_M * width_m * len(found.x_m),
+        MM_PER_M * height_m * len(found.y_m),
+    )
 
 
 class SectionView(PicturePlot):
