@@ -11,6 +11,7 @@ from gpr20_common.message import Message
 
 MM_PER_M = 1e3
 SMALLEST_MM, LARGEST_MM, HIGHEST = 5.0, 400.0, 100.0
+MOST_SHOWN = 40
 EXPLOSIVE = 2.8
 """Relative permittivity of a plastic mine: that of TNT, which fills most of it, is 2.7 to 2.9."""
 
@@ -107,14 +108,14 @@ def target_of(text: str) -> Target:
         numbers = []
     if kind == "disc" and len(numbers) == 3:
         diameter_mm, height_mm, permittivity = numbers
-        return Target(text, diameter_mm / MM_PER_M, height_mm / MM_PER_M, permittivity)
+        return Target(text[:MOST_SHOWN], diameter_mm / MM_PER_M, height_mm / MM_PER_M, permittivity)
     if kind == "ball" and len(numbers) == 1:
-        return Target(text, numbers[0] / MM_PER_M, numbers[0] / MM_PER_M)
+        return Target(text[:MOST_SHOWN], numbers[0] / MM_PER_M, numbers[0] / MM_PER_M)
     raise InvalidValueError(
         Message(
             "the target is '{text}'; use {names}, disc:DIAMETER:HEIGHT:PERMITTIVITY or "
             "ball:DIAMETER, sizes in mm, such as disc:80:35:2.8",
-            text=text,
+            text=text[:MOST_SHOWN],
             names=", ".join(named),
         )
     )
