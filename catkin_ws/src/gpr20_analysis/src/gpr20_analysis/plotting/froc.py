@@ -19,7 +19,7 @@ COLUMNS, MOST_PANELS = 3, 12
 def froc_figure(groups: Sequence[GroupScore], notes: Sequence[str], catalogue: Catalogue) -> Figure:
     """Draw a panel for each of the first strata, with a curve for each method.
 
-    A dot with its intervals is what counts; the curve goes on over doubtful candidates.
+    A dot with its intervals is what counts; the curve also has doubtful candidates.
     """
     strata = list(dict.fromkeys(one.stratum for one in groups))[:MOST_PANELS]
     columns = min(len(strata), COLUMNS)
