@@ -32,9 +32,9 @@ from gpr20_common.catalogue import Language
 from gpr20_common.high.raw_message import deserialized
 from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.shade_colours import NOT_MEASURED
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.shade_colours import NOT_MEASURED
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.window.main_window import TabName
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05

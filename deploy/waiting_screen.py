@@ -23,8 +23,8 @@ from gpr20_common.catalogue import Language
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.window_settings import settings_from
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_user_interface.look.settings import settings_from
 
 POLL_S = 1.0
 SETTINGS = "~/.config/gpr20/window.yaml"

@@ -19,12 +19,12 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
+from gpr20_operator.files.profile_folder import ProfileFolder
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
 
 TIME_LIMIT_S = 60.0
 SCREEN = "800x480x24"

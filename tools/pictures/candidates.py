@@ -8,8 +8,8 @@ from robot_kit import simulated_robot
 from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.mid.candidate_search import SearchState
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_operator.jobs.search import SearchState
+from gpr20_user_interface.window.main_window import TabName
 from pictures.kit import shown_window, wait
 
 SCENE = "imaging_targets.yaml"

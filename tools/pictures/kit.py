@@ -13,7 +13,7 @@ from window_kit import SCREEN, new_window, run_events, run_until, virtual_screen
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low import catalogue_file
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
 
 LIMIT_S = 300.0
 DRAWN_S = 1.0

@@ -13,11 +13,11 @@ from window_kit import Operator
 from gpr20_common.low import catalogue_file
 from gpr20_common.message import verbatim
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.mid.notices import Refused, refusal_notice
-from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
-from gpr20_user_interface.mid.window_settings import Theme
-from gpr20_user_interface.views.main_window import MainWindow, TabName
-from gpr20_user_interface.views.overlay import Overlay
+from gpr20_operator.plan.tiles import VALUE_TILES
+from gpr20_operator.robot.notices import Refused, refusal_notice
+from gpr20_user_interface.look.settings import Theme
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.window.main_window import MainWindow, TabName
 from pictures.kit import Shown, save, shown_window, wait
 
 SIZES = ((480, 320), (800, 480), (1280, 800))

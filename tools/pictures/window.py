@@ -8,8 +8,8 @@ from robot_kit import simulated_robot
 from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_operator.ground.grid import Stop
+from gpr20_user_interface.window.main_window import TabName
 from pictures.kit import shown_window, wait
 
 # A finished survey for the list, then the one that the pictures show.

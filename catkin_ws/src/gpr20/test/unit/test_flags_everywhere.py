@@ -25,16 +25,16 @@ from gpr20_analysis.candidates.table import (
 )
 from gpr20_analysis.report import pictures
 from gpr20_analysis.sentences import ENGLISH
+from gpr20_operator.ground.grid import Cell, Stop
+from gpr20_operator.jobs.search import CandidateSearch, SearchState
 from gpr20_survey.high import candidate_topics
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.candidates import Flag, UnknownFlag
-from gpr20_user_interface.mid.candidate_search import CandidateSearch, SearchState
-from gpr20_user_interface.mid.map_grid import Cell, Stop
-from gpr20_user_interface.mid.map_selection import Selection
-from gpr20_user_interface.mid.map_texts import place_lines
-from gpr20_user_interface.views.candidates_sheet import CandidatesSheet
-from gpr20_user_interface.views.radar_spots import slice_spots
+from gpr20_user_interface.pages.ground.map_selection import Selection
+from gpr20_user_interface.pages.ground.map_texts import place_lines
+from gpr20_user_interface.pages.ground.picture_plot import slice_spots
+from gpr20_user_interface.pages.surveys.candidates_sheet import CandidatesSheet
 
 # As it is documented: docs/imaging.md.
 DOUBTFUL = {"clutter", "sidelobe"}

@@ -27,15 +27,15 @@ from gpr20_common.high.raw_message import deserialized
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import Command, ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.grid import Stop
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.survey_arguments import parse_arguments
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.past_surveys_view import VERDICT
-from gpr20_user_interface.views.shade_colours import NOT_MEASURED
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.shade_colours import NOT_MEASURED
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.pages.surveys.view import VERDICT
+from gpr20_user_interface.terminal.survey_arguments import parse_arguments
+from gpr20_user_interface.window.main_window import TabName
 
 SERVICES = {
     "set_survey_parameters": SetSurveyParameters,

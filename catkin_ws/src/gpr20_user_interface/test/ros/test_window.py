@@ -17,9 +17,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.srv import Command, CommandResponse
+from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_user_interface.mid.plan_tiles import Tile
-from gpr20_user_interface.mid.survey_model import SurveyModel
 
 
 class Window(WindowCase):

@@ -17,7 +17,7 @@ from PyQt5.QtTest import QTest
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
-from gpr20_user_interface.mid.job import JobLevel
+from gpr20_operator.robot.job import JobLevel
 
 # Long before any request to the robot has failed, on a computer that stalls.
 WARNING_LIMIT_S = 1.5

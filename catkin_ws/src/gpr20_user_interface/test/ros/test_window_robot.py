@@ -18,15 +18,15 @@ from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
+from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.robot.health import AlarmKind
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.mid.plan_tiles import Tile
-from gpr20_user_interface.mid.robot_health import AlarmKind
-from gpr20_user_interface.views.hold_button import HoldButton
-from gpr20_user_interface.views.key_block import DOWN, STEP
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.past_surveys_view import VERDICT
+from gpr20_user_interface.pages.surveys.view import VERDICT
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.keys import DOWN, STEP
+from gpr20_user_interface.window.main_window import TabName
 
 
 class WindowOnRobot(WindowCase):

@@ -18,14 +18,14 @@ from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QWidget
 
 from gpr20_common.low.clock import Clock
+from gpr20_operator.files.profile_folder import ProfileFolder
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.window_settings import WindowMemory
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.settings import WindowMemory
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.window.main_window import TabName
 
 TEXT = "text:"
 TAB = "tab:"

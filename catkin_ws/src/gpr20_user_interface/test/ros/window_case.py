@@ -20,12 +20,12 @@ from virtual_screen import VirtualScreen
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
+from gpr20_operator.files.profile_folder import ProfileFolder
+from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.plan.tiles import TILE_FIELDS, VALUE_TILES, Tile
+from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES, Tile
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.survey_model import Refusal, SurveyModel
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:

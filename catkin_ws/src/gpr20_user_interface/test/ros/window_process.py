@@ -17,12 +17,12 @@ from window_case import new_interface
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.plan_tiles import Tile
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
 
 
 def shown(interface: UserInterface) -> str:

@@ -4,8 +4,8 @@ from PyQt5.QtCore import QPoint, QRect, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_user_interface.mid.touch_guard import QUIET_S
-from gpr20_user_interface.views.hold_button import HoldButton
+from gpr20_user_interface.touch.guard import QUIET_S
+from gpr20_user_interface.touch.hold_button import HoldButton
 
 STEP_S = 0.05
 # Touches count again after something has opened or closed.

@@ -18,21 +18,18 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_operator.plan.parameter_form import default_parameters, texts_of
+from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
+from gpr20_operator.robot.health import HealthReport
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState, CurrentPosition, Progress, TargetPosition
-from gpr20_user_interface.mid.parameter_form import default_parameters, texts_of
-from gpr20_user_interface.mid.robot_health import HealthReport
-from gpr20_user_interface.mid.survey_preview import SurveyPreview
-from gpr20_user_interface.views.elided_label import ElidedLabel
-from gpr20_user_interface.views.field_box import FieldBox
-from gpr20_user_interface.views.lines_label import LinesLabel
-from gpr20_user_interface.views.look import BORDER_PX, GAP_PX, TEXT_PX, TOUCH_PX
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.palette import Theme
-from gpr20_user_interface.views.touch_edit import TouchEdit
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, TEXT_PX, TOUCH_PX, Theme
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.widgets.edits import FieldBox, TouchEdit
+from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.window.main_window import TabName
 
 LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
 LARGEST = SurveyPreview(

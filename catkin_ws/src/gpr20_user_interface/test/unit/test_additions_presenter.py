@@ -5,20 +5,18 @@ from window_helpers import Storage
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_user_interface.mid.additions_presenter import (
+from gpr20_operator.ground.additions import (
     IMAGES_KEPT,
     RETRY_REFRESHES,
-    AdditionsPresenter,
-)
-from gpr20_user_interface.mid.imaging_events import ImageFocused
-from gpr20_user_interface.mid.map_geometry import Area
-from gpr20_user_interface.mid.survey_additions import (
     AdditionsFailed,
+    AdditionsPresenter,
     AdditionsRead,
     MarkersStored,
     MarkingFailed,
     RelatedSurvey,
 )
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.jobs.imaging import ImageFocused
 
 RELATED = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(1.0, 2.0, 3.0, 4.0))
 

@@ -12,17 +12,17 @@ from view_kit import FOLDER, SURVEY, past_survey, snapshot, state_of
 from window_helpers import click, show, start
 
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import AnnotationDefaults, Answer, Request
-from gpr20_user_interface.mid.plan_tiles import Tile
-from gpr20_user_interface.mid.trace_events import (
+from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
     AnnotationRead,
     AnnotationStored,
     SurveysListed,
 )
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
+from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.window.main_window import TabName
 
 
 @pytest.fixture(autouse=True)

@@ -12,16 +12,16 @@ from window_helpers import show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.jobs.imaging import CandidatesFound, HidingMapped, RequestFailed
+from gpr20_operator.jobs.search import OTHER_SURVEY, SearchState
+from gpr20_operator.robot.events import ControlState
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.hiding_map import ONLY_THIS
-from gpr20_user_interface.mid.candidate_search import OTHER_SURVEY, SearchState
-from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.imaging_events import CandidatesFound, HidingMapped, RequestFailed
-from gpr20_user_interface.mid.trace_events import SurveysListed
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import shown_text
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.window.main_window import TabName
 
 LISTED = past_survey(survey_id=SURVEY, outcome="", stored_traces=40, complete=True)
 RUNS = ControlState(SurveyState.SURVEYING, verbatim(""), "other", True)

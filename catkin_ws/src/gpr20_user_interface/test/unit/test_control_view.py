@@ -6,16 +6,16 @@ from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import click, enter, open_field, show, start, tile_of, wishes
 
+from gpr20_operator.plan.form import PERMITTIVITY, X_SPACING, Y_SPACING
+from gpr20_operator.plan.parameter_form import ANALYZER_FIELDS, default_parameters
+from gpr20_operator.plan.preview import preview
+from gpr20_operator.plan.tiles import TILE_FIELDS, VALUE_TILES, Tile
+from gpr20_operator.robot.events import Request, RobotDefaults
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_user_interface.mid.events import Request, RobotDefaults
-from gpr20_user_interface.mid.parameter_form import ANALYZER_FIELDS, default_parameters
-from gpr20_user_interface.mid.plan_form import PERMITTIVITY, X_SPACING, Y_SPACING
-from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES, Tile
-from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
-from gpr20_user_interface.mid.survey_preview import preview
-from gpr20_user_interface.views.key_block import CLEAR, DOWN, ERASE, STEP, UP
+from gpr20_user_interface.widgets.keys import CLEAR, DOWN, ERASE, STEP, UP
 
 
 def text(window, name):

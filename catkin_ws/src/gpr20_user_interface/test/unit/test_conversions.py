@@ -16,9 +16,9 @@ from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadSurveyResponse, ReadTracesResponse
+from gpr20_operator.ground.trace_events import AnnotationFailed, AnnotationRead
 from gpr20_survey.plan.annotation import EMPTY, from_fields
 from gpr20_user_interface.high import conversions
-from gpr20_user_interface.mid.trace_events import AnnotationFailed, AnnotationRead
 
 FULL = Message("the disk is full", details="errno 28")
 PAUSED = Message("Paused: {reason}", reason=FULL)

@@ -3,14 +3,14 @@ from dataclasses import replace
 
 import pytest
 
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.preview import CostEstimated, CostEstimator
+from gpr20_operator.robot.events import RobotFigures
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_user_interface.mid.events import RobotFigures
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.survey_preview import CostEstimated, CostEstimator
 
 LINEAR = dict(
     dir_pin=13, step_pin=15, sensor_pin=16, step_size=0.01, min_step=0.0015, max_step=0.005,

@@ -7,11 +7,11 @@ from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
 
 from gpr20_common.message import verbatim
+from gpr20_operator.robot.health import Alarm, AlarmKind
+from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.dimming import Dimming
-from gpr20_user_interface.mid.notices import Refused, refusal_notice
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_user_interface.touch.dimming import Dimming
+from gpr20_user_interface.window.main_window import TabName
 
 NEVER, AFTER_S = None, 120.0
 

@@ -5,10 +5,9 @@ import pytest
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import Message, verbatim
+from gpr20_operator.robot.events import ControlState, Progress
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.low.terminal_bar import TerminalBar
-from gpr20_user_interface.mid.displays import BarDisplay, PlainDisplay
-from gpr20_user_interface.mid.events import ControlState, Progress
+from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay, TerminalBar
 
 SURVEYING = ControlState(SurveyState.SURVEYING, verbatim("visiting"), "id", True)
 TOTAL = 200

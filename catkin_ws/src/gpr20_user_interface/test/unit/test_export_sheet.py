@@ -7,19 +7,19 @@ from view_kit import FOLDER, SURVEY, past_survey, snapshot
 from window_helpers import click, show
 
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.volume import Volume
-from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.imaging_events import (
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.jobs.export import ExportPart, ExportState
+from gpr20_operator.jobs.imaging import (
     ExportDone,
     RequestFailed,
     RequestProgress,
     VolumesFailed,
     VolumesListed,
 )
-from gpr20_user_interface.mid.survey_export import ExportPart, ExportState
-from gpr20_user_interface.mid.trace_events import SurveysListed
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_operator.robot.events import ControlState
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.volume import Volume
+from gpr20_user_interface.window.main_window import TabName
 
 LISTED = past_survey(survey_id=SURVEY, outcome="", stored_traces=40, complete=True)
 BLUE = Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True)

@@ -11,17 +11,17 @@ from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CommandResponse
-from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.high.control_client import _answer_from
-from gpr20_user_interface.high.conversions import control_state
-from gpr20_user_interface.mid.events import ControlState, Request
-from gpr20_user_interface.mid.fault_messages import (
+from gpr20_operator.robot.events import ControlState, Request
+from gpr20_operator.robot.fault_messages import (
     FaultWatch,
     axis_may_move,
     is_fault,
     is_notice,
 )
-from gpr20_user_interface.mid.notices import Refused, fault_notice, refusal_notice, state_notice
+from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice, state_notice
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_user_interface.high.control_client import _answer_from
+from gpr20_user_interface.high.conversions import control_state
 
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
 FULL = Message("the disk is full", details="errno 28").with_fault(

@@ -5,14 +5,14 @@ import pytest
 from view_kit import SURVEY, TRAVEL, make_grid
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check, coordinate_limits_mm
-from gpr20_user_interface.mid.finer_plan import (
+from gpr20_operator.ground.finer_plan import (
     SIZES_MM,
     plan_finer,
     proposed_spacing,
     spacing_of,
 )
-from gpr20_user_interface.mid.map_grid import SurveyGrid, planned_places
+from gpr20_operator.ground.grid import SurveyGrid, planned_places
+from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check, coordinate_limits_mm
 
 
 def test_a_plan_has_half_the_spacing_and_all_else_of_the_survey():

@@ -3,7 +3,7 @@ from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.hold import HOLD_S, MAX_STEP_S, Hold
+from gpr20_user_interface.touch.guard import HOLD_S, MAX_STEP_S, Hold
 
 # Slightly more than the ticks of a window that keeps up.
 TICK_S = 0.033

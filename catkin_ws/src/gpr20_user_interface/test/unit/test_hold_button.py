@@ -5,8 +5,8 @@ from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFrame, QWidget
 
-from gpr20_user_interface.mid.hold import HOLD_S
-from gpr20_user_interface.views.hold_button import TICK_MS, HoldButton
+from gpr20_user_interface.touch.guard import HOLD_S
+from gpr20_user_interface.touch.hold_button import TICK_MS, HoldButton
 
 
 class Held:

@@ -2,10 +2,7 @@ from dataclasses import replace
 
 from view_kit import FOLDER, past_survey
 
-from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.survey_cost import SurveyCost
-from gpr20_user_interface.mid.events import Progress
-from gpr20_user_interface.mid.hold_question import (
+from gpr20_operator.plan.hold_question import (
     LONGEST_NAME,
     delete_profile_question,
     other_analyzer_question,
@@ -13,8 +10,11 @@ from gpr20_user_interface.mid.hold_question import (
     resume_question,
     start_question,
 )
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.survey_preview import preview
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.preview import preview
+from gpr20_operator.robot.events import Progress
+from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.survey_cost import SurveyCost
 
 PARAMETERS = default_parameters()
 FIGURES = preview(PARAMETERS, 9.0)

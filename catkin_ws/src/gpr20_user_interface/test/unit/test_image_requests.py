@@ -6,7 +6,7 @@ from view_kit import SURVEY
 from window_helpers import ImagingNode
 
 from gpr20_common.message import verbatim
-from gpr20_user_interface.mid.focused_images import (
+from gpr20_operator.jobs.images import (
     FEWEST_TRACES,
     LOST_S,
     PERIOD_S,
@@ -14,7 +14,7 @@ from gpr20_user_interface.mid.focused_images import (
     FocusedImages,
     Wanted,
 )
-from gpr20_user_interface.mid.imaging_events import ImageFailed, ImageFocused
+from gpr20_operator.jobs.imaging import ImageFailed, ImageFocused
 
 
 class Clock:

@@ -5,13 +5,13 @@ from imported_kit import imported_folder
 from view_kit import past_survey
 from window_helpers import click
 
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.grid import Stop, grid_from_description
+from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
+from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed, TracesRead
 from gpr20_survey.folder.trace_files import read_trace
-from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.map_grid import Stop, grid_from_description
-from gpr20_user_interface.mid.past_surveys import PastSurveys, Verdict
-from gpr20_user_interface.mid.trace_events import SurveyRead, SurveysListed, TracesRead
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT
+from gpr20_user_interface.pages.surveys.view import AREA, VERDICT
+from gpr20_user_interface.window.main_window import TabName
 
 
 def listed(folder, traces):

@@ -4,11 +4,11 @@ import view_kit
 from test_fault_messages import CLOCK, MOVING, paused
 
 from gpr20_common.message import Message, verbatim
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.robot.events import ControlState, Progress, TargetPosition
+from gpr20_operator.robot.health import Alarm, AlarmKind
+from gpr20_operator.robot.job import JobLevel, JobScreen, area_of, job_of
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.mid.events import ControlState, Progress, TargetPosition
-from gpr20_user_interface.mid.job import JobLevel, JobScreen, area_of, job_of
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
 
 ON = verbatim("on")
 HALF = Progress("id", 59.99, 18, 9, 1080.0)

@@ -9,15 +9,14 @@ from window_helpers import click, hold_to_start, show, wishes
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.robot.events import Answer, ControlState, Progress, Request, TargetPosition
+from gpr20_operator.robot.health import Alarm, AlarmKind
+from gpr20_operator.robot.job import JobLevel, survey_name
+from gpr20_operator.robot.notices import fault_notice
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.mid.events import Answer, ControlState, Progress, Request, TargetPosition
-from gpr20_user_interface.mid.hold import HOLD_S
-from gpr20_user_interface.mid.job import JobLevel
-from gpr20_user_interface.mid.notices import fault_notice
-from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
-from gpr20_user_interface.mid.survey_name import survey_name
-from gpr20_user_interface.mid.trace_events import SurveyDescribed
+from gpr20_user_interface.touch.guard import HOLD_S
 
 AT_REST = ControlState(SurveyState.STOPPED, ASKED_STOP, "id", True)
 

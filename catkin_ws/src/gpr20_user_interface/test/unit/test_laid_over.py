@@ -4,8 +4,8 @@ from candidate_examples import candidate_list
 from map_kit import FINER
 from view_kit import SURVEY
 
+from gpr20_operator.ground.laid_over import MOST_VOXELS, laid_over
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_user_interface.mid.laid_over import MOST_VOXELS, laid_over
 
 
 def image(survey_id, x_mm, y_mm, level_db, depth_mm=(0.0, 20.0, 40.0)):

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from view_kit import depth_echo, make_grid, trace_at
 
+from gpr20_operator.ground.echoes import RadarModel
+from gpr20_operator.ground.grid import Stop
+from gpr20_operator.ground.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale, top_db
+from gpr20_operator.ground.pictures import a_scan, b_scan, c_scan, depths_m, level_db
+from gpr20_operator.ground.records import Axis, Colours, RadarSettings
 from gpr20_survey.radar.noise import noise_threshold_db
-from gpr20_user_interface.mid.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale, top_db
-from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan, depths_m, level_db
-from gpr20_user_interface.mid.radar_records import Axis, Colours, RadarSettings
 
 # More draws: GPR20_SEEDS=500.
 SEEDS = range(int(os.environ.get("GPR20_SEEDS", "12")))

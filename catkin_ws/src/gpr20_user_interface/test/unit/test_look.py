@@ -4,9 +4,17 @@ import pytest
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 
-from gpr20_user_interface.views.look import TOUCH_PX, Look, look_of, scale_for
-from gpr20_user_interface.views.palette import PALETTES, Mark, TextColours, Theme
-from gpr20_user_interface.views.style_sheet import style_sheet
+from gpr20_user_interface.look.look import (
+    PALETTES,
+    TOUCH_PX,
+    Look,
+    Mark,
+    TextColours,
+    Theme,
+    look_of,
+    scale_for,
+)
+from gpr20_user_interface.look.style_sheet import style_sheet
 
 # WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
 TEXT_CONTRAST = 7.0

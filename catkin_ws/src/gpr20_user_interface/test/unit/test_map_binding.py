@@ -4,18 +4,18 @@ from view_kit import SURVEY, description, make_grid, snapshot, trace_at
 from window_helpers import click, hold, show
 
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Answer, ControlState, Request
-from gpr20_user_interface.mid.imaging_events import ImageFocused
-from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.map_grid import Cell, Stop
-from gpr20_user_interface.mid.survey_additions import (
+from gpr20_operator.ground.additions import (
     AdditionsRead,
     MarkersStored,
     MarkingFailed,
 )
-from gpr20_user_interface.mid.trace_events import SurveyDescribed
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.grid import Cell, Stop
+from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.jobs.imaging import ImageFocused
+from gpr20_operator.robot.events import Answer, ControlState, Request
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.window.main_window import TabName
 
 
 def fill(window):

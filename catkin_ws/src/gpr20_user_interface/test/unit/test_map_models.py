@@ -6,17 +6,17 @@ from hypothesis import strategies as st
 from view_kit import SURVEY, TRAVEL, cell, description, make_grid
 
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.coverage import Coverage, SampleState
-from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_user_interface import faults
-from gpr20_user_interface.errors import SurveyNotReadableError
-from gpr20_user_interface.mid.map_coverage import (
+from gpr20_operator import faults
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.coverage import (
     CoverageRuns,
     StopState,
     coverage_of_stored,
 )
-from gpr20_user_interface.mid.map_grid import Stop, grid_from_description
-from gpr20_user_interface.mid.map_model import MapModel
+from gpr20_operator.ground.grid import Stop, grid_from_description
+from gpr20_operator.ground.map_model import MapModel
+from gpr20_survey.plan.coverage import Coverage, SampleState
+from gpr20_survey.plan.survey_plan import survey_points
 
 VERDICT = verbatim("INCOMPLETE: some are missing")
 STATES = st.sampled_from(list(SampleState))

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from test_look import contrast
 
-from gpr20_user_interface.mid.map_coverage import StopState
-from gpr20_user_interface.mid.map_patterns import Ink, StopPattern
-from gpr20_user_interface.views.map_canvas import INKS
-from gpr20_user_interface.views.palette import PALETTES, Mark, Theme
+from gpr20_operator.ground.coverage import StopState
+from gpr20_user_interface.look.look import PALETTES, Mark, Theme
+from gpr20_user_interface.pages.ground.map_canvas import INKS
+from gpr20_user_interface.pages.ground.map_patterns import Ink, StopPattern
 
 
 def inks_of(state, cell_px):

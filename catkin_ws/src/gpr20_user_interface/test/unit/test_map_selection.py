@@ -1,9 +1,9 @@
 from map_kit import DOUBTED, MARKER, SURE
 from view_kit import make_grid
 
-from gpr20_user_interface.mid.map_geometry import Area, fit
-from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.map_selection import next_candidate, select_place
+from gpr20_operator.ground.geometry import Area, fit
+from gpr20_operator.ground.grid import Stop
+from gpr20_user_interface.pages.ground.map_selection import next_candidate, select_place
 
 MARKS = (SURE, DOUBTED, MARKER)
 

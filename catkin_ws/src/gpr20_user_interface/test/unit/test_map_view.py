@@ -9,17 +9,15 @@ from view_kit import make_grid, trace_at
 from window_helpers import Storage
 
 from gpr20_common.message import verbatim
-from gpr20_user_interface.mid.additions_presenter import AdditionsPresenter
-from gpr20_user_interface.mid.imaging_events import HidingMapped, ImageFocused
-from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
-from gpr20_user_interface.mid.map_geometry import Area
-from gpr20_user_interface.mid.map_grid import Cell, Stop
-from gpr20_user_interface.mid.map_model import MapModel
-from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.survey_additions import AdditionsRead, RelatedSurvey
-from gpr20_user_interface.views.look import Look
-from gpr20_user_interface.views.map_view import MapView
-from gpr20_user_interface.views.palette import Mark
+from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead, RelatedSurvey
+from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.echoes import RadarModel
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.grid import Cell, Stop
+from gpr20_operator.ground.map_model import MapModel
+from gpr20_operator.jobs.imaging import HidingMapped, ImageFocused
+from gpr20_user_interface.look.look import Look, Mark
+from gpr20_user_interface.pages.ground.map_view import MapView
 
 
 class Shown:

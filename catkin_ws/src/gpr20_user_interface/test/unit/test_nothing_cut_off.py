@@ -25,29 +25,29 @@ from window_helpers import click, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_user_interface.mid.imaging_events import ImageFocused
-from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.map_geometry import Area
-from gpr20_user_interface.mid.notices import (
+from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.records import RadarSettings
+from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.traces import ShownBand
+from gpr20_operator.jobs.imaging import ImageFocused
+from gpr20_operator.robot.health import Alarm, AlarmKind
+from gpr20_operator.robot.notices import (
     Refused,
     analyzer_notice,
     node_notice,
     refusal_notice,
     state_notice,
 )
-from gpr20_user_interface.mid.radar_records import RadarSettings
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
-from gpr20_user_interface.mid.robots import RobotReported, RobotsFound
-from gpr20_user_interface.mid.service_events import AxisMoved, EndstopState, HeightTested
-from gpr20_user_interface.mid.shown_band import ShownBand
-from gpr20_user_interface.mid.survey_additions import AdditionsRead, RelatedSurvey
-from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
-from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.style_sheet import TAB_PADDING_PX
+from gpr20_operator.robot.robots import RobotReported, RobotsFound
+from gpr20_operator.robot.service_events import AxisMoved, EndstopState, HeightTested
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_user_interface.look.look import TEXT_PX, TOUCH_PX
+from gpr20_user_interface.look.style_sheet import TAB_PADDING_PX
+from gpr20_user_interface.window.main_window import TabName
 
 __all__ = ["screen", "spoken"]
 

@@ -7,11 +7,11 @@ from view_kit import snapshot
 from window_helpers import show
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.views.hold_button import HoldButton
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.notice import NoticeView
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.start_sheet import StartSheet
+from gpr20_user_interface.pages.plan.start_sheet import StartSheet
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.cards import NoticeView
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.window.main_window import TabName
 
 __all__ = ["screen", "spoken"]
 

@@ -17,11 +17,11 @@ from view_kit import (
 from window_helpers import Storage
 
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.trace_events import SurveyDescribed, SurveyRead, SurveysListed
+from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
-from gpr20_user_interface.mid.replay import ReplayMark, ReplayView
-from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveyRead, SurveysListed
-from gpr20_user_interface.mid.trace_presenter import TracePresenter
 
 NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
 ALL_STORED = tuple(range(40))

@@ -13,10 +13,10 @@ from gpr20_analysis.commands import main as gpr20
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import VARIABLE, languages, read_catalogue
 from gpr20_common.message import Message
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.survey_arguments import parse_arguments, terminal_language
-from gpr20_user_interface.mid.window_settings import WindowMemory
-from gpr20_user_interface.views.translation import Languages
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_user_interface.look.settings import WindowMemory
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.terminal.survey_arguments import parse_arguments, terminal_language
 
 ROOT = Path(__file__).parents[5]
 PAGE = ROOT / "docs/extend/language.md"

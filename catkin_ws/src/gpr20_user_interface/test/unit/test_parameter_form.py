@@ -3,16 +3,7 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_survey.plan.survey_parameters import (
-    RobotTravel,
-    Rule,
-    SurveyParameters,
-    Travel,
-    problems,
-)
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
-from gpr20_user_interface.mid.parameter_form import (
+from gpr20_operator.plan.parameter_form import (
     ANALYZER_FIELDS,
     FIELDS,
     MAX_GRID_POINTS,
@@ -22,6 +13,15 @@ from gpr20_user_interface.mid.parameter_form import (
     stepped,
     texts_of,
 )
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_survey.plan.survey_parameters import (
+    RobotTravel,
+    Rule,
+    SurveyParameters,
+    Travel,
+    problems,
+)
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 DEFAULTS = {field.name: field.default for field in FIELDS}
 ROBOT = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))

@@ -8,11 +8,11 @@ from PyQt5.QtTest import QTest
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import show
 
+from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import Thumbnail
-from gpr20_user_interface.mid.trace_events import SurveyDescribed, SurveysListed
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.past_surveys_view import AREA, MAP, WHAT
+from gpr20_user_interface.pages.surveys.view import AREA, MAP, WHAT
+from gpr20_user_interface.window.main_window import TabName
 
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))

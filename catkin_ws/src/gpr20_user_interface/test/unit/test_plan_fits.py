@@ -9,23 +9,23 @@ from view_kit import past_survey, snapshot
 from window_helpers import click, open_field, show
 
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.volume import Volume
-from gpr20_user_interface.mid.imaging_events import (
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.jobs.imaging import (
     CandidatesFound,
     ExportDone,
     RequestFailed,
     RequestProgress,
     VolumesListed,
 )
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.plan_form import PLAN_FIELDS
-from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
-from gpr20_user_interface.mid.trace_events import SurveysListed
-from gpr20_user_interface.views.look import TEXT_PX, TOUCH_PX
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.plan_style import FITS
+from gpr20_operator.plan.form import PLAN_FIELDS
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.tiles import VALUE_TILES
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.volume import Volume
+from gpr20_user_interface.look.look import TEXT_PX, TOUCH_PX
+from gpr20_user_interface.look.style_sheet import FITS
+from gpr20_user_interface.window.main_window import TabName
 
 __all__ = ["screen", "spoken"]
 

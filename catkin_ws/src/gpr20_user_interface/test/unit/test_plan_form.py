@@ -4,25 +4,25 @@ import random
 import pytest
 from view_kit import TRAVEL as ROBOT
 
-from gpr20_survey.plan.survey_parameters import problems
-from gpr20_user_interface.mid.grid_spacing import points_for
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.plan_form import (
+from gpr20_operator.plan.form import (
     PERMITTIVITY,
     PLAN_FIELDS,
     X_SPACING,
     Y_SPACING,
     PlanForm,
 )
-from gpr20_user_interface.mid.plan_presets import PresetContext, presets_for
-from gpr20_user_interface.mid.plan_tiles import (
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.presets import PresetContext, presets_for
+from gpr20_operator.plan.preview import preview, quarter_wavelength_mm
+from gpr20_operator.plan.spacing import points_for
+from gpr20_operator.plan.tiles import (
     TILE_FIELDS,
     VALUE_TILES,
     Tile,
     tile_lines,
     tile_problem,
 )
-from gpr20_user_interface.mid.survey_preview import preview, quarter_wavelength_mm
+from gpr20_survey.plan.survey_parameters import problems
 
 ARROWS = [one for one in PLAN_FIELDS if one not in ("vna_address", "polarizations_deg")]
 

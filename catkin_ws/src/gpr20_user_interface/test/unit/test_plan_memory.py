@@ -5,14 +5,13 @@ import pytest
 import yaml
 from view_kit import TRAVEL as ROBOT
 
+from gpr20_operator import faults
+from gpr20_operator.errors import SettingsError
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.plan.annotation_form import NextAnnotation, first_name, next_name
+from gpr20_operator.plan.form import PlanForm
+from gpr20_operator.plan.memory import PlanMemory, RememberedPlan, plan_from, values_of
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_user_interface import faults
-from gpr20_user_interface.errors import SettingsError
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.next_annotation import NextAnnotation
-from gpr20_user_interface.mid.next_name import first_name, next_name
-from gpr20_user_interface.mid.plan_form import PlanForm
-from gpr20_user_interface.mid.plan_memory import PlanMemory, RememberedPlan, plan_from, values_of
 
 PLAN = RememberedPlan(
     texts={"vna_address": "10.0.0.2", "x_stop_mm": "350", "permittivity": "8"},

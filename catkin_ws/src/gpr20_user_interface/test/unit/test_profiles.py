@@ -5,11 +5,11 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface import faults
-from gpr20_user_interface.errors import ProfileError
-from gpr20_user_interface.low.profile_folder import MAX_BYTES, ProfileFolder
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.profiles import Profiles, check_name
+from gpr20_operator import faults
+from gpr20_operator.errors import ProfileError
+from gpr20_operator.files.profile_folder import MAX_BYTES, ProfileFolder
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.profiles import Profiles, check_name
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ from PyQt5.QtWidgets import QLabel
 from view_kit import snapshot
 from window_helpers import click, enter, hold, show
 
+from gpr20_operator import faults
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface import faults
 
 
 @pytest.fixture(autouse=True)

@@ -5,12 +5,12 @@ import pytest
 from fault_kit import raises_fault
 from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, make_grid, trace_at
 
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES, RadarModel
+from gpr20_operator.ground.grid import Stop
+from gpr20_operator.ground.pictures import a_scan, b_scan, c_scan
+from gpr20_operator.ground.records import Axis, RadarSettings
 from gpr20_survey.plan.coverage import SampleState
-from gpr20_user_interface.errors import SurveyNotReadableError
-from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.radar_model import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_user_interface.mid.radar_pictures import a_scan, b_scan, c_scan
-from gpr20_user_interface.mid.radar_records import Axis, RadarSettings
 
 LINEAR = RadarSettings(in_db=False, remove_background=False)
 

@@ -7,12 +7,12 @@ import pytest
 from candidate_examples import candidate, candidate_list
 from view_kit import depth_echo, echo, make_grid, trace_at
 
+from gpr20_operator.ground.echoes import RadarModel
+from gpr20_operator.ground.records import Axis, Place, Source
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.radar_presenter import Grip, RadarPresenter
-from gpr20_user_interface.mid.radar_records import Axis, Place, Source
+from gpr20_user_interface.pages.ground.radar_model import Grip, RadarPresenter
 
 TARGET = Place(150.0, 90.0)
 

@@ -13,14 +13,14 @@ from view_kit import PAST, make_grid, trace_at
 from window_helpers import click
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.echoes import RadarModel
+from gpr20_operator.ground.records import Axis, Colours, Source
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.radar.soils import Soils
 from gpr20_survey.results.candidates import Flag
-from gpr20_user_interface.mid.radar_model import RadarModel
-from gpr20_user_interface.mid.radar_records import Axis, Colours, Source
-from gpr20_user_interface.views.radar_sheet import RadarSheet
-from gpr20_user_interface.views.radar_view import RadarView
-from gpr20_user_interface.views.shade_colours import LAST_SHADE, NOT_MEASURED
+from gpr20_user_interface.look.shade_colours import LAST_SHADE, NOT_MEASURED
+from gpr20_user_interface.pages.ground.radar_sheet import RadarSheet
+from gpr20_user_interface.pages.ground.radar_view import RadarView
 
 NOISE = 1e-4
 

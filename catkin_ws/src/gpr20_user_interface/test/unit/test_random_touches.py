@@ -17,15 +17,15 @@ from window_helpers import close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.tiles import VALUE_TILES
+from gpr20_operator.robot.events import Answer, Progress, Request
+from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Answer, Progress, Request
-from gpr20_user_interface.mid.notices import Refused, refusal_notice
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.plan_tiles import VALUE_TILES
-from gpr20_user_interface.mid.trace_events import SurveyRead, SurveysListed
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.translation import Languages, shown_text
+from gpr20_user_interface.look.translation import Languages, shown_text
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.window.main_window import TabName
 
 TOUCHES = int(os.environ.get("GPR20_TOUCHES", "10000"))
 SEEDS = int(os.environ.get("GPR20_SEEDS", "1"))

@@ -1,9 +1,9 @@
 import pytest
 
 from gpr20_common.message import verbatim
+from gpr20_operator.robot.events import Answer, ControlState, Request
+from gpr20_operator.robot.survey_model import RequestOutcome
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Answer, ControlState, Request
-from gpr20_user_interface.mid.request_outcome import RequestOutcome
 
 
 @pytest.fixture

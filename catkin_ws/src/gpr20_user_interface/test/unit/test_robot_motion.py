@@ -11,14 +11,14 @@ from window_helpers import close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
+from gpr20_operator.robot.events import Request
+from gpr20_operator.robot.job import JobLevel, band_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Request
-from gpr20_user_interface.mid.job import JobLevel, band_of
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.overlay import Overlay
-from gpr20_user_interface.views.state_band import StateBand
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.state_band import StateBand
+from gpr20_user_interface.window.main_window import TabName
 
 SURVEY_MOVES = ("HOMING", "SURVEYING", "PAUSING", "STOPPING")
 

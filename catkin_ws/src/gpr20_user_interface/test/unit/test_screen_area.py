@@ -2,7 +2,7 @@
 
 import random
 
-from gpr20_user_interface.mid.screen_area import Area, fitted
+from gpr20_user_interface.window.placement import Area, fitted
 
 
 def test_a_window_that_fits_stays_where_it_is():

@@ -6,7 +6,7 @@ from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QWidget
 
-from gpr20_user_interface.views.screen_placement import ScreenPlacement
+from gpr20_user_interface.window.placement import ScreenPlacement
 
 
 @pytest.fixture

@@ -8,12 +8,9 @@ from window_helpers import ServiceTools
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_user_interface.mid.events import AxisLimits, CurrentPosition, Request
-from gpr20_user_interface.mid.message_source import Received
-from gpr20_user_interface.mid.service_events import (
+from gpr20_operator.robot.events import AxisLimits, CurrentPosition, Request
+from gpr20_operator.robot.message_source import Received
+from gpr20_operator.robot.service_events import (
     AxisAction,
     AxisMeasured,
     AxisMoved,
@@ -22,13 +19,16 @@ from gpr20_user_interface.mid.service_events import (
     HeightTested,
     ServiceActivity,
 )
-from gpr20_user_interface.mid.service_model import (
+from gpr20_operator.robot.service_model import (
     AXIS_LIMIT_S,
     IDLE_LIMIT_S,
     LAMP_S,
     ServiceModel,
 )
-from gpr20_user_interface.mid.survey_model import SurveyModel
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 
 def at_rest(code=SurveyState.FINISHED, **other):

@@ -14,14 +14,9 @@ from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.daily_check import Part
-from gpr20_user_interface.mid.events import CurrentPosition
-from gpr20_user_interface.mid.robot_health import HealthReport
-from gpr20_user_interface.mid.service_events import (
+from gpr20_operator.robot.events import CurrentPosition
+from gpr20_operator.robot.health import HealthReport
+from gpr20_operator.robot.service_events import (
     AxisMeasured,
     AxisMoved,
     CheckStepTaken,
@@ -29,7 +24,12 @@ from gpr20_user_interface.mid.service_events import (
     HeightTested,
     MachineExamined,
 )
-from gpr20_user_interface.views.main_window import TabName
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.daily_check import Part
+from gpr20_user_interface.window.main_window import TabName
 
 AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0, 800.0, -90.0))
 

@@ -4,9 +4,9 @@ import random
 import pytest
 from fault_kit import raises_fault
 
-from gpr20_user_interface import faults
-from gpr20_user_interface.errors import SettingsError
-from gpr20_user_interface.low.settings_file import MAX_BYTES, SettingsFile
+from gpr20_operator import faults
+from gpr20_operator.errors import SettingsError
+from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 
 
 @pytest.fixture

@@ -10,14 +10,14 @@ import pytest
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_operator.robot.events import Answer, AxisLimits, ControlState, Progress, Request
+from gpr20_operator.robot.message_source import MessageSources, Received, SourceGone
+from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
+from gpr20_operator.robot.service_events import AxisMeasured
+from gpr20_operator.robot.shown_model import ROBOT_LIMIT_S, ShownModel
+from gpr20_operator.robot.survey_model import CONTROL_SILENCE_S, SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface.mid.events import Answer, AxisLimits, ControlState, Progress, Request
-from gpr20_user_interface.mid.message_source import MessageSources, Received, SourceGone
-from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
-from gpr20_user_interface.mid.service_events import AxisMeasured
-from gpr20_user_interface.mid.shown_model import ROBOT_LIMIT_S, ShownModel
-from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, SurveyModel
 
 SEQUENCES = int(os.environ.get("GPR20_REPLAY_SEQUENCES", "150"))
 SEED = os.environ.get("GPR20_REPLAY_SEED") or str(random.SystemRandom().randrange(10**9))

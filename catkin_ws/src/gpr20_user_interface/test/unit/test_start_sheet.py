@@ -7,13 +7,13 @@ from view_kit import FOLDER, snapshot
 from window_helpers import click, hold, show, wishes
 
 from gpr20_common.message import Message
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.robot.events import Request
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import Request
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.survey_preview import SurveyPreview
 
 
 def test_cancel_asks_for_nothing(window):

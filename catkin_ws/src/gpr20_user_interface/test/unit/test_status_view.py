@@ -6,13 +6,13 @@ from window_helpers import click, show
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_operator.robot.events import CurrentPosition, Progress, TargetPosition
+from gpr20_operator.robot.health import SIMULATOR, HealthReport, HealthTracker
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_user_interface.mid.events import CurrentPosition, Progress, TargetPosition
-from gpr20_user_interface.mid.robot_health import SIMULATOR, HealthReport, HealthTracker
-from gpr20_user_interface.views.look import TOUCH_PX
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.translation import shown_text
+from gpr20_user_interface.look.look import TOUCH_PX
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.window.main_window import TabName
 
 
 def test_progress_is_shown_and_never_full_before_the_end(window):

@@ -5,12 +5,11 @@ from test_fault_messages import ASKED_STOP, FULL, MOVING
 from view_kit import snapshot
 
 from gpr20_common.message import in_a_row, verbatim
+from gpr20_operator.robot.events import Answer, AxisReport, AxisStopAnswer, ControlState, Request
+from gpr20_operator.robot.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
+from gpr20_operator.robot.survey_model import STALE_S
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.axis_report import AxisReport
-from gpr20_user_interface.mid.events import Answer, AxisStopAnswer, ControlState, Request
-from gpr20_user_interface.mid.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
-from gpr20_user_interface.mid.survey_model import STALE_S
 
 ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))
 NOTHING = Answer(Request.STOP, False, verbatim("no survey is running"))

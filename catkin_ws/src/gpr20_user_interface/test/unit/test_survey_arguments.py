@@ -2,12 +2,12 @@ import pytest
 
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
-from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL
-from gpr20_user_interface.mid.survey_arguments import Bar, terminal_language
-from gpr20_user_interface.mid.survey_arguments import parse_arguments as parse
-from gpr20_user_interface.mid.survey_follower import Mode, OnPause
+from gpr20_user_interface.terminal.follower import Mode, OnPause
+from gpr20_user_interface.terminal.survey_arguments import Bar, terminal_language
+from gpr20_user_interface.terminal.survey_arguments import parse_arguments as parse
 
 
 def parse_arguments(arguments):

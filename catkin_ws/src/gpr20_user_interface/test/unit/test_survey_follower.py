@@ -3,9 +3,8 @@ from test_fault_messages import ASKED_STOP, MOVING
 
 from gpr20_common import remedies
 from gpr20_common.message import in_a_row, verbatim
-from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_user_interface import faults
-from gpr20_user_interface.mid.events import (
+from gpr20_operator import faults
+from gpr20_operator.robot.events import (
     Answer,
     ControlState,
     LinkState,
@@ -13,9 +12,9 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.survey_follower import Limits, Mode, OnPause, SurveyFollower
-from gpr20_user_interface.mid.survey_outcome import ExitStatus
-from gpr20_user_interface.mid.survey_session import first_step, outcome_lines
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_user_interface.terminal.follower import ExitStatus, Limits, Mode, OnPause, SurveyFollower
+from gpr20_user_interface.terminal.session import first_step, outcome_lines
 
 LIMITS = Limits(
     wait_s=10.0,

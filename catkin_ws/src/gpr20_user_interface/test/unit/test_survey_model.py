@@ -4,8 +4,8 @@ import pytest
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.mid.events import (
+from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
     ControlParameters,
@@ -16,9 +16,9 @@ from gpr20_user_interface.mid.events import (
     Request,
     TargetPosition,
 )
-from gpr20_user_interface.mid.parameter_form import default_parameters
-from gpr20_user_interface.mid.robot_health import Alarm, AlarmKind
-from gpr20_user_interface.mid.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
+from gpr20_operator.robot.health import Alarm, AlarmKind
+from gpr20_operator.robot.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
+from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 
 def state(code, survey_id="id", simulated=False):

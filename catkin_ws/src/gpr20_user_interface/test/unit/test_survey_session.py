@@ -5,8 +5,7 @@ from test_fault_messages import ASKED_PAUSE, FULL, LOST
 
 from gpr20_common import remedies
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import (
+from gpr20_operator.robot.events import (
     Accepted,
     Answer,
     ControlState,
@@ -14,9 +13,16 @@ from gpr20_user_interface.mid.events import (
     Request,
     StopRequested,
 )
-from gpr20_user_interface.mid.survey_follower import Limits, Mode, OnPause, SurveyFollower
-from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
-from gpr20_user_interface.mid.survey_session import (
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.terminal.follower import (
+    ExitStatus,
+    Limits,
+    Mode,
+    OnPause,
+    Outcome,
+    SurveyFollower,
+)
+from gpr20_user_interface.terminal.session import (
     SIMULATED,
     SurveySession,
     first_step,

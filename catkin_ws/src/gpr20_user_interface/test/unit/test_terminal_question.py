@@ -3,7 +3,7 @@ import pty
 
 import pytest
 
-from gpr20_user_interface.low import terminal_question
+from gpr20_user_interface.terminal import terminal_question
 
 pytestmark = pytest.mark.needs("terminals")
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.ticks import round_ticks
+from gpr20_user_interface.pages.ground.plots import round_ticks
 
 
 @given(st.floats(-1000.0, 1000.0), st.floats(0.1, 5000.0), st.integers(2, 12))

@@ -3,9 +3,9 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.displays import progress_line, remaining
-from gpr20_user_interface.mid.events import Progress
-from gpr20_user_interface.mid.time_words import duration, time_left
+from gpr20_operator.robot.events import Progress
+from gpr20_operator.words import duration, time_left
+from gpr20_user_interface.terminal.displays import progress_line, remaining
 
 DAY_S = 86400
 

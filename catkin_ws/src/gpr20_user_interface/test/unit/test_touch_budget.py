@@ -10,11 +10,11 @@ from window_helpers import close, hold_to_start, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
+from gpr20_operator import faults
+from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.robot.events import Answer, Request, RobotDefaults, Site
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface import faults
-from gpr20_user_interface.mid.events import Answer, Request, RobotDefaults, Site
-from gpr20_user_interface.mid.plan_tiles import Tile
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
 
 FROM_MEMORY, FROM_FACTORY = 10, 20
 NOTHING_CONFIGURED = RobotDefaults("", Site())

@@ -2,7 +2,7 @@ from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_user_interface.mid.touch_guard import QUIET_S, TouchGuard, TouchTarget
+from gpr20_user_interface.touch.guard import QUIET_S, TouchGuard, TouchTarget
 
 STOP, UNLOCK, OTHER = TouchTarget.STOP, TouchTarget.UNLOCK, TouchTarget.OTHER
 

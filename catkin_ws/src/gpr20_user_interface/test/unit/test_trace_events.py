@@ -4,8 +4,8 @@ import numpy as np
 from view_kit import SURVEY, make_grid, trace_at
 
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.trace_events import page_of_traces
 from gpr20_survey.trace import trace_message
-from gpr20_user_interface.mid.trace_events import page_of_traces
 
 GRID = make_grid()
 

@@ -16,21 +16,21 @@ from view_kit import (
 from window_helpers import click, hold_to_start, show, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import CurrentPosition, TargetPosition
-from gpr20_user_interface.mid.map_coverage import CoverageRuns, StopState
-from gpr20_user_interface.mid.map_grid import Stop
-from gpr20_user_interface.mid.trace_events import (
+from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.grid import Stop
+from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
     SurveysListed,
     TracesRead,
 )
-from gpr20_user_interface.mid.trace_presenter import RETRY_REFRESHES, TracePresenter
-from gpr20_user_interface.views.look import TOUCH_PX
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.past_surveys_view import AREA, VERDICT, WHAT
+from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
+from gpr20_operator.robot.events import CurrentPosition, TargetPosition
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.look import TOUCH_PX
+from gpr20_user_interface.pages.surveys.view import AREA, VERDICT, WHAT
+from gpr20_user_interface.window.main_window import TabName
 
 OTHER = PAST
 GRID = make_grid()

@@ -5,12 +5,12 @@ from window_helpers import show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import ControlState
-from gpr20_user_interface.mid.trace_events import SurveysListed
-from gpr20_user_interface.views.main_window import TabName
-from gpr20_user_interface.views.past_surveys_view import VERDICT
-from gpr20_user_interface.views.translation import Languages, shown_text
+from gpr20_user_interface.look.translation import Languages, shown_text
+from gpr20_user_interface.pages.surveys.view import VERDICT
+from gpr20_user_interface.window.main_window import TabName
 
 
 @pytest.fixture

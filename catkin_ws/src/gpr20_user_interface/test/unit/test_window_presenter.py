@@ -9,21 +9,21 @@ from window_helpers import click, close, enter, hold_to_start, new_window, start
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
-from gpr20_survey.plan.survey_cost import SurveyCost
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.mid.events import (
+from gpr20_operator.plan.preview import CostEstimated
+from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
     Progress,
     Request,
     RobotFigures,
 )
-from gpr20_user_interface.mid.message_source import MessageSources
-from gpr20_user_interface.mid.shown_model import ShownModel
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_preview import CostEstimated
-from gpr20_user_interface.mid.window_presenter import WindowPresenter
-from gpr20_user_interface.views.translation import Languages
+from gpr20_operator.robot.message_source import MessageSources
+from gpr20_operator.robot.shown_model import ShownModel
+from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.translation import Languages
 
 
 class ControlThatRecords:

@@ -8,9 +8,9 @@ from window_helpers import click, close, new_window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
-from gpr20_user_interface import faults
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.window_settings import (
+from gpr20_operator import faults
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_user_interface.look.settings import (
     DIM_CHOICES_MIN,
     Theme,
     WindowMemory,
@@ -18,7 +18,7 @@ from gpr20_user_interface.mid.window_settings import (
     settings_from,
     values_of,
 )
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.look.translation import Languages
 
 
 def test_settings_survive_the_file():

@@ -6,6 +6,9 @@ import math
 import numpy as np
 
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid, planned_places
+from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
+from gpr20_operator.robot.survey_model import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
@@ -13,10 +16,6 @@ from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
-from gpr20_user_interface.mid.axis_report import AxisReport
-from gpr20_user_interface.mid.events import ControlState, RobotDefaults
-from gpr20_user_interface.mid.map_grid import Cell, Stop, SurveyGrid, planned_places
-from gpr20_user_interface.mid.survey_model import Snapshot
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 # Another survey, which is stored.

@@ -10,19 +10,19 @@ from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
-from gpr20_user_interface.low.profile_folder import ProfileFolder
-from gpr20_user_interface.low.settings_file import SettingsFile
-from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
-from gpr20_user_interface.mid.plan_memory import PlanMemory
-from gpr20_user_interface.mid.plan_tiles import TILE_FIELDS, VALUE_TILES
-from gpr20_user_interface.mid.presenters import Presenters
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.robots import Robots
-from gpr20_user_interface.mid.service_model import ServiceModel
-from gpr20_user_interface.mid.survey_preview import preview
-from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.views.main_window import MainWindow
-from gpr20_user_interface.views.translation import Languages
+from gpr20_operator.files.profile_folder import ProfileFolder
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.jobs.images import ImagingPresenter
+from gpr20_operator.plan.memory import PlanMemory
+from gpr20_operator.plan.preview import preview
+from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.plan.tiles import TILE_FIELDS, VALUE_TILES
+from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.window.main_window import MainWindow
+from gpr20_user_interface.window.presenters import Presenters
 
 
 class Survey:

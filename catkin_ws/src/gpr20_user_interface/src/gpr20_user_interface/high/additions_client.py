@@ -10,22 +10,22 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.srv import ListSurveys, MarkSurvey, ReadSurvey
-from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
-from gpr20_survey.plan.markers import Marker, present_markers
-from gpr20_survey.plan.refines import refines_of
-from gpr20_user_interface import faults
-from gpr20_user_interface.errors import SurveyNotReadableError
-from gpr20_user_interface.high.ros_events import in_background
-from gpr20_user_interface.mid.map_geometry import Area
-from gpr20_user_interface.mid.map_grid import grid_from_description
-from gpr20_user_interface.mid.survey_additions import (
+from gpr20_operator import faults
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.additions import (
     AdditionsFailed,
     AdditionsRead,
     MarkersStored,
     MarkingFailed,
     RelatedSurvey,
 )
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.grid import grid_from_description
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.plan.refines import refines_of
+from gpr20_user_interface.high.ros_events import in_background
 
 READ_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.

@@ -28,17 +28,8 @@ from gpr20_msgs.msg import (
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface import faults
-from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.master import MasterWatch
-from gpr20_user_interface.high.replay_watch import ReplayWatch
-from gpr20_user_interface.high.robot_stop import RobotStop
-from gpr20_user_interface.high.robot_travel import axis_limits
-from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
-from gpr20_user_interface.mid.events import (
+from gpr20_operator import faults
+from gpr20_operator.robot.events import (
     Accepted,
     AnnotationDefaults,
     Answer,
@@ -46,8 +37,17 @@ from gpr20_user_interface.mid.events import (
     Event,
     Request,
 )
-from gpr20_user_interface.mid.message_source import is_player
-from gpr20_user_interface.mid.service_events import AxisMeasured
+from gpr20_operator.robot.message_source import is_player
+from gpr20_operator.robot.service_events import AxisMeasured
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.master import MasterWatch
+from gpr20_user_interface.high.replay_watch import ReplayWatch
+from gpr20_user_interface.high.robot_stop import RobotStop
+from gpr20_user_interface.high.robot_travel import axis_limits
+from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0

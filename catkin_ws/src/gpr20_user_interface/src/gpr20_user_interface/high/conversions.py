@@ -22,27 +22,8 @@ from gpr20_msgs.msg import (
     SurveyData,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
-from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import survey_metadata
-from gpr20_survey.plan.annotation import Annotation, annotation_of
-from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
-from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import summary_from
-from gpr20_user_interface.mid.events import (
-    ControlParameters,
-    ControlState,
-    CurrentPosition,
-    MeasuredHeight,
-    Progress,
-    TargetPosition,
-)
-from gpr20_user_interface.mid.map_coverage import CoverageRuns
-from gpr20_user_interface.mid.replay import ReplayMark, ReplayPhase
-from gpr20_user_interface.mid.service_events import (
-    HeightTested,
-    ServiceActivity,
-)
-from gpr20_user_interface.mid.trace_events import (
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
     AnnotationRead,
     SurveyDescribed,
@@ -52,6 +33,25 @@ from gpr20_user_interface.mid.trace_events import (
     TracesRead,
     page_of_traces,
 )
+from gpr20_operator.robot.events import (
+    ControlParameters,
+    ControlState,
+    CurrentPosition,
+    MeasuredHeight,
+    Progress,
+    TargetPosition,
+)
+from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
+from gpr20_operator.robot.service_events import (
+    HeightTested,
+    ServiceActivity,
+)
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.plan.annotation import Annotation, annotation_of
+from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import summary_from
 
 
 def replay_mark(message: Replay) -> ReplayMark:

@@ -12,7 +12,7 @@ from PyQt5.QtGui import QGuiApplication
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_user_interface.errors import DisplayUnavailableError
+from gpr20_operator.errors import DisplayUnavailableError
 from gpr20_user_interface.low.display_probe import display_problem
 
 # Between two attempts, where a window waits for its display [s].

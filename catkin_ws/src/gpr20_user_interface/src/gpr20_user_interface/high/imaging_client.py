@@ -17,13 +17,8 @@ from gpr20_msgs.srv import (
     ListVolumes,
     MapHidden,
 )
-from gpr20_survey.results.candidate_json import list_from
-from gpr20_survey.results.focused_image import image_from
-from gpr20_survey.results.hiding_map import hiding_from
-from gpr20_survey.results.volume import volume_from
-from gpr20_user_interface import faults
-from gpr20_user_interface.high.ros_events import RosEvents, in_background
-from gpr20_user_interface.mid.imaging_events import (
+from gpr20_operator import faults
+from gpr20_operator.jobs.imaging import (
     CandidatesFound,
     ExportDone,
     HidingMapped,
@@ -34,6 +29,11 @@ from gpr20_user_interface.mid.imaging_events import (
     VolumesFailed,
     VolumesListed,
 )
+from gpr20_survey.results.candidate_json import list_from
+from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.hiding_map import hiding_from
+from gpr20_survey.results.volume import volume_from
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
 
 # Longer than the node's own limits; another request may come first.
 FOCUS_TIMEOUT_S = 360.0

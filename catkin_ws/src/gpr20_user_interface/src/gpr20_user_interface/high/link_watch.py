@@ -10,7 +10,7 @@ import rospy
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.node_probe import NodeProbe
-from gpr20_user_interface.mid.events import LinkState
+from gpr20_operator.robot.events import LinkState
 
 PERIOD_S = 1.0
 # The first probe that remains unanswered ends before a follower takes the silence for an end.

@@ -17,8 +17,8 @@ from rospy.impl.registration import (
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.message import Message
-from gpr20_user_interface import faults
-from gpr20_user_interface.errors import MasterUnavailableError
+from gpr20_operator import faults
+from gpr20_operator.errors import MasterUnavailableError
 
 POLL_S = 0.2
 # To join a master that answers.

@@ -12,7 +12,7 @@ from gpr20_common.errors import NodeSilentError
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.node_probe import NodeProbe
-from gpr20_user_interface.mid.message_source import SourceGone
+from gpr20_operator.robot.message_source import SourceGone
 
 PERIOD_S = 1.0
 ANSWER_LIMIT_S = 1.0

@@ -12,11 +12,11 @@ from gpr20_common.mid.records import record_from
 from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import RobotConfiguration
+from gpr20_operator import faults
+from gpr20_operator.robot.events import AxisLimits, RobotDefaults, RobotFigures
 from gpr20_survey.plan.robot_description import ANALYZER, NodeDescription, robot_config
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
-from gpr20_user_interface import faults
-from gpr20_user_interface.mid.events import AxisLimits, RobotDefaults, RobotFigures
 
 CONTROL, STORAGE = "main_control", "vna_processing"
 UNKNOWN = Message("the limits of the axes are not known").with_fault(faults.LIMITS_UNKNOWN)

@@ -9,8 +9,8 @@ import rospy
 
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.message import Message
-from gpr20_user_interface import faults
-from gpr20_user_interface.mid.message_source import Received
+from gpr20_operator import faults
+from gpr20_operator.robot.message_source import Received
 
 
 class RosEvents:

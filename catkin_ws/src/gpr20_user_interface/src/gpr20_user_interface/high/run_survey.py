@@ -17,32 +17,35 @@ from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
+from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Request, StopRequested
+from gpr20_operator.robot.message_source import MessageSources
 from gpr20_survey.plan.survey_parameters import check
-from gpr20_user_interface.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
-from gpr20_user_interface.low import terminal_question
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
-from gpr20_user_interface.low.terminal_bar import TerminalBar
-from gpr20_user_interface.mid.displays import BarDisplay, Display, PlainDisplay, terminal_line
-from gpr20_user_interface.mid.event_router import EventRouter
-from gpr20_user_interface.mid.events import DOCUMENTED_TRAVEL, Request, StopRequested
-from gpr20_user_interface.mid.message_source import MessageSources
-from gpr20_user_interface.mid.replay_follower import REFUSAL, ReplayFollower
-from gpr20_user_interface.mid.survey_arguments import (
-    Bar,
-    Options,
-    parse_arguments,
-    terminal_language,
+from gpr20_user_interface.terminal import terminal_question
+from gpr20_user_interface.terminal.displays import (
+    BarDisplay,
+    Display,
+    PlainDisplay,
+    TerminalBar,
+    terminal_line,
 )
-from gpr20_user_interface.mid.survey_follower import Limits, Mode, SurveyFollower
-from gpr20_user_interface.mid.survey_outcome import ExitStatus, Outcome
-from gpr20_user_interface.mid.survey_session import (
+from gpr20_user_interface.terminal.follower import ExitStatus, Limits, Mode, Outcome, SurveyFollower
+from gpr20_user_interface.terminal.routing import REFUSAL, EventRouter, ReplayFollower
+from gpr20_user_interface.terminal.session import (
     Follower,
     SurveySession,
     first_step,
     outcome_lines,
+)
+from gpr20_user_interface.terminal.survey_arguments import (
+    Bar,
+    Options,
+    parse_arguments,
+    terminal_language,
 )
 
 

@@ -20,14 +20,8 @@ from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_msgs.msg import ServiceStatus
 from gpr20_msgs.srv import DailyCheck, GetHeight, ServiceMove, TestAnalyzer
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
-from gpr20_survey.results.daily_check import Part
-from gpr20_user_interface import faults
-from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
-from gpr20_user_interface.mid.service_events import (
+from gpr20_operator import faults
+from gpr20_operator.robot.service_events import (
     AxisAction,
     AxisMoved,
     CheckStepTaken,
@@ -36,6 +30,12 @@ from gpr20_user_interface.mid.service_events import (
     HeightTested,
     MachineExamined,
 )
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
+from gpr20_survey.results.daily_check import Part
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
 
 # At the lowest speed an axis of 800 mm takes 800 s to its endstop. The motion can be stopped
 # meanwhile, and goes to its end whether this client waits or not.

@@ -13,19 +13,19 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import SurveyCoverage
 from gpr20_msgs.srv import AnnotateSurvey, ListSurveys, ReadSurvey, ReadTraces
-from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.trace import trace_message
-from gpr20_user_interface import faults
-from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.additions_client import AdditionsClient
-from gpr20_user_interface.high.ros_events import RosEvents, in_background
-from gpr20_user_interface.mid.trace_events import (
+from gpr20_operator import faults
+from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
     AnnotationStored,
     ReadingFailed,
     TraceEvent,
 )
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.trace import trace_message
+from gpr20_user_interface.high import conversions
+from gpr20_user_interface.high.additions_client import AdditionsClient
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
 
 LIST_TIMEOUT_S = 20.0
 READ_TIMEOUT_S = 20.0

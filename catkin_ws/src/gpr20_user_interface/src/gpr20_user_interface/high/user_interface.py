@@ -23,7 +23,20 @@ from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_user_interface.errors import DisplayUnavailableError, MasterUnavailableError
+from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
+from gpr20_operator.files.profile_folder import ProfileFolder
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.jobs.images import ImagingPresenter
+from gpr20_operator.plan.memory import PlanMemory, Settings
+from gpr20_operator.plan.preview import CostEstimator
+from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.message_source import MessageSources
+from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.shown_model import ShownModel
+from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.control_client import ControlClient, main_control_name
 from gpr20_user_interface.high.display import (
     check_display,
@@ -36,28 +49,15 @@ from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.high.robots_client import RobotsClient
 from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
+from gpr20_user_interface.look.settings import WindowMemory
+from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.hang_guard import HangGuard
 from gpr20_user_interface.low.next_window import open_in
-from gpr20_user_interface.low.profile_folder import ProfileFolder
 from gpr20_user_interface.low.screen_saver import ScreenSaver
-from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
-from gpr20_user_interface.mid.imaging_presenter import ImagingPresenter
-from gpr20_user_interface.mid.message_source import MessageSources
-from gpr20_user_interface.mid.plan_memory import PlanMemory, Settings
-from gpr20_user_interface.mid.presenters import Presenters
-from gpr20_user_interface.mid.profiles import Profiles
-from gpr20_user_interface.mid.robots import Robots
-from gpr20_user_interface.mid.service_model import ServiceModel
-from gpr20_user_interface.mid.shown_model import ShownModel
-from gpr20_user_interface.mid.survey_model import SurveyModel
-from gpr20_user_interface.mid.survey_preview import CostEstimator
-from gpr20_user_interface.mid.trace_presenter import TracePresenter
-from gpr20_user_interface.mid.window_presenter import WindowPresenter
-from gpr20_user_interface.mid.window_settings import WindowMemory
-from gpr20_user_interface.views.main_window import MainWindow
-from gpr20_user_interface.views.screen_placement import ScreenPlacement
-from gpr20_user_interface.views.translation import Languages
+from gpr20_user_interface.window.main_window import MainWindow
+from gpr20_user_interface.window.placement import ScreenPlacement
+from gpr20_user_interface.window.presenters import Presenters
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"

@@ -1,0 +1,1 @@
+"""Files that the screen keeps on its own computer."""

@@ -1,0 +1,85 @@
+"""A small file with the settings of the window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Dict, Mapping
+
+import yaml
+
+from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_operator import faults
+from gpr20_operator.errors import SettingsError
+from gpr20_survey.files.durable_files import ensure_folders, replace_file
+
+# Settings have some hundred bytes; a far larger file is something else.
+MAX_BYTES = 65536
+# Only the operator's own: a survey's place and people may be in it.
+FOLDER_MODE = 0o700
+
+
+class SettingsFile:
+    """Reads and writes one group of values. After a power cut it is the old one or the new one.
+
+    Args:
+        path: The YAML file; it need not exist.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def read(self) -> Dict[str, Any]:
+        """Return the values; none if there is no file yet.
+
+        Raises:
+            SettingsError: The file cannot be read, or is damaged. Its message is for the
+                operator; the window then uses its defaults.
+        """
+        try:
+            # Reading a pipe would block the window.
+            if self._path.exists() and not self._path.is_file():
+                raise self._unreadable(Message("it is not a file"))
+            values = read_yaml(self._path, MAX_BYTES)
+        except FileNotFoundError:
+            return {}
+        except YamlFileError as error:
+            raise self._unreadable(error.message) from error
+        except OSError as error:
+            raise self._unreadable(os_reason(error)) from error
+        if not isinstance(values, dict) or not all(isinstance(name, str) for name in values):
+            raise self._unreadable(Message("it is not a group of named values"))
+        return values
+
+    def write(self, values: Mapping[str, Any]) -> None:
+        """Replace the values, and return when they are on the disk.
+
+        Args:
+            values: Plain values, lists and groups.
+
+        Raises:
+            SettingsError: They cannot be written; the file is as it was.
+        """
+        text = yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True)
+        try:
+            ensure_folders(self._path.parent, FOLDER_MODE)
+            replace_file(self._path, text.encode("utf-8"))
+        except OSError as error:
+            raise SettingsError(
+                Message(
+                    "the settings {path} cannot be written: {reason}",
+                    path=self._path,
+                    reason=os_reason(error),
+                ),
+                fault=faults.SETTINGS_NOT_STORED,
+            ) from error
+
+    def _unreadable(self, reason: Message) -> SettingsError:
+        return SettingsError(
+            Message(
+                "the settings {path} cannot be read: {reason}; the defaults are used",
+                path=self._path,
+                reason=reason,
+            )
+        )

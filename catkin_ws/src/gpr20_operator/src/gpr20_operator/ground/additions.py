@@ -1,0 +1,279 @@
+"""Between the storage and MAP and RADAR: markers, related surveys, candidates, a finer plan."""
+
+from __future__ import annotations
+
+import uuid
+from dataclasses import dataclass
+from typing import Callable, Dict, Optional, Protocol, Set, Tuple
+
+from gpr20_common.message import Message
+from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.laid_over import laid_over
+from gpr20_operator.jobs.imaging import HidingMapped, ImageFocused
+from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hiding_map import HidingMap
+
+
+@dataclass(frozen=True)
+class RelatedSurvey:
+    """A survey that measured a part of another one more finely, or that other one.
+
+    Attributes:
+        folder: Name of its folder.
+        is_finer: Whether it refines the survey it is related to; else it is refined by that.
+        area: Its first to its last stop.
+    """
+
+    survey_id: str
+    folder: str
+    is_finer: bool
+    area: Area
+
+
+@dataclass(frozen=True)
+class AdditionsRead:
+    """What the storage knows of a survey besides its traces.
+
+    Attributes:
+        markers: Those that were not removed.
+        related: The surveys that refine it, and the one that it refines.
+    """
+
+    survey_id: str
+    markers: Tuple[Marker, ...]
+    related: Tuple[RelatedSurvey, ...]
+
+
+@dataclass(frozen=True)
+class MarkersStored:
+    """The markers of a survey, after one was added or removed durably."""
+
+    survey_id: str
+    markers: Tuple[Marker, ...]
+
+
+@dataclass(frozen=True)
+class AdditionsFailed:
+    """What belongs to a survey cannot be read now."""
+
+    survey_id: str
+    reason: Message
+
+
+@dataclass(frozen=True)
+class MarkingFailed:
+    """A marker could not be stored, or not be removed."""
+
+    survey_id: str
+    marker_id: str
+    reason: Message
+
+
+class AdditionsSource(Protocol):
+    """Requests to the storage, without waiting; the answers come as events."""
+
+    def read_additions(self, survey: str) -> None:
+        """Ask for markers and related surveys of a survey, by its id."""
+
+    def add_marker(self, survey: str, marker: Marker) -> None:
+        """Ask to store a marker of a survey, by its id."""
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
+        """Ask to remove a marker of a survey, by its id."""
+
+
+# How often a survey is asked for again after a failure, in refreshes of 100 ms.
+RETRY_REFRESHES = 100
+# Images of other surveys are kept for their return: the one that is refined, and its finer ones.
+IMAGES_KEPT = 4
+
+
+@dataclass(frozen=True)
+class NoAdditions:
+    """What a map without anything over its stops shows."""
+
+    related: Tuple[RelatedSurvey, ...] = ()
+    plan: Optional[FinerPlan] = None
+    candidates: Tuple[Candidate, ...] = ()
+    markers: Tuple[Marker, ...] = ()
+    image: Optional[FocusedImage] = None
+    hiding: Optional[HidingMap] = None
+
+
+class AdditionsPresenter:
+    """Knows what belongs to the survey that MAP and RADAR show. Belongs to one thread.
+
+    Args:
+        source: The storage.
+        author: Returns who makes markers now.
+        focus: Asks for the focused image of a survey, by its id and the permittivity.
+
+    Attributes:
+        survey_id: The survey that is shown; empty: none.
+        markers: Its markers.
+        related: The surveys that refine it, and the one that it refines.
+        plan: A finer survey that is planned, but did not begin yet.
+        problem: Why the last marker was not stored or removed, until it is taken.
+        revision: Changes with everything that a view shows of this.
+    """
+
+    def __init__(
+        self,
+        source: AdditionsSource,
+        author: Callable[[], str],
+        focus: Callable[[str, float], None] = lambda _survey, _permittivity: None,
+    ) -> None:
+        self._source = source
+        self._focus = focus
+        self._author = author
+        self.survey_id = ""
+        self.markers: Tuple[Marker, ...] = ()
+        self.related: Tuple[RelatedSurvey, ...] = ()
+        self.plan: Optional[FinerPlan] = None
+        self.problem: Optional[Message] = None
+        self.revision = 0
+        self._images: Dict[str, FocusedImage] = {}
+        self._hiding: Dict[str, HidingMap] = {}
+        self._asked_images: Set[str] = set()
+        self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
+        self._can_read = False
+        self._due: Optional[int] = None
+
+    @property
+    def image(self) -> Optional[FocusedImage]:
+        """The focused image of the survey that is shown; None: none yet."""
+        return self._images.get(self.survey_id)
+
+    @property
+    def hiding(self) -> Optional[HidingMap]:
+        """Where a mine could hide in the survey that is shown; None: nobody asked."""
+        return self._hiding.get(self.survey_id)
+
+    @property
+    def candidates(self) -> Tuple[Candidate, ...]:
+        """The candidates of the survey that is shown."""
+        return () if self.image is None else self.image.found.shown()
+
+    @property
+    def finer_images(self) -> Tuple[FocusedImage, ...]:
+        """The images of the surveys that refine the one that is shown."""
+        finer = [one.survey_id for one in self.related if one.is_finer]
+        return tuple(self._images[one] for one in finer if one in self._images)
+
+    @property
+    def laid_image(self) -> Optional[FocusedImage]:
+        """The image of the survey that is shown, with those of finer surveys laid over it."""
+        if self.image is None:
+            return None
+        images = (self.image, *self.finer_images)
+        # Compared by what they are, not by their content.
+        if [id(one) for one in images] != [id(one) for one in self._laid[0]]:
+            self._laid = images, laid_over(self.image, self.finer_images)
+        return self._laid[1]
+
+    @property
+    def can_mark(self) -> bool:
+        """Whether the survey that is shown can have markers: the robot's storage holds it."""
+        return bool(self.survey_id) and self._can_read
+
+    def follow(self, survey_id: str, can_read: bool) -> None:
+        """Show what belongs to another survey.
+
+        Args:
+            survey_id: The survey that MAP and RADAR show; empty: none.
+            can_read: Whether the storage holds it; it has none of a replay.
+        """
+        if (survey_id, can_read) == (self.survey_id, self._can_read):
+            return
+        self.survey_id, self._can_read = survey_id, can_read
+        self.markers, self.related = (), ()
+        self._asked_images.clear()
+        self.revision += 1
+        self.read_again()
+
+    def read_again(self) -> None:
+        """Read what belongs to the survey again: others may have added to it."""
+        self._due = None
+        if self.can_mark:
+            self._source.read_additions(self.survey_id)
+
+    def focus_finer(self) -> None:
+        """Ask for the image of a finer survey, if one is lacking, with the same permittivity."""
+        image = self.image
+        if image is None:
+            return
+        for one in self.related:
+            known = one.survey_id in self._images or one.survey_id in self._asked_images
+            if one.is_finer and not known:
+                self._asked_images.add(one.survey_id)
+                self._focus(one.survey_id, image.found.permittivity)
+                return  # the next one later
+
+    def refresh(self) -> None:
+        """Ask again some time after a failure."""
+        if self._due is not None:
+            self._due -= 1
+            if self._due <= 0:
+                self.read_again()
+
+    def on_event(self, event: object) -> None:
+        """Take an event about additions or images."""
+        if isinstance(event, ImageFocused):
+            self._take_image(event.image)
+        elif isinstance(event, HidingMapped):
+            self._hiding[event.found.survey_id] = event.found
+            self.revision += 1
+        elif isinstance(event, AdditionsRead) and event.survey_id == self.survey_id:
+            self.markers, self.related = event.markers, event.related
+            self.revision += 1
+        elif isinstance(event, MarkersStored) and event.survey_id == self.survey_id:
+            self.markers = event.markers
+            self.revision += 1
+        elif isinstance(event, AdditionsFailed) and event.survey_id == self.survey_id:
+            self._due = RETRY_REFRESHES
+        elif isinstance(event, MarkingFailed):
+            self.problem = event.reason
+
+    def take_problem(self) -> Optional[Message]:
+        """Return why the last marker was not stored or removed, once; None: nothing failed."""
+        problem, self.problem = self.problem, None
+        return problem
+
+    def add_marker(
+        self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str
+    ) -> None:
+        """Ask the storage to add a marker.
+
+        Args:
+            survey: Id of the survey; another one may be shown since its place was touched.
+            x_mm: Where it is.
+            y_mm: Where it is.
+            depth_mm: Below the surface; None: not known.
+            text: One line.
+
+        Raises:
+            InvalidValueError: The text or the place is not allowed.
+        """
+        marker = Marker(str(uuid.uuid4()), x_mm, y_mm, depth_mm, text, self._author())
+        self._source.add_marker(survey, marker)
+
+    def remove_marker(self, marker_id: str) -> None:
+        """Ask the storage to remove a marker."""
+        self._source.remove_marker(self.survey_id, marker_id, self._author())
+
+    def keep_plan(self, plan: Optional[FinerPlan]) -> None:
+        """Keep a finer survey for later; None: it has begun, or is not wanted."""
+        self.plan = plan
+        self.revision += 1
+
+    def _take_image(self, image: FocusedImage) -> None:
+        # Taken out first, so that the newest ones are those that are kept.
+        self._images.pop(image.survey_id, None)
+        self._images[image.survey_id] = image
+        while len(self._images) > IMAGES_KEPT:
+            oldest = next(one for one in self._images if one != self.survey_id)
+            del self._images[oldest]
+        self.revision += 1

@@ -1,0 +1,252 @@
+"""The echoes of a survey so far, and pictures of them; bounded in memory."""
+
+from __future__ import annotations
+
+from typing import Dict, Optional, Tuple
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.coverage import is_stored
+from gpr20_operator.ground.grid import Cell, SurveyGrid
+from gpr20_operator.ground.level_scale import LevelScale, SteadyScale
+from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
+from gpr20_survey.radar.noise import LateDelays, noise_of_survey, noise_of_trace
+from gpr20_survey.trace.trace import Trace
+
+MAX_VOLUME_BYTES = 256 << 20
+BYTES_PER_SAMPLE = 8  # complex64
+MAX_SAMPLES = 1024
+# The mean of fewer traces contains too much of a target to be subtracted.
+MIN_BACKGROUND_TRACES = 8
+# So much above the surface is shown too: its echo shows whether the height is right.
+ABOVE_SURFACE_M = 0.05
+# The scale ends at the strong echoes of some of the traces: a few disturbed ones do not darken it.
+TRACES_FOR_SCALE = 400
+STRONG_PART = 0.98
+# The scale is estimated again when there are so many times more traces, and when all are there.
+SCALE_GROWTH = 1.05
+
+
+class RadarModel:
+    """Takes traces in any order, also repeated ones, and stores their echoes.
+
+    Nothing else of a trace is stored: single precision and a few delays are enough for a picture.
+    The echoes of all planned traces have their place from the start, but memory is used only
+    for those that are there. If the plan is so large that they would need more than `max_bytes`,
+    fewer delays of each are stored.
+
+    Attributes:
+        grid: The plan of the survey that is shown.
+        latest: Where the trace that came last belongs.
+        latest_of: The same for each polarization that has a trace.
+        given_up: Traces that cannot be shown, and why, by their place in the plan.
+    """
+
+    def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
+        self._max_bytes = max_bytes
+        self.revision = 0
+        self.begin(None)
+
+    def begin(self, grid: Optional[SurveyGrid]) -> None:
+        """Forget everything and wait for the traces of another survey."""
+        self.grid = grid
+        self._transforms: Optional[Tuple[FrequencyToDelay, LateDelays]] = None
+        shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
+        self._present = np.zeros(shape, bool)
+        self._heights_m = np.full(shape, np.nan, np.float32)
+        self._echoes = np.zeros((*shape, 0), np.complex64)
+        self._sums = np.zeros((shape[0], 0), np.complex128)
+        self._noises = np.full(shape, np.nan, np.float32)
+        self._scales: Dict[bool, SteadyScale] = {}
+        self._scaled_counts: Dict[bool, int] = {}
+        self._count = 0
+        self._median_height: Tuple[int, float] = (-1, float("nan"))
+        self.latest: Optional[Cell] = None
+        self.latest_of: Dict[int, Cell] = {}
+        self.given_up: Dict[int, Message] = {}
+        self.revision += 1
+
+    @property
+    def transform(self) -> Optional[FrequencyToDelay]:
+        """How sweeps become echoes; None before the first trace."""
+        return None if self._transforms is None else self._transforms[0]
+
+    @property
+    def count(self) -> int:
+        """How many traces are here."""
+        return self._count
+
+    def add(self, trace: Trace) -> None:
+        """Take a trace.
+
+        Raises:
+            SurveyNotReadableError: It does not belong to its place in the plan; it is not shown.
+        """
+        if self.grid is None or trace.survey_id != self.grid.survey_id:
+            raise SurveyNotReadableError(
+                Message(
+                    "trace {index} belongs to survey {survey}; another survey is shown",
+                    index=trace.index,
+                    survey=trace.survey_id[:40],
+                )
+            )
+        try:
+            cell = self._checked_cell(self.grid, trace)
+        except SurveyNotReadableError as error:
+            self.give_up(trace.index, error.message)
+            raise
+        transform, late = self._transforms or self._begin_volume(trace)
+        s21 = trace.s21_real + 1j * trace.s21_imag
+        echoes = transform.transform(s21)
+        place = (cell.polarization, cell.stop.row, cell.stop.column)
+        if self._present[place]:
+            self._sums[cell.polarization] -= self._echoes[place]
+        else:
+            self._count += 1
+        self._echoes[place] = echoes
+        self._sums[cell.polarization] += echoes
+        self._heights_m[place] = trace.antennae_height_m
+        self._noises[place] = noise_of_trace(late.samples(s21))
+        self._present[place] = True
+        self.given_up.pop(trace.index, None)
+        self.latest = cell
+        self.latest_of[cell.polarization] = cell
+        self.revision += 1
+
+    def give_up(self, index: int, reason: Message) -> None:
+        """Note that a stored trace cannot be shown; it is not requested again."""
+        self.given_up[index] = reason
+        self.revision += 1
+
+    def absent(self, trace_states: np.ndarray) -> np.ndarray:
+        """Return the places in the plan that are stored but not here, ascending.
+
+        Args:
+            trace_states: State of every planned trace, from the coverage.
+        """
+        if self.grid is None:
+            return np.zeros(0, np.intp)
+        stored = np.flatnonzero(is_stored(trace_states))
+        row, column, polarization = self.grid.cells(stored)
+        absent = stored[~self._present[polarization, row, column]]
+        given_up = np.fromiter(self.given_up, np.intp, len(self.given_up))
+        return absent[~np.isin(absent, given_up)]
+
+    def has(self, cell: Cell) -> bool:
+        """Return whether the trace of a cell is here."""
+        place = (cell.polarization, cell.stop.row, cell.stop.column)
+        return bool(self._present[place])
+
+    def present(self, polarization: int) -> np.ndarray:
+        """Return which stops have a trace of a polarization (bool, rows x columns)."""
+        return self._present[polarization]
+
+    def echoes(self, polarization: int) -> np.ndarray:
+        """Return the echoes of a polarization (complex64, rows x columns x samples)."""
+        return self._echoes[polarization]
+
+    def heights_m(self, polarization: int) -> np.ndarray:
+        """Return the height of every stop [m]; one that is not known is the median of the rest.
+
+        All are NaN if none is known.
+        """
+        own = self._heights_m[polarization]
+        return np.where(np.isfinite(own), own, self.typical_height_m())
+
+    def typical_height_m(self) -> float:
+        """Return the median of the known heights [m]; NaN if none is known."""
+        if self._median_height[0] != self.revision:
+            known = self._heights_m[np.isfinite(self._heights_m)]
+            height_m = float(np.median(known)) if known.size else float("nan")
+            self._median_height = (self.revision, height_m)
+        return self._median_height[1]
+
+    def background(self, polarization: int) -> Optional[np.ndarray]:
+        """Return what the traces of a polarization have in common; None while they are too few."""
+        # Without a plan there are no polarizations.
+        count = int(np.count_nonzero(self._present[polarization : polarization + 1]))
+        if count < MIN_BACKGROUND_TRACES:
+            return None
+        return (self._sums[polarization] / count).astype(np.complex64)
+
+    def scale(self, remove_background: bool, in_db: bool) -> Optional[LevelScale]:
+        """Return the one scale of levels for all pictures; None before the first trace.
+
+        Args:
+            remove_background: Whether the pictures are without background, if there are enough
+                traces to know it.
+            in_db: Whether shades follow the level in dB.
+        """
+        if self.transform is None or not self._count:
+            return None
+        removed = remove_background and self._has_background()
+        steady = self._scales.setdefault(
+            removed, SteadyScale(self._present.size * self.transform.samples)
+        )
+        before = self._scaled_counts.get(removed, 0)
+        complete = self._count == self._present.size
+        if self._count >= SCALE_GROWTH * before + 1 or (complete and before < self._count):
+            self._scaled_counts[removed] = self._count
+            steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
+        return steady.scale(in_db)
+
+    def _has_background(self) -> bool:
+        """Return whether every polarization that has traces has a background."""
+        counts = np.count_nonzero(self._present, axis=(1, 2))
+        return bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
+
+    def _strongest(self, transform: FrequencyToDelay, removed: bool) -> float:
+        """Return the amplitude of the strong echoes from just above the surface on."""
+        height_m = self.typical_height_m()
+        first_s = 0.0
+        if np.isfinite(height_m):
+            first_s = float(delay_of_depth(-min(ABOVE_SURFACE_M, height_m), height_m, 1.0))
+        first = min(int(first_s / transform.step_s), transform.samples - 1)
+        strongest = 0.0
+        for polarization, present in enumerate(self._present):
+            rows, columns = np.nonzero(present)
+            every = max(1, len(rows) // TRACES_FOR_SCALE)
+            some = self._echoes[polarization][rows[::every], columns[::every], first:]
+            background = self.background(polarization) if removed else None
+            if some.size:
+                echoes = some if background is None else some - background[first:]
+                peaks = np.abs(echoes).max(axis=1)
+                strongest = max(strongest, float(np.quantile(peaks, STRONG_PART)))
+        return strongest
+
+    def _checked_cell(self, grid: SurveyGrid, trace: Trace) -> Cell:
+        cell = grid.cell(trace.index)
+        place = (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
+        if not grid.holds(cell, *place):
+            x_mm, y_mm, z_deg = place
+            raise SurveyNotReadableError(
+                Message(
+                    "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this "
+                    "is not its place in the plan",
+                    index=trace.index,
+                    x_mm=x_mm,
+                    y_mm=y_mm,
+                    z_deg=z_deg,
+                )
+            )
+        if self.transform is not None and not self.transform.fits(trace.frequency_hz):
+            raise SurveyNotReadableError(
+                Message(
+                    "the frequencies of trace {index} differ from those of the first trace",
+                    index=trace.index,
+                )
+            )
+        return cell
+
+    def _begin_volume(self, trace: Trace) -> Tuple[FrequencyToDelay, LateDelays]:
+        room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
+        transform = FrequencyToDelay.resolved(trace.frequency_hz, min(MAX_SAMPLES, room))
+        self._transforms = (transform, LateDelays(trace.frequency_hz))
+        samples = transform.samples
+        # Zeros are given by the system page by page when they are written.
+        self._echoes = np.zeros((*self._present.shape, samples), np.complex64)
+        self._sums = np.zeros((len(self._present), samples), np.complex128)
+        return self._transforms

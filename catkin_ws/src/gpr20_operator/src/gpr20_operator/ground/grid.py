@@ -1,0 +1,196 @@
+"""Where the planned traces of a survey lie: places in the plan, rows, columns and polarizations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Mapping, Optional, Tuple
+
+import numpy as np
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator import faults
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
+from gpr20_survey.plan.recorded_plan import recorded_plan
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_survey.plan.survey_plan import grid, on_step
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One stop of the antennas: its row along Y and its column along X, from 0."""
+
+    row: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One planned trace: a stop and the number of its polarization, from 0."""
+
+    stop: Stop
+    polarization: int
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the traces of a survey lie.
+
+    Attributes:
+        xs_mm: Columns.
+        ys_mm: Rows.
+        rotations_deg: Polarizations.
+        tolerances: How far a trace may be from its place along x and y [mm], and z [deg].
+        plan: What the survey measures, and the limits of the axes; None: it was imported.
+    """
+
+    xs_mm: np.ndarray
+    ys_mm: np.ndarray
+    rotations_deg: Tuple[float, ...]
+    tolerances: Tuple[float, float, float]
+    plan: Optional[Tuple[SurveyParameters, RobotTravel]] = None
+
+
+def planned_places(parameters: SurveyParameters, travel: RobotTravel) -> Places:
+    """Return the places of a plan, which lie on motor steps."""
+    p = parameters
+    return Places(
+        np.array(grid(p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
+        np.array(grid(p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
+        tuple(on_step(one, travel.z) for one in p.polarizations_deg),
+        (travel.x.step / 2, travel.y.step / 2, travel.z.step / 2),
+        (parameters, travel),
+    )
+
+
+class SurveyGrid:
+    """The places of one survey: those that were planned, or those of an import.
+
+    Args:
+        survey_id: UUID.
+        places: Where its traces lie.
+        simulated: The data show no real ground.
+    """
+
+    def __init__(self, survey_id: str, places: Places, simulated: bool) -> None:
+        self.survey_id = survey_id
+        self.simulated = simulated
+        self.plan = places.plan
+        self.xs_mm, self.ys_mm = places.xs_mm, places.ys_mm
+        self.rotations_deg = places.rotations_deg
+        self._tolerances = places.tolerances
+
+    @property
+    def shape(self) -> Tuple[int, int]:
+        """Rows and columns."""
+        return len(self.ys_mm), len(self.xs_mm)
+
+    @property
+    def planned(self) -> int:
+        """Number of planned traces."""
+        return len(self.ys_mm) * len(self.xs_mm) * len(self.rotations_deg)
+
+    def cells(self, indices: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return row, column and polarization of places in the plan (whole numbers, shape n).
+
+        The order is that of `survey_plan.survey_points`: columns turn with every row,
+        polarizations with every stop.
+        """
+        columns, polarizations = len(self.xs_mm), len(self.rotations_deg)
+        stop, polarization = np.divmod(indices, polarizations)
+        row, column = np.divmod(stop, columns)
+        polarization = np.where(stop % 2 == 0, polarization, polarizations - 1 - polarization)
+        column = np.where(row % 2 == 0, column, columns - 1 - column)
+        return row, column, polarization
+
+    def cell(self, index: int) -> Cell:
+        """Return where a place in the plan is.
+
+        Raises:
+            SurveyNotReadableError: The plan has no such place.
+        """
+        if not 0 <= index < self.planned:
+            raise SurveyNotReadableError(
+                Message(
+                    "trace {index} was not planned; the plan has {planned} traces",
+                    index=index,
+                    planned=self.planned,
+                )
+            )
+        row, column, polarization = self.cells(np.array([index]))
+        return Cell(Stop(int(row[0]), int(column[0])), int(polarization[0]))
+
+    def index(self, cell: Cell) -> int:
+        """Return the place in the plan of a cell."""
+        columns, polarizations = len(self.xs_mm), len(self.rotations_deg)
+        row, column = cell.stop.row, cell.stop.column
+        stop = row * columns + (column if row % 2 == 0 else columns - 1 - column)
+        polarization = cell.polarization if stop % 2 == 0 else polarizations - 1 - cell.polarization
+        return stop * polarizations + polarization
+
+    def nearest_stop(self, x_mm: float, y_mm: float) -> Optional[Stop]:
+        """Return the stop nearest to a place, or None if it lies off the grid."""
+        column = _nearest(self.xs_mm, x_mm)
+        row = _nearest(self.ys_mm, y_mm)
+        return None if row is None or column is None else Stop(row, column)
+
+    def closest_stop(self, x_mm: float, y_mm: float) -> Stop:
+        """Return the stop that is closest to a place, wherever that is."""
+        column = int(np.argmin(np.abs(self.xs_mm - x_mm)))
+        return Stop(int(np.argmin(np.abs(self.ys_mm - y_mm))), column)
+
+    def holds(self, cell: Cell, x_mm: float, y_mm: float, z_deg: float) -> bool:
+        """Return whether a place is that of a cell, to half a motor step."""
+        own = (
+            self.xs_mm[cell.stop.column],
+            self.ys_mm[cell.stop.row],
+            self.rotations_deg[cell.polarization],
+        )
+        return all(
+            abs(one - place) <= most
+            for one, place, most in zip(own, (x_mm, y_mm, z_deg), self._tolerances)
+        )
+
+
+def grid_from_description(text: str) -> SurveyGrid:
+    """Return the grid of a survey from its survey.json.
+
+    Raises:
+        SurveyNotReadableError: The text does not describe a survey.
+    """
+    try:
+        values = parse_object(text, "survey.json", MAX_FILE_BYTES)
+        if not isinstance(values.get("survey_id"), str):
+            raise InvalidValueError(
+                Message("survey.json has no survey id"), fault=faults.PLAN_UNREADABLE
+            )
+        places = _places(values)
+    except (InvalidValueError, SurveyRefusedError) as error:
+        raise SurveyNotReadableError(
+            Message("the survey's plan cannot be read: {reason}", reason=error.message),
+            fault=faults.PLAN_UNREADABLE,
+        ) from error
+    # Data of unknown origin are never shown as those of real ground.
+    simulated = values.get("simulated") is not False
+    return SurveyGrid(values["survey_id"], places, simulated)
+
+
+def _places(description: Mapping[str, Any]) -> Places:
+    if not is_imported(description):
+        return planned_places(*recorded_plan(description))
+    found = imported_grid(description)
+    xs_mm, ys_mm = np.array(found.x_mm), np.array(found.y_mm)
+    return Places(xs_mm, ys_mm, found.polarization_deg, 3 * (TOLERANCE,))
+
+
+def _nearest(places_mm: np.ndarray, place_mm: float) -> Optional[int]:
+    distances_mm = np.abs(places_mm - place_mm)
+    number = int(np.argmin(distances_mm))
+    # A line that was imported is near to every place beside it.
+    spacing_mm = abs(places_mm[1] - places_mm[0]) if len(places_mm) > 1 else math.inf
+    # Written so that NaN, which fails every comparison, is off the grid too.
+    return number if distances_mm[number] <= spacing_mm / 2 + 1e-9 else None

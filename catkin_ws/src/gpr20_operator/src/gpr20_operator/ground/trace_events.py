@@ -1,0 +1,123 @@
+"""Events about the traces of surveys, running and past, besides Trace and CoverageRuns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Iterable, Mapping, Tuple, Union
+
+from gpr20_common.message import Message
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.trace import Trace
+
+
+@dataclass(frozen=True)
+class SurveyDescribed:
+    """The storage has opened a survey; its survey.json as it was then."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class SurveyRead:
+    """The plan of a past survey, and which of its traces are stored."""
+
+    folder: str
+    text: str
+    stored_indices: Tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class TracesRead:
+    """Stored traces that were requested, in the order of the plan.
+
+    Attributes:
+        unreadable: Why traces cannot be read, by their place in the plan.
+    """
+
+    survey: str
+    first_index: int
+    traces: Tuple[Trace, ...]
+    unreadable: Mapping[int, Message]
+
+
+@dataclass(frozen=True)
+class SurveysListed:
+    """A page of the list of past surveys, the newest first."""
+
+    before: str
+    surveys: Tuple[SurveySummary, ...]
+    more: bool
+
+
+@dataclass(frozen=True)
+class ReadingFailed:
+    """Something that was requested cannot be read now."""
+
+    reason: Message
+
+
+@dataclass(frozen=True)
+class AnnotationRead:
+    """What people added to a survey.
+
+    Attributes:
+        survey: As it was requested: an id, or the name of a folder.
+    """
+
+    survey: str
+    annotation: Annotation
+
+
+@dataclass(frozen=True)
+class AnnotationStored:
+    """The annotation of a survey is changed."""
+
+    survey: str
+
+
+@dataclass(frozen=True)
+class AnnotationFailed:
+    """The annotation of a survey could not be read or changed."""
+
+    reason: Message
+
+
+TraceEvent = Union[
+    Trace,
+    CoverageRuns,
+    SurveyDescribed,
+    SurveyRead,
+    TracesRead,
+    SurveysListed,
+    ReadingFailed,
+    AnnotationRead,
+    AnnotationStored,
+    AnnotationFailed,
+]
+
+
+def page_of_traces(
+    survey: str,
+    first_index: int,
+    messages: Iterable[Tuple[int, bytes]],
+    unreadable: Mapping[int, Message],
+) -> TracesRead:
+    """Return the traces of serialized messages; one that is not allowed is unreadable.
+
+    Args:
+        survey: Its id.
+        first_index: Place in the plan at which the page begins.
+        messages: Place in the plan and message of each trace.
+        unreadable: Why the storage cannot read traces, by their place in the plan.
+    """
+    traces, refused = [], dict(unreadable)
+    for index, data in messages:
+        try:
+            traces.append(trace_message.decode(data))
+        except TraceRefusedError as error:
+            refused[index] = error.message
+    return TracesRead(survey, first_index, tuple(traces), refused)

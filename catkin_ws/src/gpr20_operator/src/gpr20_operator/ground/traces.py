@@ -1,0 +1,255 @@
+"""Between the storage and MAP, RADAR and the list of past surveys: which survey they show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Optional, Protocol, Tuple
+
+from gpr20_common.message import Message, verbatim
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.additions import AdditionsSource
+from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
+from gpr20_operator.ground.grid import grid_from_description
+from gpr20_operator.ground.past_surveys import PastSurveys
+from gpr20_operator.ground.shown_survey import ShownSurvey
+from gpr20_operator.ground.trace_events import (
+    ReadingFailed,
+    SurveyDescribed,
+    SurveyRead,
+    SurveysListed,
+    TracesRead,
+)
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.imported import IMPORTED
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.trace.trace import Trace
+
+
+@dataclass(frozen=True)
+class ShownBand:
+    """The band above the picture.
+
+    Attributes:
+        text: Which survey is shown.
+        can_return: Whether there is something live to go back to.
+        replay: Whether it is a replay.
+    """
+
+    text: Message
+    can_return: bool
+    replay: bool = False
+
+
+def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) -> ShownBand:
+    """Return the band of a past survey.
+
+    Args:
+        folder: The survey's folder.
+        survey: What the list says about it; None if it is not in the list.
+        another_runs: Whether a survey is running meanwhile.
+    """
+    name = verbatim(folder)
+    if survey is not None:
+        called = survey.name or survey.survey_id[:8]
+        name = Message("{time}, {name}", time=survey.local_time(), name=called)
+    if another_runs:
+        return ShownBand(Message("NOT THE RUNNING SURVEY: {name}", name=name), True)
+    if survey is not None and survey.outcome == IMPORTED:
+        return ShownBand(Message("IMPORTED SURVEY: {name}", name=name), True)
+    return ShownBand(Message("PAST SURVEY: {name}", name=name), True)
+
+
+def replay_band(mark: ReplayMark) -> ShownBand:
+    """Return the band of a replay, beside which there is no robot."""
+    return ShownBand(Message("REPLAY: {name}", name=mark.survey), False, replay=True)
+
+
+# How long to wait for a page, in refreshes, before it is requested again.
+RETRY_REFRESHES = 80
+
+
+class TraceSource(AdditionsSource, Protocol):
+    """Requests to the storage, without waiting; the answers come as events."""
+
+    def list_surveys(self, before: str) -> None:
+        """Ask for the surveys older than a folder; empty: for the newest."""
+
+    def read_survey(self, folder: str) -> None:
+        """Ask for the plan of a past survey."""
+
+    def read_traces(self, survey: str, first_index: int) -> None:
+        """Ask for a page of stored traces of a survey, by its id."""
+
+    def read_annotation(self, survey: str) -> None:
+        """Ask for the annotation of a survey, by its id or folder."""
+
+    def annotate(self, survey: str, annotation: Annotation) -> None:
+        """Ask to replace the annotation of a survey, by its id or folder."""
+
+
+class TracePresenter:
+    """Collects what the storage and the main control report about traces. Belongs to one thread.
+
+    Args:
+        source: The storage.
+        report: Called with the reason why a trace or a survey cannot be shown.
+
+    Attributes:
+        live: The last survey whose plan is known; the one that runs, unless that has just begun.
+        past: The list of past surveys.
+        carriage_mm: Where the antennas are on the map (X, Y); None if that is not known, or if a
+            past survey is shown.
+        opened_folder: The folder of the past survey that is shown; empty: the one that runs.
+    """
+
+    def __init__(self, source: TraceSource, report: Callable[[Message], None]) -> None:
+        self.source = source
+        self.live = ShownSurvey()
+        self.past = PastSurveys()
+        self.carriage_mm: Optional[Tuple[float, float]] = None
+        self._report = report
+        self._opened: Optional[ShownSurvey] = None
+        self.opened_folder = ""
+        self._wanted_folder = ""
+        # Of a survey that has begun and whose plan has not come: nothing of the one before it.
+        self._awaited = ShownSurvey()
+        self._running_id = ""
+        self._measuring = False
+        self._replay_view: Optional[ReplayView] = None
+        self._coverage: Optional[CoverageRuns] = None
+        self._waiting = 0
+
+    @property
+    def shown(self) -> ShownSurvey:
+        """The survey on every tab: a past one that was opened, else the one that runs."""
+        return self.running if self._opened is None else self._opened
+
+    @property
+    def running(self) -> ShownSurvey:
+        """The survey that runs or ran last; empty while the plan of one that begins is awaited."""
+        waits = self._expected_id not in ("", self.live.survey_id)
+        return self._awaited if waits else self.live
+
+    @property
+    def _expected_id(self) -> str:
+        """The survey that runs or is replayed; empty: any."""
+        replayed = "" if self._replay_view is None else self._replay_view.mark.survey_id
+        return self._running_id or replayed
+
+    @property
+    def band(self) -> Optional[ShownBand]:
+        """What MAP and RADAR say if they show no survey of the robot as it runs; else None."""
+        if self._opened is not None:
+            opened = self.past.find(self.opened_folder)
+            return past_band(self.opened_folder, opened, bool(self._running_id))
+        return None if self._replay_view is None else replay_band(self._replay_view.mark)
+
+    def open_survey(self, folder: str) -> None:
+        """Ask for a past survey; it is shown once it is read."""
+        self._wanted_folder = folder
+        self.source.read_survey(folder)
+
+    def on_event(self, event: object) -> None:
+        """Take an event about traces."""
+        try:
+            self._take(event)
+        except SurveyNotReadableError as error:
+            self._report(error.message)
+
+    def note_state(self, snapshot: Snapshot) -> None:
+        """Note where the antennas are and which survey is running; show one that begins."""
+        self._note_replay(snapshot.replay)
+        self._note_running(snapshot)
+        target, current = snapshot.target, snapshot.current
+        self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
+        self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
+        self.past.set_running(self._running_id)
+
+    def show_live(self) -> None:
+        """Show the survey that runs, and drop the past one."""
+        self._opened, self.opened_folder, self._wanted_folder = None, "", ""
+        self._waiting = 0
+
+    def _note_replay(self, replay: Optional[ReplayView]) -> None:
+        before, self._replay_view = self._replay_view, replay
+        began = before is None and replay is not None
+        ended = before is not None and replay is None
+        if ended:
+            # A robot has appeared: nothing of the replay may pass for its survey.
+            self.live = ShownSurvey()
+            self._coverage = None
+        if began or ended:
+            self.show_live()
+            self.past.set_replay(began)
+
+    def _note_running(self, snapshot: Snapshot) -> None:
+        running_id = snapshot.running_survey
+        measuring = snapshot.running and not snapshot.paused
+        begins = measuring and (not self._measuring or running_id != self._running_id)
+        self._running_id, self._measuring = running_id, measuring
+        if begins:
+            self.show_live()
+
+    def refresh(self) -> None:
+        """Take the newest coverage and request the missing traces."""
+        self._take_newest_coverage()
+        self._ask_for_traces()
+
+    def _take(self, event: object) -> None:
+        if isinstance(event, Trace):
+            self.live.take_trace(event)
+        elif isinstance(event, CoverageRuns):
+            self._coverage = event
+        elif isinstance(event, SurveyDescribed):
+            self.live.begin(grid_from_description(event.text))
+            self.past.set_outdated()
+        elif isinstance(event, TracesRead):
+            self._waiting = 0
+            for problem in self.shown.take_page(event):
+                self._report(problem)
+        elif isinstance(event, SurveyRead):
+            self._open(event)
+        elif isinstance(event, SurveysListed):
+            self.past.take(event.before, event.surveys, event.more)
+        elif isinstance(event, ReadingFailed):
+            self.past.set_problem(event.reason)
+
+    def _take_newest_coverage(self) -> None:
+        # Here and not when it comes, once per trace: working out the states of all stops takes
+        # milliseconds. Coverage and plan come from two nodes: either may come first, and for
+        # a moment they belong to different surveys.
+        coverage = self._coverage
+        if coverage is None or coverage.survey_id != self.live.survey_id:
+            return
+        self._coverage = None
+        try:
+            self.live.map.set_coverage(coverage)
+        except SurveyNotReadableError as error:
+            self._report(error.message)
+
+    def _open(self, survey: SurveyRead) -> None:
+        if survey.folder != self._wanted_folder:
+            return  # a survey has begun since it was asked for
+        grid = grid_from_description(survey.text)
+        opened = ShownSurvey()
+        opened.begin(grid)
+        opened.map.set_coverage(
+            coverage_of_stored(grid.survey_id, grid.planned, survey.stored_indices)
+        )
+        self._opened, self.opened_folder = opened, survey.folder
+        self._waiting = 0
+
+    def _ask_for_traces(self) -> None:
+        if self._replay_view is not None and self._opened is None:
+            # No storage has them: they come with the replay.
+            return
+        if self._waiting:
+            # The answer may have been lost with the storage.
+            self._waiting = (self._waiting + 1) % RETRY_REFRESHES
+            return
+        first_index = self.shown.next_page()
+        if first_index is not None:
+            self._waiting = 1
+            self.source.read_traces(self.shown.survey_id, first_index)

@@ -1,0 +1,1 @@
+"""What takes a while: focused images, the search for candidates, exports."""

@@ -1,0 +1,186 @@
+"""What the operator planned last, for the next start of the window."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Protocol
+
+from gpr20_common.message import Message
+from gpr20_operator.errors import SettingsError
+from gpr20_operator.plan.form import PLAN_FIELDS
+from gpr20_operator.plan.presets import AREA_FIELDS
+from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, Annotation
+
+ARROW_STEPS = (1, 10, 100)
+FIELDS, FOLLOWING, STEP, PEOPLE = "fields", "points_follow_spacing", "arrow_step", "survey"
+LAST_AREA, PROPOSED_ADDRESS = "last_area", "configured_address"
+PEOPLE_FIELDS = ("name", "operator", "site")
+
+
+class Settings(Protocol):
+    """A file of named values."""
+
+    def read(self) -> Dict[str, Any]:
+        """Return the values; none if there is no file yet.
+
+        Raises:
+            SettingsError: They cannot be read.
+        """
+
+    def write(self, values: Mapping[str, Any]) -> None:
+        """Replace the values.
+
+        Raises:
+            SettingsError: They cannot be written.
+        """
+
+
+@dataclass(frozen=True)
+class RememberedPlan:
+    """What the window starts with.
+
+    Attributes:
+        texts: Of the fields, by their names; fields that are missing have their defaults.
+        following: The axes whose number of points follows from the spacing.
+        arrow_step: By how much an arrow changes a number.
+        annotation: Name, operator and site.
+        last_area: Texts of the area of the last survey; empty if there was none.
+        configured_address: The address that was proposed when the texts were entered.
+    """
+
+    texts: Mapping[str, str] = field(default_factory=dict)
+    following: FrozenSet[str] = frozenset("xy")
+    arrow_step: int = ARROW_STEPS[0]
+    annotation: Annotation = field(default_factory=Annotation)
+    last_area: Mapping[str, str] = field(default_factory=dict)
+    configured_address: str = ""
+
+
+def plan_from(values: Mapping[str, Any]) -> RememberedPlan:
+    """Return the plan of a settings file.
+
+    Raises:
+        SettingsError: A value is not one that this program writes.
+    """
+    if not values:
+        return RememberedPlan()
+    people = _texts(values, PEOPLE, PEOPLE_FIELDS)
+    following, step = values.get(FOLLOWING), values.get(STEP)
+    if following not in ("", "x", "y", "xy"):
+        raise _damaged(FOLLOWING)
+    if isinstance(step, bool) or step not in ARROW_STEPS:
+        raise _damaged(STEP)
+    address = values.get(PROPOSED_ADDRESS)
+    if not isinstance(address, str):
+        raise _damaged(PROPOSED_ADDRESS)
+    return RememberedPlan(
+        _texts(values, FIELDS, PLAN_FIELDS),
+        frozenset(following),
+        int(step),
+        _annotation(people),
+        _texts(values, LAST_AREA, AREA_FIELDS),
+        address,
+    )
+
+
+def values_of(plan: RememberedPlan) -> Dict[str, Any]:
+    """Return the content of the settings file."""
+    return {
+        FIELDS: dict(plan.texts),
+        FOLLOWING: "".join(sorted(plan.following)),
+        STEP: plan.arrow_step,
+        PEOPLE: {name: getattr(plan.annotation, name) for name in PEOPLE_FIELDS},
+        LAST_AREA: dict(plan.last_area),
+        PROPOSED_ADDRESS: plan.configured_address,
+    }
+
+
+@dataclass(frozen=True)
+class PlanMemoryFailed:
+    """The plan could not be stored."""
+
+    reason: Message
+
+
+class PlanMemory:
+    """Reads the plan once, and writes it beside the window's thread: a slow disk never delays it.
+
+    Args:
+        settings: The file.
+        listener: Called with PlanMemoryFailed from a thread of this class.
+    """
+
+    def __init__(self, settings: Settings, listener: Callable[[PlanMemoryFailed], None]) -> None:
+        self._settings = settings
+        self._listener = listener
+        self._changed = threading.Condition()
+        self._wanted: Optional[RememberedPlan] = None
+        self._stored: Optional[RememberedPlan] = None
+        self._writing = False
+        self.problem: Optional[Message] = None
+
+    def load(self) -> RememberedPlan:
+        """Return what was stored; the defaults, and `problem` says why, if it is damaged."""
+        try:
+            plan = plan_from(self._settings.read())
+        except SettingsError as error:
+            self.problem = error.message
+            return RememberedPlan()
+        self._stored = plan
+        return plan
+
+    def save(self, plan: RememberedPlan) -> None:
+        """Store a plan soon; only the newest one counts."""
+        with self._changed:
+            if plan == self._stored and self._wanted is None:
+                return
+            self._wanted = plan
+            if self._writing:
+                return
+            self._writing = True
+        threading.Thread(target=self._write, name="plan_memory", daemon=True).start()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Return whether everything is written within a time [s]."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not self._writing, timeout_s)
+
+    def _write(self) -> None:
+        while True:
+            with self._changed:
+                if self._wanted is None:
+                    self._writing = False
+                    self._changed.notify_all()
+                    return
+                plan, self._wanted = self._wanted, None
+                self._stored = plan
+            try:
+                self._settings.write(values_of(plan))
+            except SettingsError as error:
+                self._listener(PlanMemoryFailed(error.message))
+
+
+def _texts(values: Mapping[str, Any], key: str, names: Any) -> Dict[str, str]:
+    found = values.get(key)
+    if not isinstance(found, dict):
+        raise _damaged(key)
+    for name, text in found.items():
+        if name not in names or not isinstance(text, str) or len(text) > MAX_NAME_CHARACTERS:
+            raise _damaged(f"{key}.{name}")
+    return found
+
+
+def _annotation(people: Mapping[str, str]) -> Annotation:
+    try:
+        return Annotation(
+            people.get("operator", ""), people.get("site", ""), name=people.get("name", "")
+        )
+    except ValueError as error:
+        raise _damaged(PEOPLE) from error
+
+
+def _damaged(key: str) -> SettingsError:
+    return SettingsError(
+        Message("the remembered plan is damaged at {key}; the defaults are used", key=key)
+    )

@@ -1,0 +1,255 @@
+"""What the main control reports about a survey, and the requests to it."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+from typing import Mapping, Optional, Union
+
+from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.survey_parameters import (
+    MAX_COORDINATE_MM,
+    MIN_COORDINATE_MM,
+    RobotTravel,
+    SurveyParameters,
+    Travel,
+)
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_state import SurveyState
+
+
+@dataclass(frozen=True)
+class AxisReport:
+    """The last report of an axis.
+
+    Attributes:
+        axis: Which axis.
+        moving: Whether it moves.
+        owner: Full name of the node that holds it; empty: nobody, or it is not known.
+        received_s: When the report came [s].
+    """
+
+    axis: AxisId
+    moving: bool
+    owner: str
+    received_s: float
+
+
+# The limits of the documented system, for as long as the axes' own are not known:
+# the main control, which knows them, refuses what lies between the two.
+DOCUMENTED_TRAVEL = RobotTravel(
+    x=Travel(MIN_COORDINATE_MM, MAX_COORDINATE_MM, 0.01),
+    y=Travel(MIN_COORDINATE_MM, MAX_COORDINATE_MM, 0.01),
+    z=Travel(-90.0, 90.0, 1.8),
+)
+
+
+@dataclass(frozen=True)
+class ControlState:
+    """One message of `control_status`."""
+
+    code: SurveyState
+    message: Message
+    survey_id: str
+    simulated: bool
+    # Whether this is the recorded status of a replay.
+    replay: bool = False
+
+    @property
+    def title(self) -> Message:
+        """The state in a word; that of a replay says so."""
+        if self.replay:
+            return Message("REPLAY: {state}", state=self.code.label)
+        return self.code.label
+
+
+@dataclass(frozen=True)
+class Progress:
+    """One message of `control_survey_data`; a point is one trace."""
+
+    survey_id: str
+    completion_percent: float
+    total_points: int
+    visited_points: int
+    remaining_s: float
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every trace is taken."""
+        return self.visited_points >= self.total_points > 0
+
+
+@dataclass(frozen=True)
+class Position:
+    """A place of the antennas."""
+
+    x_mm: float
+    y_mm: float
+    z_deg: float
+
+
+class CurrentPosition(Position):
+    """Where the three axes are."""
+
+
+class TargetPosition(Position):
+    """Where the three axes move to; all three are -1 while no survey runs."""
+
+    @property
+    def is_none(self) -> bool:
+        """Whether there is no target."""
+        return self.x_mm == self.y_mm == self.z_deg == -1.0
+
+
+@dataclass(frozen=True)
+class MeasuredHeight:
+    """Height of the antennas over the ground [m]; not finite if it was out of range."""
+
+    height_m: float
+
+
+@dataclass(frozen=True)
+class RobotFigures:
+    """What the estimate of a survey's time and size is based on."""
+
+    config: RobotConfig
+    settings: SurveySettings
+
+
+@dataclass(frozen=True)
+class RobotDefaults:
+    """What the robot's configuration proposes for a survey.
+
+    Attributes:
+        vna_address: Address of the analyzer.
+        site: The robot, its place and its operator.
+        data: Folder of the surveys, on the computer of the storage; empty if it is not known.
+    """
+
+    vna_address: str
+    site: Site
+    data: str = ""
+
+
+@dataclass(frozen=True)
+class AxisLimits:
+    """The limits of the axes, as far as they are known.
+
+    Attributes:
+        travel: Ranges and steps; None if they are not known.
+        reason: Why something is not known; None if all is.
+        figures: Everything else about the robot; None if it is not known.
+        defaults: What the robot's configuration proposes; None if it is not known.
+        master_alive: Whether the ROS master answered.
+        nodes: What the nodes say they are.
+    """
+
+    travel: Optional[RobotTravel]
+    reason: Optional[Message] = None
+    figures: Optional[RobotFigures] = None
+    defaults: Optional[RobotDefaults] = None
+    master_alive: bool = True
+    nodes: Mapping[str, NodeDescription] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ControlParameters:
+    """The parameters of the survey that runs, or of the next one."""
+
+    parameters: SurveyParameters
+
+
+class Request(enum.Enum):
+    """What the main control can be asked for."""
+
+    START = "start"
+    STOP = "stop"
+    PAUSE = "pause"
+    RESUME = "resume"
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """The main control accepted the parameters: size and duration of the survey."""
+
+    total_points: int
+    estimated_s: float
+
+
+@dataclass(frozen=True)
+class AnnotationDefaults:
+    """Operator, site and position of surveys that are started without."""
+
+    annotation: Annotation
+
+
+@dataclass(frozen=True)
+class Answer:
+    """How a request ended: the answer of the main control, or that there was none.
+
+    Attributes:
+        request: What was asked for.
+        success: Whether it was accepted.
+        message: What the main control says.
+        survey_id: Of the survey that begins; empty if none does.
+        other_analyzer: Identity of the present analyzer, if it is not that of the survey, which
+            is resumed only if the operator accepts it; else empty.
+        contact: Whether the main control has answered.
+    """
+
+    request: Request
+    success: bool
+    message: Message
+    survey_id: str = ""
+    other_analyzer: str = ""
+    contact: bool = True
+
+
+@dataclass(frozen=True)
+class AxisStopAnswer:
+    """Whether an axis has answered STOP in time."""
+
+    axis: AxisId
+    answered: bool
+
+
+@dataclass(frozen=True)
+class StopRequested:
+    """The operator wants to stop the survey; `signal` is the name of the key or signal."""
+
+    signal: str
+
+
+@dataclass(frozen=True)
+class LinkState:
+    """Whether the link to the main control is down.
+
+    It is not down if the process of the main control answers, or has certainly ended.
+    """
+
+    down: bool
+
+
+# Everything that can happen while a survey is followed.
+Event = Union[
+    ControlState,
+    LinkState,
+    Progress,
+    CurrentPosition,
+    TargetPosition,
+    MeasuredHeight,
+    AxisLimits,
+    ControlParameters,
+    NodeHealth,
+    Accepted,
+    AnnotationDefaults,
+    Answer,
+    AxisStopAnswer,
+    StopRequested,
+]

@@ -1,0 +1,189 @@
+"""What the dialogs say: what happened, what to do next, and technical details."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, Optional, Tuple
+
+from gpr20_common import remedies
+from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.titles import level_title, node_title
+from gpr20_operator.robot.events import Answer, ControlState
+from gpr20_operator.robot.fault_messages import reason_of
+from gpr20_operator.robot.motion import TITLE
+from gpr20_survey.plan.survey_state import SurveyState
+
+NO_REPORT = Message("no report")
+
+
+@dataclass(frozen=True)
+class Notice:
+    """The texts of a dialog.
+
+    Attributes:
+        title: What this is about, or what was refused.
+        text: What happened.
+        first: What to do first; None: nothing.
+        then: What to do after that; None: nothing.
+        details: Technical lines that are not translated.
+        resumable: Whether the survey can be resumed from the dialog.
+    """
+
+    title: Message
+    text: Message
+    first: Optional[Message] = None
+    then: Optional[Message] = None
+    details: Tuple[str, ...] = ()
+    resumable: bool = False
+
+
+class Refused(enum.Enum):
+    """What did not succeed: a request to the robot, or the use of a profile."""
+
+    START = "start"
+    PAUSE = "pause"
+    RESUME = "resume"
+    PROFILE = "profile"
+    NOTES = "notes"
+    PLAN = "plan"
+    MARKER = "marker"
+
+
+# What was refused, and what to do when its cause is gone.
+_REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
+    Refused.START: (
+        Message("The survey was not started."),
+        Message("Then start the survey again."),
+    ),
+    Refused.PAUSE: (
+        Message("The survey was not paused."),
+        Message("STOP ends the survey at once; it can be resumed later."),
+    ),
+    Refused.RESUME: (
+        Message("The survey was not resumed."),
+        Message("Then resume the survey again."),
+    ),
+    Refused.PROFILE: (Message("The profile cannot be used."), Message("Or use another profile.")),
+    Refused.NOTES: (
+        Message("The notes of the survey cannot be read or stored."),
+        Message("Then press SAVE again."),
+    ),
+    Refused.PLAN: (
+        Message("The values of the last survey are not remembered."),
+        Message("Next: check all values in CONTROL before START."),
+    ),
+    Refused.MARKER: (
+        Message("The markers of the survey were not changed."),
+        Message("Next: remove the cause, then set or remove the marker again."),
+    ),
+}
+_FAULTS = {
+    SurveyState.PAUSED: Message("The survey is PAUSED by a fault."),
+    SurveyState.FAILED: Message("The survey has FAILED."),
+    SurveyState.STOPPED: Message("The survey was stopped, with a fault."),
+}
+_RESUME_NEXT = Message("Then press RESUME. STOP ends the survey; what is stored is kept.")
+_STOP_NEXT = Message("Then press STOP: it ends the survey; what is stored is kept.")
+_START_NEXT = Message("Then start the survey again, or resume it on SURVEYS.")
+
+
+def refusal_notice(refused: Refused, reason: Message) -> Notice:
+    """Return what a dialog says about something that did not succeed."""
+    title, then = _REFUSALS[refused]
+    final = refused is Refused.RESUME and not reason.can_continue
+    return Notice(title, reason, remedy(reason), None if final else then, _details(reason))
+
+
+def stop_notice(answer: Answer, known: Message) -> Notice:
+    """Return what a dialog says after a STOP that stopped no survey; every axis rests.
+
+    Args:
+        answer: Of the main control.
+        known: What is known of each axis and of the main control.
+    """
+    if answer.contact:
+        return Notice(Message("Every axis rests."), known, details=_details(answer.message))
+    return Notice(
+        Message("Every axis rests. The main control does not answer."),
+        known,
+        remedy(answer.message),
+        Message("If the robot moves, press STOP again or switch off the motors' power."),
+        _details(answer.message),
+    )
+
+
+def motion_notice(motion: Message) -> Notice:
+    """Return what a dialog says about motion that no survey explains."""
+    return Notice(TITLE, motion, remedy(motion), details=_details(motion))
+
+
+def fault_notice(state: ControlState) -> Notice:
+    """Return the card of a fault that paused or ended a survey."""
+    reason = reason_of(state.message)
+    paused, can_continue = state.code is SurveyState.PAUSED, state.message.can_continue
+    then: Optional[Message] = _RESUME_NEXT if paused else _START_NEXT
+    if not can_continue:
+        then = _STOP_NEXT if paused else None
+    return Notice(
+        _FAULTS[state.code],
+        reason,
+        remedy(reason),
+        then,
+        _details(reason),
+        resumable=paused and can_continue,
+    )
+
+
+def remedy(reason: Message) -> Message:
+    """Return what to do first about a fault, whatever it is."""
+    return remedies.first_step(reason) or remedies.CHECK_STATUS
+
+
+def analyzer_notice(reason: Message, identity: str) -> Notice:
+    """Return what the question says before a survey is continued with another analyzer.
+
+    Args:
+        reason: The refusal of the main control, which names both analyzers.
+        identity: What the present analyzer says it is.
+    """
+    return Notice(
+        Message("The VNA is not the one of this survey."),
+        reason,
+        Message(
+            "Connect the survey's VNA and press RESUME again, or continue with this VNA. The "
+            "survey then names both."
+        ),
+        details=(identity, *_details(reason)),
+    )
+
+
+def state_notice(state: ControlState) -> Notice:
+    """Return the whole status message of the main control."""
+    message = state.message
+    first = remedies.first_step(message)
+    return Notice(state.title, message, first, details=_details(message))
+
+
+def node_notice(node: NodeHealth) -> Notice:
+    """Return everything that a node reports about itself."""
+    title = Message("{name}: {level}", name=node_title(node.name), level=level_title(node.level))
+    first = None
+    if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
+        failed = node.level is HealthLevel.ERROR
+        first = remedy(node.message) if failed else remedies.first_step(node.message)
+    values = (f"{name}: {value}" for name, value in node.values.items())
+    details = (*_details(node.message), f"node: {node.name}", *values)
+    return Notice(title, node_text(node), first, details=details)
+
+
+def node_text(node: NodeHealth) -> Message:
+    """Return what is known about the health of a node in one sentence."""
+    return NO_REPORT if node.level is HealthLevel.STALE else node.message
+
+
+def _details(message: Message) -> Tuple[str, ...]:
+    """Return the code of the fault, which a person on the telephone can say, and the details."""
+    code = message.fault_code
+    return (code, *message.all_details) if code else message.all_details

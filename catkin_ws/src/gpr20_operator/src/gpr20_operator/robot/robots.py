@@ -1,0 +1,141 @@
+"""The robots that share a ROS master, of which the window shows one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Callable, Dict, FrozenSet, Iterable, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_operator.robot.events import ControlState
+
+# What offers both is the main control of a robot.
+SERVICES = ("start_survey", "stop_survey")
+# A robot that is starting is not yet a missing one [s].
+STARTING_S = 5.0
+
+
+@dataclass(frozen=True)
+class RobotsFound:
+    """Event: the namespaces of all robots on the master."""
+
+    namespaces: FrozenSet[str]
+
+
+@dataclass(frozen=True)
+class RobotReported:
+    """Event: what a robot says about its survey."""
+
+    namespace: str
+    state: ControlState
+
+
+@dataclass(frozen=True)
+class ListedRobot:
+    """A robot that the window can show.
+
+    Attributes:
+        namespace: Its namespace, with a slash in front.
+        state: What it does; None: it has not said so yet.
+        is_shown: Whether the window shows it now.
+    """
+
+    namespace: str
+    state: Optional[ControlState]
+    is_shown: bool
+
+    @property
+    def name(self) -> str:
+        """The namespace as a person reads it; that of a robot without one is "/"."""
+        return self.namespace.strip("/") or "/"
+
+    def short_name(self, longest: int) -> str:
+        """Return the name in at most so many letters; the end of names differs most often."""
+        name = self.name
+        return name if len(name) <= longest else f"…{name[1 - longest :]}"
+
+    @property
+    def activity(self) -> Message:
+        """What it does, in a word."""
+        if self.state is None:
+            return Message("no report yet")
+        return self.state.title
+
+
+def robots_on_master(services: Iterable[str]) -> FrozenSet[str]:
+    """Return the namespaces of the robots.
+
+    Args:
+        services: Full names of all services of the master.
+    """
+    names = set(services)
+    first = SERVICES[0]
+    spaces = {name[: -len(first)] for name in names if name.endswith(f"/{first}")}
+    return frozenset(
+        space.rstrip("/") or "/"
+        for space in spaces
+        if all(f"{space}{service}" in names for service in SERVICES)
+    )
+
+
+@dataclass
+class Robots:
+    """The robots that were found, and what they do.
+
+    Args:
+        own: Namespace of the robot that the window shows.
+        may_choose: Whether the window may show another robot.
+        watch: Begins or ends to listen to what each robot does.
+        show: Shows the robot of a namespace in place of this one.
+    """
+
+    own: str
+    may_choose: bool = True
+    watch: Callable[[bool], None] = lambda _watched: None
+    show: Callable[[str], None] = lambda _namespace: None
+    _found: FrozenSet[str] = frozenset()
+    _states: Dict[str, ControlState] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.own = "/" + self.own.strip("/")
+
+    def take(self, event: object) -> bool:
+        """Take an event; return whether it was about the robots of the master."""
+        if isinstance(event, RobotsFound):
+            self._found = event.namespaces
+        elif isinstance(event, RobotReported):
+            self._states[event.namespace] = event.state
+        else:
+            return False
+        return True
+
+    @property
+    def shown(self) -> ListedRobot:
+        """The robot that the window shows."""
+        return ListedRobot(self.own, self._states.get(self.own), True)
+
+    @property
+    def are_several(self) -> bool:
+        """Whether an operator could take one robot for another."""
+        return bool(self._found - {self.own})
+
+    @property
+    def can_choose(self) -> bool:
+        """Whether there is another robot to show."""
+        return self.may_choose and self.are_several
+
+    @property
+    def listed(self) -> Tuple[ListedRobot, ...]:
+        """All robots in the order of their names."""
+        return tuple(
+            ListedRobot(one, self._states.get(one), one == self.own) for one in sorted(self._found)
+        )
+
+    def must_choose(self, control_seen: bool, open_s: float) -> bool:
+        """Return whether there is no robot in the window's namespace, but another one.
+
+        Args:
+            control_seen: Whether the window has had contact with its robot.
+            open_s: For how long the window has been open [s].
+        """
+        missing = self.own not in self._found and not control_seen and open_s > STARTING_S
+        return self.can_choose and missing

@@ -1,0 +1,166 @@
+"""Between the main control and the window: the survey that runs, and the operator's requests."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Optional, Protocol
+
+from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.plan.preview import (
+    CostEstimated,
+    CostEstimator,
+    SurveyPreview,
+    preview,
+)
+from gpr20_operator.robot.events import Request
+from gpr20_operator.robot.shown_model import ShownModel
+from gpr20_operator.robot.survey_model import Refusal, Snapshot
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+
+
+class SurveyControl(Protocol):
+    """Requests to the main control, without waiting; the answers come as events."""
+
+    def start_survey(
+        self, parameters: SurveyParameters, annotation: Annotation, refines: str
+    ) -> None:
+        """Ask to accept the parameters and to start.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey.
+            refines: Id of the survey that this one measures more finely; empty: none.
+        """
+
+    def stop(self) -> None:
+        """Ask whatever moves to stop, whoever moves it."""
+
+    def pause_survey(self) -> None:
+        """Ask to pause the survey."""
+
+    def resume_survey(
+        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
+    ) -> None:
+        """Ask to resume the paused survey, or one by its id or the name of its folder.
+
+        Args:
+            survey_id: Id or folder; empty: the paused survey.
+            accept_analyzer: Identity of another analyzer that the operator accepts.
+            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
+        """
+
+    def check_master(self) -> None:
+        """Check that the master answers; the answer is an event with the limits of the axes."""
+
+    def set_replay_paused(self, paused: bool) -> None:
+        """Ask the replay to pause or to continue."""
+
+
+class WindowPresenter:
+    """Carries events to the model and requests to the main control. Belongs to one thread.
+
+    Attributes:
+        snapshot: What the window shows now.
+        preview: What the survey of the fields will be; None while they are wrong.
+        finer: The finer survey that was put into the fields; None: none.
+    """
+
+    def __init__(self, model: ShownModel, control: SurveyControl, estimator: CostEstimator) -> None:
+        self._model = model
+        self._control = control
+        self._estimator = estimator
+        self._parameters: Optional[SurveyParameters] = None
+        self._permittivity = 1.0
+        self._resumed = ""
+        self.preview: Optional[SurveyPreview] = None
+        self.finer: Optional[FinerPlan] = None
+        self.snapshot = model.snapshot()
+
+    def on_event(self, event: object) -> Optional[Refusal]:
+        """Take an event; return what the operator must see at once."""
+        if isinstance(event, CostEstimated):
+            if self.preview is not None and event.parameters == self._parameters:
+                self.preview = replace(self.preview, cost=event.cost)
+            return None
+        return self._model.handle(event)
+
+    def is_shown(self, event: object) -> bool:
+        """Return whether an event that was taken is about the robot or replay that is shown."""
+        return self._model.is_shown(event)
+
+    def pause_replay(self) -> None:
+        """Pause the replay, or continue it."""
+        replay = self.snapshot.replay
+        if replay is not None and replay.can_pause:
+            self._control.set_replay_paused(not replay.paused)
+
+    def refresh(self) -> Snapshot:
+        """Return what is known now."""
+        figures, self.snapshot = self.snapshot.figures, self._model.snapshot()
+        if self.snapshot.figures != figures:
+            self.set_plan(self._parameters, self._permittivity)
+        return self.snapshot
+
+    def set_plan(self, parameters: Optional[SurveyParameters], permittivity: float) -> None:
+        """Preview another plan.
+
+        Args:
+            parameters: What to measure; None: something in the fields is wrong.
+            permittivity: Relative permittivity of the soil.
+        """
+        self._parameters, self._permittivity = parameters, permittivity
+        self.preview = None if parameters is None else preview(parameters, permittivity)
+        if parameters is not None and self.snapshot.figures is not None:
+            self._estimator.ask(parameters, self.snapshot.figures)
+
+    def preview_of(self, parameters: SurveyParameters) -> SurveyPreview:
+        """Return the preview of parameters; with their cost if they are those of the plan."""
+        if self.preview is not None and parameters == self._parameters:
+            return self.preview
+        return preview(parameters, self._permittivity)
+
+    def check_master(self) -> None:
+        """Check that the master answers."""
+        self._control.check_master()
+
+    def start(self, parameters: SurveyParameters, annotation: Annotation) -> None:
+        """Ask for a survey.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey.
+        """
+        self._model.request_sent(Request.START)
+        refines = "" if self.finer is None else self.finer.refined_by(parameters)
+        self._control.start_survey(parameters, annotation, refines)
+
+    def stop(self) -> None:
+        """Stop whatever moves, and the survey."""
+        self._model.request_sent(Request.STOP)
+        self._control.stop()
+
+    def pause(self) -> None:
+        """Ask to pause the survey."""
+        self._model.request_sent(Request.PAUSE)
+        self._control.pause_survey()
+
+    def resume(self, folder: str = "", accept_zeros: bool = False) -> None:
+        """Ask to resume the paused survey, or one that ended early.
+
+        Args:
+            folder: Of the one that ended early; empty: the paused survey.
+            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
+        """
+        self._resumed = folder
+        self._model.request_sent(Request.RESUME)
+        self._control.resume_survey(folder, accept_zeros=accept_zeros)
+
+    def resume_with(self, analyzer: str) -> None:
+        """Ask again to resume the survey, with another analyzer that the operator accepts."""
+        self._model.request_sent(Request.RESUME)
+        self._control.resume_survey(self._resumed, analyzer)
+
+    def end(self) -> None:
+        """Drop the estimate that is in progress."""
+        self._estimator.close()

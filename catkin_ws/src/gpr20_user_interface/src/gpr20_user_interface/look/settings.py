@@ -1,0 +1,150 @@
+"""How the operator wants the window: language, theme, dimming; remembered over a restart."""
+
+from __future__ import annotations
+
+import enum
+import threading
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, Mapping, Optional, Protocol
+
+from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import language_from_code
+from gpr20_common.message import Message
+from gpr20_operator.errors import SettingsError
+
+DIM_CHOICES_MIN = (0, 2, 5, 10)
+LANGUAGE, THEME, DIM_AFTER = "language", "theme", "dim_after_min"
+
+
+class Theme(enum.Enum):
+    """Where the window is read: in sunlight, or in the dark without dazzling."""
+
+    SUN = "sun"
+    NIGHT = "night"
+
+    @property
+    def next(self) -> Theme:
+        """The other theme."""
+        return Theme.NIGHT if self is Theme.SUN else Theme.SUN
+
+
+class Settings(Protocol):
+    """A file of named values."""
+
+    def read(self) -> Dict[str, Any]:
+        """Return the values; none if there is no file yet.
+
+        Raises:
+            SettingsError: They cannot be read.
+        """
+
+    def write(self, values: Mapping[str, Any]) -> None:
+        """Replace the values.
+
+        Raises:
+            SettingsError: They cannot be written.
+        """
+
+
+@dataclass(frozen=True)
+class WindowSettings:
+    """What the operator has chosen.
+
+    Attributes:
+        language: Language of the window.
+        theme: Colours of the window.
+        dim_after_min: Time without a touch after which the screen is dimmed [min]; 0: never.
+    """
+
+    language: Language = Language.ENGLISH
+    theme: Theme = Theme.SUN
+    dim_after_min: int = 5
+
+    @property
+    def dim_after_s(self) -> Optional[float]:
+        """Time without a touch after which the screen is dimmed [s]; None: never."""
+        return self.dim_after_min * 60.0 if self.dim_after_min else None
+
+
+def settings_from(values: Mapping[str, Any]) -> WindowSettings:
+    """Return the settings of a file; what is missing has its default.
+
+    Raises:
+        SettingsError: A value is not one that this program writes.
+    """
+    default = WindowSettings()
+    minutes = values.get(DIM_AFTER, default.dim_after_min)
+    try:
+        if isinstance(minutes, bool) or minutes not in DIM_CHOICES_MIN:
+            raise ValueError(DIM_AFTER)
+        return WindowSettings(
+            language_from_code(values.get(LANGUAGE, default.language.value)),
+            Theme(values.get(THEME, default.theme.value)),
+            minutes,
+        )
+    except ValueError as error:
+        raise SettingsError(
+            Message(
+                "the settings of the window are damaged ({reason}); the defaults are used",
+                reason=error,
+            )
+        ) from error
+
+
+def values_of(settings: WindowSettings) -> Dict[str, Any]:
+    """Return the content of the file."""
+    return {
+        LANGUAGE: settings.language.value,
+        THEME: settings.theme.value,
+        DIM_AFTER: settings.dim_after_min,
+    }
+
+
+class WindowMemory:
+    """Reads the settings once and writes each change, not in the thread of the window.
+
+    Args:
+        file: The file; None: nothing is remembered.
+        failed: Called if they cannot be read or written, also from a thread of this class.
+
+    Attributes:
+        settings: The settings now.
+    """
+
+    def __init__(
+        self, file: Optional[Settings] = None, failed: Callable[[Message], None] = lambda _: None
+    ) -> None:
+        self.settings = WindowSettings()
+        self._file = file
+        self._failed = failed
+        self._one_writes = threading.Lock()
+        self._writer: Optional[threading.Thread] = None
+        if file is not None:
+            try:
+                self.settings = settings_from(file.read())
+            except SettingsError as error:
+                failed(error.message)
+
+    def change(self, **changes: Any) -> None:
+        """Change some settings, and remember them soon."""
+        changed = replace(self.settings, **changes)
+        if changed == self.settings:
+            return
+        self.settings = changed
+        if self._file is not None:
+            self._writer = threading.Thread(target=self._write, name="window_settings")
+            self._writer.start()
+
+    def close(self, timeout_s: float) -> bool:
+        """Return whether the settings are written within a time [s]."""
+        if self._writer is not None:
+            self._writer.join(timeout_s)
+        return self._writer is None or not self._writer.is_alive()
+
+    def _write(self) -> None:
+        with self._one_writes:
+            try:
+                if self._file is not None:
+                    self._file.write(values_of(self.settings))
+            except SettingsError as error:
+                self._failed(error.message)

@@ -1,0 +1,1 @@
+"""MAP and RADAR: the ground from above and in sections."""

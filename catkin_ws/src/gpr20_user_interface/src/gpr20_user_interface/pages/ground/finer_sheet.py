@@ -1,0 +1,197 @@
+"""Planning a small survey around a place: size, distance of the stops, and what that takes."""
+
+from __future__ import annotations
+
+from typing import Callable, List, Optional, Tuple
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_operator.ground.finer_plan import (
+    SIZES_MM,
+    SPACING_STEP_MM,
+    FinerPlan,
+    clipped_spacing,
+    plan_finer,
+    proposed_spacing,
+    spacing_of,
+)
+from gpr20_operator.ground.grid import SurveyGrid
+from gpr20_operator.words import duration
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.widgets import new_button
+
+# Returns how long a survey takes [s]; None: not known.
+Duration = Callable[[SurveyParameters], Optional[float]]
+
+
+class FinerSheet(Overlay):
+    """Shows a FinerPlan and changes it; nothing moves by it.
+
+    Args:
+        window: The window that it covers.
+        duration: How long a survey takes.
+
+    Attributes:
+        plan: What it shows; None: nothing that the robot can measure.
+    """
+
+    # A FinerPlan that is to be measured now, or kept while a survey runs.
+    chosen = pyqtSignal(object)
+    # The plan that was kept is not wanted any more.
+    dropped = pyqtSignal()
+
+    def __init__(self, window: QWidget, duration: Duration) -> None:
+        super().__init__(window)
+        self._duration = duration
+        self._grid: Optional[SurveyGrid] = None
+        self._place_mm: Tuple[float, float] = (0.0, 0.0)
+        self._size_mm = SIZES_MM[0]
+        self._spacing_mm = 1.0
+        self._problem = ""
+        self._running = False
+        self.plan: Optional[FinerPlan] = None
+        self.title = QLabel()
+        self.title.setObjectName("title")
+        self.size_title, self.spacing_title = QLabel(), QLabel()
+        self.sizes: List[QPushButton] = [self._size_key(one) for one in SIZES_MM]
+        self.closer = new_button(lambda: self._change_spacing(-SPACING_STEP_MM), "-")
+        self.wider = new_button(lambda: self._change_spacing(SPACING_STEP_MM), "+")
+        self.spacing = QLabel()
+        self.spacing.setObjectName("figure")
+        self.spacing.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.figures, self.note = QLabel(), QLabel()
+        self.figures.setObjectName("figure")
+        for label in (self.figures, self.note):
+            label.setWordWrap(True)
+        self.use = new_button(self._on_use)
+        self.drop = new_button(self._on_drop)
+        self.close_button = new_button(self.hide)
+        self._lay_out()
+        self.retranslate()
+
+    def show_place(self, grid: SurveyGrid, x_mm: float, y_mm: float) -> None:
+        """Open with a plan around a place of a survey."""
+        self._grid, self._place_mm = grid, (x_mm, y_mm)
+        self._size_mm, self._spacing_mm = SIZES_MM[0], proposed_spacing(grid)
+        self.drop.hide()
+        self.open()
+        self._plan_again()
+
+    def show_plan(self, grid: SurveyGrid, plan: FinerPlan) -> None:
+        """Open with a plan that was kept.
+
+        Args:
+            grid: The survey that it refines, or another one of this robot.
+            plan: The plan.
+        """
+        self._grid, self._place_mm = grid, (plan.x_mm, plan.y_mm)
+        self._size_mm, self._spacing_mm = plan.size_mm, plan.spacing_mm
+        self.plan = plan
+        self.drop.show()
+        self.open()
+        self._show()
+
+    def note_running(self, running: bool) -> None:
+        """Note whether a survey runs: then a plan can only be kept."""
+        if running != self._running:
+            self._running = running
+            self._show()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.size_title.setText(self.tr("Area"))
+        self.spacing_title.setText(self.tr("Spacing"))
+        self.drop.setText(self.tr("Drop plan"))
+        self.close_button.setText(self.tr("Close"))
+        self._show()
+
+    def _size_key(self, size_mm: float) -> QPushButton:
+        key = new_button(lambda: self._choose_size(size_mm), f"{size_mm:g} mm")
+        key.setCheckable(True)
+        return key
+
+    def _choose_size(self, size_mm: float) -> None:
+        self._size_mm = size_mm
+        self._plan_again()
+
+    def _change_spacing(self, change_mm: float) -> None:
+        self._spacing_mm = clipped_spacing(self._spacing_mm + change_mm)
+        self._plan_again()
+
+    def _plan_again(self) -> None:
+        if self._grid is None:
+            return
+        try:
+            self.plan = plan_finer(self._grid, *self._place_mm, self._size_mm, self._spacing_mm)
+            self._problem = ""
+        except InvalidValueError as error:
+            self.plan = None
+            self._problem = shown_text(error.message)
+        self._show()
+
+    def _show(self) -> None:
+        x_mm, y_mm = self._place_mm
+        self.title.setText(
+            self.tr("Measure finer around X {x:.0f} mm, Y {y:.0f} mm").format(x=x_mm, y=y_mm)
+        )
+        for key, size_mm in zip(self.sizes, SIZES_MM):
+            key.setChecked(size_mm == self._size_mm)
+        self.spacing.setText(f"{self._spacing_mm:g} mm")
+        self.use.setText(self.tr("Keep for later") if self._running else self.tr("To CONTROL"))
+        self.use.setEnabled(self.plan is not None)
+        self.figures.setText(self._problem if self.plan is None else self._figures(self.plan))
+        self.note.setText(self._note())
+
+    def _figures(self, plan: FinerPlan) -> str:
+        p = plan.parameters
+        area = self.tr("X {left:g} to {right:g} mm, Y {low:g} to {high:g} mm").format(
+            left=p.x_start_mm, right=p.x_stop_mm, low=p.y_start_mm, high=p.y_stop_mm
+        )
+        count = self.tr("{columns} x {rows} stops, {traces} traces").format(
+            columns=p.x_points, rows=p.y_points, traces=p.total_points
+        )
+        duration_s = self._duration(p)
+        time = "—" if duration_s is None else shown_text(duration(duration_s))
+        return "\n".join([area, count, self.tr("Time: {time}").format(time=time)])
+
+    def _note(self) -> str:
+        if self._running:
+            return self.tr("A survey is running. The plan is kept until it has ended.")
+        present = "" if self._grid is None else f"{spacing_of(self._grid):.4g}"
+        text = self.tr("Spacing of this survey: {spacing} mm. Nothing moves before START.")
+        return text.format(spacing=present)
+
+    def _on_use(self) -> None:
+        if self.plan is not None:
+            self.hide()
+            self.chosen.emit(self.plan)
+
+    def _on_drop(self) -> None:
+        self.hide()
+        self.dropped.emit()
+
+    def _lay_out(self) -> None:
+        size, spacing, keys = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
+        for key in self.sizes:
+            size.addWidget(key, 1)
+        for widget in (self.closer, self.spacing, self.wider):
+            spacing.addWidget(widget, 1)
+        for key in (self.use, self.drop, self.close_button):
+            keys.addWidget(key, 1)
+        grid = QGridLayout()
+        for row, (title, line) in enumerate(
+            ((self.size_title, size), (self.spacing_title, spacing))
+        ):
+            grid.addWidget(title, row, 0)
+            grid.addLayout(line, row, 1)
+        grid.setColumnStretch(1, 1)
+        column = QVBoxLayout(self)
+        column.addWidget(self.title)
+        column.addLayout(grid)
+        column.addWidget(self.figures, 1)
+        column.addWidget(self.note)
+        column.addLayout(keys)

@@ -1,0 +1,1 @@
+"""The survey that runs, or ran last."""

@@ -1,0 +1,1 @@
+"""The robots that share the ROS master."""

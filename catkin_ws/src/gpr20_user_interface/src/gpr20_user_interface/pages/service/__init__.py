@@ -1,0 +1,1 @@
+"""SERVICE: what is wrong with the robot, and its maintenance."""

@@ -1,0 +1,1 @@
+"""STATUS: the robot and its parts."""

@@ -1,0 +1,232 @@
+"""Follow a survey on a terminal."""
+
+from __future__ import annotations
+
+import queue
+import shlex
+from typing import Callable, List, Optional, Protocol, Sequence
+
+from gpr20_common import remedies
+from gpr20_common.message import Message
+from gpr20_operator.robot.events import (
+    Accepted,
+    Answer,
+    ControlState,
+    Event,
+    LinkState,
+    Progress,
+    Request,
+    StopRequested,
+)
+from gpr20_operator.robot.fault_messages import is_fault, reason_of
+from gpr20_operator.words import duration
+from gpr20_survey.faults import OTHER_ZEROS
+from gpr20_user_interface.terminal.displays import Display
+from gpr20_user_interface.terminal.follower import ExitStatus, Outcome
+
+TICK_S = 0.2
+# Messages, or ticks, by which the progress of a finished survey may lag behind its end.
+LAST_EVENTS = 20
+
+SIMULATED = Message("SIMULATED robot: these data show no real ground.")
+
+_HEADLINES = {
+    ExitStatus.FINISHED: Message("Survey finished."),
+    ExitStatus.REFUSED: Message("No survey was run."),
+    ExitStatus.FAILED: Message("Survey NOT finished."),
+    ExitStatus.REPLAY: Message("The replay has ended."),
+    ExitStatus.PAUSED: Message("Survey PAUSED; it stays paused."),
+    ExitStatus.STOPPED: Message("Survey stopped."),
+}
+_UNSUCCESSFUL = (ExitStatus.REFUSED, ExitStatus.FAILED, ExitStatus.PAUSED)
+_LINK_DOWN = Message(
+    "No contact with the main control. The robot may still move. Waiting for the link."
+)
+_LINK_BACK = Message("In contact with the main control again.")
+_END_HINT = Message("End it with `rosservice call stop_survey` in the robot's namespace.")
+_RESUME_HINT = Message(
+    "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with `rosservice "
+    "call stop_survey` in the robot's namespace."
+)
+
+
+class Follower(Protocol):
+    """Takes events and the passing of time, gives requests and in the end an outcome."""
+
+    outcome: Optional[Outcome]
+    """How it ended; None while it has not."""
+    survey_id: str
+    """The survey that is followed; empty while it is not known."""
+
+    def concerns(self, event: Event) -> bool:
+        """Return whether an event is to be shown."""
+
+    def handle(self, event: Event) -> List[Request]:
+        """Take an event; return the requests to send to the main control now."""
+
+    def tick(self) -> List[Request]:
+        """Check the time limits; return the requests to send to the main control now."""
+
+
+class SurveySession:
+    """Carries events to the follower and the display, and requests to the main control.
+
+    Args:
+        follower: Decides what an event means for the survey.
+        events: In the order in which they happen.
+        send: Sends a request without waiting; its answer comes as an event.
+        display: The terminal.
+
+    Attributes:
+        simulated: Whether the robot is simulated.
+        stored: Whether a trace of the survey is stored, so that it can be resumed.
+    """
+
+    def __init__(
+        self,
+        follower: Follower,
+        events: queue.SimpleQueue,
+        send: Callable[[Request], None],
+        display: Display,
+    ) -> None:
+        self._follower = follower
+        self._events = events
+        self._send = send
+        self._display = display
+        self.simulated = False
+        self._state: Optional[ControlState] = None
+        self._progress: Optional[Progress] = None
+        self.stored = False
+
+    def run(self, requests: Sequence[Request] = ()) -> Outcome:
+        """Return when the survey has ended: how it ended.
+
+        Args:
+            requests: To send first.
+        """
+        try:
+            for request in requests:
+                self._send(request)
+            while self._follower.outcome is None:
+                event = self._next_event()
+                requests = self._follower.tick() if event is None else self._follower.handle(event)
+                if event is not None:
+                    self._show(event)
+                for request in requests:
+                    self._send(request)
+            if self._follower.outcome.status is ExitStatus.FINISHED:
+                self._show_last_progress()
+        finally:
+            self._display.close()
+        return self._follower.outcome
+
+    def _next_event(self) -> Optional[Event]:
+        try:
+            return self._events.get(timeout=TICK_S)
+        except queue.Empty:
+            return None
+
+    def _show_last_progress(self) -> None:
+        """Show the last trace too: progress and end are different topics and come in any order."""
+        for _ in range(LAST_EVENTS):
+            if self._progress is not None and self._progress.is_complete:
+                return
+            event = self._next_event()
+            if isinstance(event, Progress) and self._follower.concerns(event):
+                self._show_progress(event)
+
+    def _show_progress(self, progress: Progress) -> None:
+        self._progress = progress
+        self.stored = progress.visited_points > 0
+        self._display.show(progress, self._state)
+
+    def _show_state(self, state: ControlState) -> None:
+        if state == self._state:
+            return
+        self._state = state
+        self._display.note(Message("{state}: {message}", state=state.title, message=state.message))
+        if is_fault(state):
+            self._display.note(first_step(state.message))
+        if self._progress is not None:
+            self._display.show(self._progress, state)
+
+    def _show(self, event: Event) -> None:
+        if isinstance(event, ControlState) and event.simulated and not self.simulated:
+            self.simulated = True
+            self._display.note(SIMULATED)
+        if self._follower.outcome is not None or not self._follower.concerns(event):
+            return
+        if isinstance(event, ControlState):
+            self._show_state(event)
+        elif isinstance(event, Progress):
+            self._show_progress(event)
+        elif isinstance(event, Accepted):
+            self._display.note(_accepted(event))
+        elif isinstance(event, LinkState):
+            self._display.note(_LINK_DOWN if event.down else _LINK_BACK)
+        elif isinstance(event, StopRequested):
+            self._display.note(Message("{signal}: stopping the survey.", signal=event.signal))
+        elif isinstance(event, Answer) and event.request is Request.STOP and not event.success:
+            self._display.note(Message("Stop not accepted: {reason}", reason=event.message))
+
+
+def _accepted(plan: Accepted) -> Message:
+    return Message(
+        "Parameters accepted: {traces} traces, estimated time: {time}.",
+        traces=plan.total_points,
+        time=duration(plan.estimated_s),
+    )
+
+
+def first_step(message: Message) -> Message:
+    """Return what to do first about a fault, with its code."""
+    reason = reason_of(message)
+    return Message(
+        "Do this first: {remedy}",
+        remedy=remedies.first_step(reason) or remedies.CHECK_STATUS,
+        details=reason.fault_code,
+    )
+
+
+def outcome_lines(
+    outcome: Outcome, survey_id: str, simulated: bool, stored: bool = False
+) -> List[Message]:
+    """Return the last lines of the client.
+
+    Args:
+        outcome: How it ended.
+        survey_id: Of the survey; empty if there was none.
+        simulated: Whether the robot is.
+        stored: Whether a trace of the survey is stored.
+    """
+    lines = [_HEADLINES[outcome.status], outcome.message]
+    unknown = outcome.status in _UNSUCCESSFUL and not outcome.message.faults
+    if unknown or outcome.message.failure is not None:
+        lines.append(first_step(outcome.message))
+    if survey_id:
+        lines.append(Message("Survey id: {survey}", survey=survey_id))
+    if outcome.other_analyzer:
+        lines.append(
+            Message(
+                "To continue with this VNA, resume with `--accept-analyzer {identity}`.",
+                identity=shlex.quote(outcome.other_analyzer),
+            )
+        )
+    if outcome.message.fault_code == OTHER_ZEROS.code:
+        lines.append(
+            Message("To continue as it is, resume with `--accept-zeros`; its traces are marked.")
+        )
+    can_continue = outcome.message.can_continue
+    if outcome.status is ExitStatus.PAUSED:
+        lines.append(_RESUME_HINT if can_continue else _END_HINT)
+    elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored and can_continue:
+        lines.append(
+            Message(
+                "Measure the missing traces, while no other survey runs, with `rosrun "
+                "gpr20_user_interface run_survey --resume {survey}`.",
+                survey=survey_id,
+            )
+        )
+    if simulated:
+        lines.append(SIMULATED)
+    return lines

@@ -1,0 +1,1 @@
+"""Which touches count: the guard, the hold, the lock and the dimmed screen."""

@@ -1,0 +1,147 @@
+"""Keeps touches from what they were not meant for, before any widget gets them."""
+
+from __future__ import annotations
+
+from typing import Optional, Sequence
+
+from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
+from PyQt5.QtGui import QMouseEvent, QTouchEvent, QWindow
+from PyQt5.QtWidgets import QPushButton, QStackedWidget, QWidget
+
+from gpr20_user_interface.touch.guard import TouchGuard, TouchTarget
+
+TOUCH_CHANGE = QEvent.Type(QEvent.registerEventType())
+
+
+def note_touch_change(widget: QWidget) -> None:
+    """Tell the window of a widget that the widget has opened or closed something.
+
+    The window takes no touch for a moment: one that comes now was meant for what was there
+    before.
+    """
+    QCoreApplication.sendEvent(widget.window(), QEvent(TOUCH_CHANGE))
+
+
+PRESSES = (QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonDblClick)
+# Outside of every widget: a button that is released here does not act.
+NOWHERE = QPointF(-100_000.0, -100_000.0)
+
+
+class TouchFilter(QObject):
+    """Passes on the touches of a window that its TouchGuard takes.
+
+    It looks at what the screen sends to the whole window, so that nothing in the window has to
+    know of it. Qt makes a mouse event of every touch.
+
+    Args:
+        window: The window.
+        guard: Decides.
+        stop: The button that always works.
+        unlock: The button that works while the screen is locked.
+    """
+
+    # A touch came that does not count because the screen is locked.
+    refused = pyqtSignal()
+
+    def __init__(
+        self, window: QWidget, guard: TouchGuard, stop: QPushButton, unlock: QWidget
+    ) -> None:
+        super().__init__(window)
+        self._window = window
+        self.guard = guard
+        self._stop = stop
+        self._unlock = unlock
+        self._screen: Optional[QWindow] = None
+        window.installEventFilter(self)
+
+    def watch_pages(self) -> None:
+        """Notice from now on when another tab or page is shown."""
+        for pages in self._window.findChildren(QStackedWidget):
+            if isinstance(pages, QStackedWidget):
+                pages.currentChanged.connect(lambda _number: self.note_change())
+
+    def note_change(self) -> None:
+        """Note that something else is under the finger now."""
+        self._drop(self.guard.note_change())
+
+    def set_locked(self, locked: bool) -> None:
+        """Lock or unlock the screen."""
+        self._drop(self.guard.lock() if locked else self.guard.unlock())
+
+    def take_fingers(self, places: Sequence[QPoint]) -> None:
+        """Note that several fingers touch the screen.
+
+        Qt makes a mouse of the first one alone: STOP would not notice another one while a hand
+        rests on the screen.
+
+        Args:
+            places: Where fingers have just come.
+        """
+        self._drop(self.guard.note_second_finger())
+        if self._stop in map(self._window.childAt, places):
+            self._stop.pressed.emit()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: something happens to the window, or comes from the screen."""
+        if watched is self._window:
+            if event.type() == TOUCH_CHANGE:
+                self.note_change()
+            elif event.type() in (QEvent.Type.Show, QEvent.Type.WinIdChange):
+                self._follow_screen()
+            return False
+        if isinstance(event, QMouseEvent):
+            return self._is_ignored(event)
+        if event.type() == QEvent.Type.Wheel:
+            return self.guard.quiet or self.guard.locked
+        if isinstance(event, QTouchEvent) and len(event.touchPoints()) > 1:
+            begins = Qt.TouchPointState.TouchPointPressed
+            points = [one for one in event.touchPoints() if one.state() == begins]
+            self.take_fingers([one.pos().toPoint() for one in points])
+        return False
+
+    def _is_ignored(self, event: QMouseEvent) -> bool:
+        if event.source() == Qt.MouseEventSource.MouseEventSynthesizedByApplication:
+            return False  # that of _drop
+        if event.type() in PRESSES:
+            return not self._takes_press(event)
+        if event.type() == QEvent.Type.MouseButtonRelease:
+            return self.guard.touching and not self.guard.release()
+        return self.guard.touching and not self.guard.taken
+
+    def _takes_press(self, event: QMouseEvent) -> bool:
+        if event.type() == QEvent.Type.MouseButtonDblClick and self.guard.touching:
+            return self.guard.taken  # Qt's second event of the same press
+        if self.guard.touching and event.buttons() != event.button():
+            self._drop(self.guard.note_second_finger())
+            return self.guard.taken
+        taken = self.guard.press(self._target(event))
+        if not taken and self.guard.locked:
+            self.refused.emit()
+        return taken
+
+    def _target(self, event: QMouseEvent) -> TouchTarget:
+        touched = self._window.childAt(event.pos())
+        if touched is self._stop:
+            return TouchTarget.STOP
+        return TouchTarget.UNLOCK if touched is self._unlock else TouchTarget.OTHER
+
+    def _drop(self, dropped: bool) -> None:
+        """Let the widget that has a touch forget it, without acting."""
+        if not dropped or self._screen is None:
+            return
+        release = QMouseEvent(
+            QEvent.Type.MouseButtonRelease,
+            *(NOWHERE, NOWHERE, NOWHERE),
+            Qt.MouseButton.LeftButton,
+            Qt.MouseButtons(Qt.MouseButton.NoButton),
+            Qt.KeyboardModifiers(Qt.KeyboardModifier.NoModifier),
+            Qt.MouseEventSource.MouseEventSynthesizedByApplication,
+        )
+        # Not at once: the widget may be in the middle of the press.
+        QCoreApplication.postEvent(self._screen, release)
+
+    def _follow_screen(self) -> None:
+        screen = self._window.windowHandle()
+        if screen is not None and screen is not self._screen:
+            self._screen = screen
+            screen.installEventFilter(self)

@@ -1,1 +1,0 @@
-"""The widgets of the window; no ROS, no behaviour of a survey."""

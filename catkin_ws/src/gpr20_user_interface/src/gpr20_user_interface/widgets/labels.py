@@ -1,0 +1,166 @@
+"""A text of several lines that a finger pulls up where there is no room for all of it."""
+
+from __future__ import annotations
+
+from typing import List
+
+from PyQt5.QtCore import QEvent, QSize, Qt
+from PyQt5.QtGui import QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QTextLayout, QTextOption
+from PyQt5.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy
+
+
+class ElidedLabel(QLabel):
+    """One line that ends with … where there is no room; the tool tip shows the whole text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._whole = ""
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+
+    @property
+    def whole(self) -> str:
+        """The text without anything left out."""
+        return self._whole
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether some of the text has no room."""
+        return self.text() != _one_line(self._whole)
+
+    def show_text(self, text: str) -> None:
+        """Show as much of a text as fits."""
+        if text == self._whole:
+            return
+        self._whole = text
+        self.setToolTip(text)
+        self._elide()
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it may be as narrow as it must."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: there is more or less room."""
+        super().resizeEvent(event)
+        self._elide()
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Qt: something about the widget has changed."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.FontChange:
+            self._elide()
+
+    def _elide(self) -> None:
+        metrics = self.fontMetrics()
+        room_px = self.width() - 2
+        text = metrics.elidedText(_one_line(self._whole), Qt.TextElideMode.ElideRight, room_px)
+        self.setText(text)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+class LinesLabel(QLabel):
+    """As many lines as there is room for; the last one ends with … where text is left out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+
+    @property
+    def whole(self) -> str:
+        """The text without anything left out."""
+        return self.text()
+
+    def show_text(self, text: str) -> None:
+        """Show as much of a text as fits."""
+        if text != self.text():
+            self.setText(text)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it may be as small as it must."""
+        return QSize(0, self.fontMetrics().height())
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it takes what it gets."""
+        return self.minimumSizeHint()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
+        """Draw the lines."""
+        painter = QPainter(self)
+        painter.setPen(self.palette().color(self.foregroundRole()))
+        lines = self._lines()
+        step_px = self.fontMetrics().lineSpacing()
+        top_px = max(0, (self.height() - step_px * len(lines)) // 2)
+        for number, line in enumerate(lines):
+            baseline_px = top_px + number * step_px + self.fontMetrics().ascent()
+            painter.drawText(0, baseline_px, line)
+
+    def _lines(self) -> List[str]:
+        metrics, width_px = self.fontMetrics(), max(1, self.width())
+        most = max(1, self.height() // metrics.lineSpacing())
+        text = " ".join(self.text().split())
+        layout = QTextLayout(text, self.font())
+        option = QTextOption()
+        option.setWrapMode(QTextOption.WrapMode.WrapAtWordBoundaryOrAnywhere)
+        layout.setTextOption(option)
+        layout.beginLayout()
+        lines: List[str] = []
+        while len(lines) < most:
+            line = layout.createLine()
+            if not line.isValid():
+                break
+            line.setLineWidth(width_px)
+            start = line.textStart()
+            lines.append(text[start : start + line.textLength()])
+            if len(lines) == most and start + line.textLength() < len(text):
+                rest = text[start:]
+                lines[-1] = metrics.elidedText(rest, Qt.TextElideMode.ElideRight, width_px)
+        layout.endLayout()
+        return lines
+
+
+class PulledText(QScrollArea):
+    """Shows a text without a scroll bar, which would be as wide as a finger."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._label = QLabel()
+        self._label.setWordWrap(True)
+        self._label.setTextFormat(Qt.TextFormat.PlainText)
+        self._label.setAlignment(Qt.AlignmentFlag.AlignTop)
+        # A touch of the text is one of this widget.
+        self._label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self._finger_px = 0.0
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setWidget(self._label)
+
+    def text(self) -> str:
+        """Return the text."""
+        return str(self._label.text())
+
+    def setText(self, text: str) -> None:  # noqa: N802 (as QLabel names it)
+        """Show a text from its beginning; the same one stays where it was pulled."""
+        if text != self._label.text():
+            self._label.setText(text)
+            self.verticalScrollBar().setValue(0)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it may be as small as it must, since it can be pulled."""
+        return QSize(0, self.fontMetrics().lineSpacing())
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        """Qt: a finger touches the text."""
+        self._finger_px = event.localPos().y()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        """Qt: the finger pulls it."""
+        bar = self.verticalScrollBar()
+        bar.setValue(bar.value() + round(self._finger_px - event.localPos().y()))
+        self._finger_px = event.localPos().y()

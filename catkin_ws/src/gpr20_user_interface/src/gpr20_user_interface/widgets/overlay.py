@@ -1,0 +1,75 @@
+"""A sheet over the tabs that leaves the top bar, and with it STOP, free."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import QEvent, QObject, Qt
+from PyQt5.QtGui import QHideEvent, QShowEvent
+from PyQt5.QtWidgets import QFrame, QWidget
+
+from gpr20_user_interface.look.look import TOP_BAR_PX, look_of
+from gpr20_user_interface.touch.filter import note_touch_change
+
+
+class Overlay(QFrame):
+    """Covers its window below the top bar while it is open; closed at first.
+
+    A dialog of its own could cover STOP, or be lost behind the window. For a moment after it has
+    opened or closed, the window takes no touch but that of STOP.
+    """
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setObjectName("sheet")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._free_px = 0
+        self.hide()
+        window.installEventFilter(self)
+
+    def open(self) -> None:
+        """Cover the tabs."""
+        self._cover()
+        self.show()
+        self.raise_()
+
+    def leave_free(self, design_px: int) -> None:
+        """Leave more of the window free, below the top bar, in pixels of the design."""
+        self._free_px = design_px
+        if self.isVisible():
+            self._cover()
+
+    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
+        """Qt: it opens."""
+        super().showEvent(event)
+        note_touch_change(self)
+
+    def hideEvent(self, event: QHideEvent) -> None:  # noqa: N802
+        """Qt: it closes."""
+        super().hideEvent(event)
+        note_touch_change(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: something happens to the window."""
+        if event.type() == QEvent.Type.Resize and self.isVisible():
+            self._cover()
+        return super().eventFilter(watched, event)
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Qt: something about the widget has changed."""
+        if event.type() == QEvent.Type.LanguageChange:
+            self.retranslate()
+        elif event.type() == QEvent.Type.StyleChange:
+            if self.isVisible():
+                self._cover()
+            self.restyle()
+        super().changeEvent(event)
+
+    def retranslate(self) -> None:
+        """Write the texts that stay while it is open in the language of the application."""
+
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look, where the style sheet cannot set them."""
+
+    def _cover(self) -> None:
+        window = self.parentWidget()
+        top_px = look_of(self).px(TOP_BAR_PX + self._free_px)
+        self.setGeometry(0, top_px, window.width(), window.height() - top_px)

@@ -1,0 +1,95 @@
+"""Two buttons that choose one of a few numbers."""
+
+from __future__ import annotations
+
+from typing import Callable, Sequence
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
+
+
+def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
+    """Return a button that does something when it is clicked."""
+    button = QPushButton(text)
+    connect_click(button, act)
+    return button
+
+
+def connect_click(button: QPushButton, act: Callable[[], None]) -> None:
+    """Let a button do something when it is clicked."""
+    # Not the function itself, which would get whether the button is checked.
+    button.clicked.connect(lambda: act())
+
+
+def set_look(widget: QWidget, name: str, value: object) -> None:
+    """Set a property that the style sheet asks for; it looks at them only when it is applied."""
+    if widget.property(name) != value:
+        widget.setProperty(name, value)
+        widget.style().unpolish(widget)
+        widget.style().polish(widget)
+
+
+def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:
+    """Return a text with a line break where it is wider than its button.
+
+    Args:
+        text: One line.
+        button: Its font is used.
+        room_px: Width inside the button [px].
+    """
+    if button.fontMetrics().horizontalAdvance(text) <= room_px:
+        return text
+    spaces = [place for place, character in enumerate(text) if character == " "]
+    if not spaces:
+        return text
+    middle = min(spaces, key=lambda place: abs(2 * place - len(text)))
+    return text[:middle] + "\n" + text[middle + 1 :]
+
+
+class Stepper(QWidget):
+    """Shows a number between a button for the next smaller and one for the next larger one."""
+
+    changed = pyqtSignal(float)
+
+    def __init__(self, values: Sequence[float], start: float) -> None:
+        super().__init__()
+        self._values = sorted(values)
+        self._value = start
+        self._title, self._pattern = "", "{value:g}"
+        self.less = new_button(lambda: self._step(-1), "\N{MINUS SIGN}")
+        self.more = new_button(lambda: self._step(+1), "+")
+        self._label = QLabel()
+        self._label.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.less)
+        layout.addWidget(self._label, 1)
+        layout.addWidget(self.more)
+        self._show()
+
+    @property
+    def text(self) -> str:
+        """What is written between the buttons."""
+        return self._label.text()
+
+    def set_texts(self, title: str, pattern: str) -> None:
+        """Set title and pattern of the number; the pattern contains {value}."""
+        self._title, self._pattern = title, pattern
+        self._show()
+
+    def set_value(self, value: float) -> None:
+        """Show a number, also one between those to choose from."""
+        self._value = value
+        self._show()
+
+    def _step(self, direction: int) -> None:
+        beyond = [one for one in self._values if (one - self._value) * direction > 1e-9]
+        if beyond:
+            self._value = beyond[0] if direction > 0 else beyond[-1]
+            self._show()
+            self.changed.emit(self._value)
+
+    def _show(self) -> None:
+        self._label.setText(f"{self._title}\n{self._pattern.format(value=self._value)}")
+        self.less.setEnabled(self._value > self._values[0])
+        self.more.setEnabled(self._value < self._values[-1])

@@ -1,0 +1,340 @@
+"""The frame of the window: the top bar, the tabs, and what lies over them."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import replace
+from typing import Callable, Dict, Optional, Tuple
+
+from PyQt5.QtCore import QTimer
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
+
+from gpr20_common.low.clock import Clock
+from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.robot.events import Answer
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.look.look import (
+    DESIGN_HEIGHT_PX,
+    DESIGN_WIDTH_PX,
+    GAP_PX,
+    SMALLEST_SCALE,
+    Look,
+    scale_for,
+)
+from gpr20_user_interface.look.settings import WindowMemory
+from gpr20_user_interface.look.style_sheet import style_sheet
+from gpr20_user_interface.look.translation import Languages, TranslatedWidget
+from gpr20_user_interface.pages.ground.band import BandPage
+from gpr20_user_interface.pages.ground.map_page import MapBinding
+from gpr20_user_interface.pages.ground.map_view import MapView
+from gpr20_user_interface.pages.ground.radar_page import RadarBinding
+from gpr20_user_interface.pages.ground.radar_view import RadarView
+from gpr20_user_interface.pages.ground.traces import TracesBinding
+from gpr20_user_interface.pages.job.page import JobBinding
+from gpr20_user_interface.pages.plan.page import ControlBinding
+from gpr20_user_interface.pages.plan.start_sheet import StartSheet
+from gpr20_user_interface.pages.plan.view import ControlView
+from gpr20_user_interface.pages.robots.page import RobotsBinding
+from gpr20_user_interface.pages.service.page import ServiceBinding
+from gpr20_user_interface.pages.service.view import ServiceView
+from gpr20_user_interface.pages.settings.page import SettingsBinding
+from gpr20_user_interface.pages.status.page import SurveyBinding
+from gpr20_user_interface.pages.status.view import StatusView
+from gpr20_user_interface.pages.surveys.page import ImagingBinding, SurveysBinding
+from gpr20_user_interface.pages.surveys.view import PastSurveysView
+from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.top_bar import TopBar
+from gpr20_user_interface.window.lock import TouchBinding
+from gpr20_user_interface.window.presenters import Presenters
+
+# Topics come at up to 50 Hz; figures that change more often cannot be read.
+REFRESH_MS = 100
+# 99 of 100 traces are on the screen within 250 ms; drawing more often costs processor time.
+DRAW_MS = 200
+# A robot may be started, or restarted with other limits, after the window; this also shows
+# whether the master answers.
+MASTER_CHECK_MS = 2000
+
+
+class TabName(enum.Enum):
+    """The tabs, in their order."""
+
+    CONTROL = "control"
+    STATUS = "status"
+    MAP = "map"
+    RADAR = "radar"
+    SURVEYS = "surveys"
+    SERVICE = "service"
+
+
+class MainWindow(TranslatedWidget):
+    """Shows what its presenters hold and passes the operator's requests to them.
+
+    Args:
+        presenters: What it shows and asks through.
+        languages: Languages of the window.
+        memory: What the operator has chosen for the window; None: the defaults.
+        clock: Measures how long a button is held, and the time after a touch and a change.
+
+    Attributes:
+        look: Theme and scale now.
+    """
+
+    def __init__(
+        self,
+        presenters: Presenters,
+        languages: Languages,
+        memory: Optional[WindowMemory] = None,
+        clock: Clock = Clock(),  # noqa: B008 (it has no state)
+    ) -> None:
+        super().__init__()
+        memory = memory or WindowMemory()
+        self.look = Look(memory.settings.theme)
+        self.survey, self.traces = presenters.survey, presenters.traces
+        self.plans = presenters.plans
+        self._imaging = presenters.imaging
+        self._make_tabs()
+        self._bind_tabs(presenters, languages, clock)
+        self._name_sheets()
+        seen = (self.notice, self.question, self.stop_warning)
+        self.settings = SettingsBinding(
+            *(self, self.top_bar.stop, seen, languages),
+            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+        )
+        self.robots = RobotsBinding(
+            self, presenters.robots, self.settings.sheet, self.top_bar, clock
+        )
+        self._bindings = self._all_bindings(presenters)
+        self._timers = [
+            self._timer(REFRESH_MS, self.refresh),
+            self._timer(DRAW_MS, self.draw),
+            self._timer(MASTER_CHECK_MS, self.survey.check_master),
+        ]
+        self._lay_out()
+        self.touch_binding = TouchBinding(self, self.top_bar.stop, clock)
+        self.corner.addWidget(self.touch_binding.lock_button)
+        self._refresh_after_requests()
+        self.retranslate()
+        self.setStyleSheet(style_sheet(self.look))
+        self.resize(DESIGN_WIDTH_PX, DESIGN_HEIGHT_PX)
+
+    def begin(self) -> None:
+        """Refresh the window from now on."""
+        self.survey.check_master()
+        self.control_binding.begin()
+        self.refresh()
+        for timer in self._timers:
+            timer.start()
+
+    def end(self) -> None:
+        """Leave the window as it is."""
+        for timer in self._timers:
+            timer.stop()
+        self.survey.end()
+        self._imaging.end()
+
+    def on_event(self, event: object) -> None:
+        """Take an event; show a refusal at once."""
+        self.survey_binding.take_refusal(self.survey.on_event(event))
+        if isinstance(event, Answer):
+            self.refresh()
+        for binding in self._bindings:
+            binding.on_event(event)
+
+    def refresh(self) -> None:
+        """Show what is known of the robot and the survey now."""
+        snapshot = self.survey.refresh()
+        for binding in self._bindings:
+            binding.refresh(snapshot)
+
+    def draw(self) -> None:
+        """Draw what is new."""
+        for binding in self._bindings:
+            binding.draw()
+
+    def show_tab(self, name: TabName) -> None:
+        """Bring a tab to the front."""
+        self.tabs.setCurrentWidget(self._pages[name])
+
+    def _use_parameters(self, parameters: SurveyParameters) -> None:
+        """Put the parameters of a plan into CONTROL, and bring it to the front."""
+        self.control.show_parameters(parameters)
+        # The job of the survey before is no longer of interest.
+        self.job_binding.show_plan()
+        self.show_tab(TabName.CONTROL)
+
+    def use_look(self, look: Look) -> None:
+        """Change theme or scale."""
+        if look != self.look:
+            self.look = look
+            self.setStyleSheet(style_sheet(look))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: the window has another size; everything in it scales."""
+        super().resizeEvent(event)
+        size = event.size()
+        self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self.corner.setSpacing(self.look.px(GAP_PX))
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.setWindowTitle(self.tr("GPR-20"))
+        titles = {
+            TabName.CONTROL: self.tr("CONTROL"),
+            TabName.STATUS: self.tr("STATUS"),
+            TabName.MAP: self.tr("MAP"),
+            TabName.RADAR: self.tr("RADAR"),
+            TabName.SURVEYS: self.tr("SURVEYS"),
+            TabName.SERVICE: self.tr("SERVICE"),
+        }
+        for name, page in self._pages.items():
+            self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
+
+    def _make_tabs(self) -> None:
+        traces = self.traces
+        self.top_bar = TopBar()
+        self.tabs = QTabWidget()
+        self.control = ControlView()
+        self.status = StatusView()
+        self.additions = AdditionsPresenter(
+            traces.source,
+            lambda: self.control_binding.next_annotation.value.operator,
+            self._imaging.focus,
+        )
+        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
+        self.radar = RadarView(traces.shown.radar)
+        self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
+        self.past = PastSurveysView(traces.past)
+        self.service = ServiceView()
+        # Planning a survey, or the job while there is one.
+        self.control_pages = QStackedWidget()
+        self.control_pages.addWidget(self.control)
+        # At the right of the tabs.
+        self.corner = QHBoxLayout()
+        self._pages: Dict[TabName, QWidget] = {
+            TabName.CONTROL: self.control_pages,
+            TabName.STATUS: self.status,
+            TabName.MAP: self.map_page,
+            TabName.RADAR: self.radar_page,
+            TabName.SURVEYS: self.past,
+            TabName.SERVICE: self.service,
+        }
+
+    def _bind_tabs(self, presenters: Presenters, languages: Languages, clock: Clock) -> None:
+        """Connect each tab, and what it opens, with its presenters."""
+        survey, traces = self.survey, self.traces
+        self.start_sheet = StartSheet(self, survey, traces.past)
+        self.survey_binding = SurveyBinding(
+            self, survey, self.top_bar, self.status, self.start_sheet
+        )
+        self.job_binding = JobBinding(
+            *(self, survey, traces, self.top_bar, self.control_pages, self.survey_binding),
+            clock,
+        )
+        self.job = self.job_binding.view
+        self.control_binding = ControlBinding(
+            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
+            *(self.survey_binding.show_refusal, self.start_sheet),
+        )
+        self.surveys_binding = SurveysBinding(
+            self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
+        )
+        self.job.notes_pressed.connect(self.control_binding.show_notes)
+        self.control.plan_changed.connect(
+            lambda: self.radar.presenter.take_plan(self.control.permittivity)
+        )
+        self.map_binding = MapBinding(
+            self,
+            survey,
+            traces,
+            self.additions,
+            self.map,
+            self._use_parameters,
+            self.survey_binding.show_refusal,
+        )
+        self.radar_binding = RadarBinding(
+            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
+        )
+
+    def _name_sheets(self) -> None:
+        """Name what lies over the tabs; the bindings open and close it."""
+        self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.values = self.control_binding.values
+        self.stop_warning = self.job_binding.stop_warning
+        self.profiles = self.control_binding.profiles
+        self.annotation = self.control_binding.annotation
+        self.candidates = self.surveys_binding.candidates
+        self.export = self.surveys_binding.export
+
+    def _all_bindings(self, presenters: Presenters) -> Tuple[Page, ...]:
+        # The traces first: the others show what they have.
+        return (
+            ImagingBinding(
+                self.traces,
+                self._imaging,
+                lambda: self.map.isVisible() or self.radar.isVisible(),
+                lambda: self.radar.presenter.settings.permittivity,
+            ),
+            TracesBinding(
+                *(self.survey, self.traces, self.map_page, self.radar_page),
+                lambda: self.show_tab(TabName.RADAR),
+            ),
+            self.survey_binding,
+            self.job_binding,
+            self.map_binding,
+            self.control_binding,
+            self.surveys_binding,
+            self.radar_binding,
+            self.settings,
+            self.robots,
+            ServiceBinding(
+                self.survey,
+                presenters.service,
+                self.service,
+                lambda: self.tabs.currentWidget() is self.service,
+            ),
+        )
+
+    def _lay_out(self) -> None:
+        for page in self._pages.values():
+            self.tabs.addTab(page, "")
+        self.corner.setContentsMargins(0, 0, 0, 0)
+        self.corner.addWidget(self.settings.button)
+        corner = QWidget()
+        corner.setLayout(self.corner)
+        self.tabs.setCornerWidget(corner)
+        self.tabs.tabBar().setExpanding(False)
+        # Not by the style sheet, whose bold letters the tabs do not measure.
+        font = self.tabs.tabBar().font()
+        font.setBold(True)
+        self.tabs.tabBar().setFont(font)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.top_bar)
+        layout.addWidget(self.tabs, 1)
+        # The window may be smaller than the design: then everything in it is smaller too.
+        layout.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
+        self.setMinimumSize(
+            int(DESIGN_WIDTH_PX * SMALLEST_SCALE), int(DESIGN_HEIGHT_PX * SMALLEST_SCALE)
+        )
+
+    def _refresh_after_requests(self) -> None:
+        """Show at once that a request was sent: a second touch must not send another."""
+        for request in (
+            self.top_bar.stop.pressed,
+            self.top_bar.pause_pressed,
+            self.top_bar.replay.pause.clicked,
+            self.start_sheet.hold.held,
+        ):
+            request.connect(lambda *_: self.refresh())
+
+    def _timer(self, period_ms: int, slot: Callable[[], None]) -> QTimer:
+        timer = QTimer(self)
+        timer.setInterval(period_ms)
+        timer.timeout.connect(slot)
+        return timer

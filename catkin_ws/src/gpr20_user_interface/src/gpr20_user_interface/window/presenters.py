@@ -1,0 +1,36 @@
+"""Everything that the window shows and asks through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.jobs.images import ImagingPresenter
+from gpr20_operator.plan.memory import PlanMemory
+from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.survey_control import WindowPresenter
+
+
+@dataclass(frozen=True)
+class Presenters:
+    """The parts of the window without their widgets.
+
+    Attributes:
+        survey: The survey that runs, and the requests to the main control.
+        traces: The traces, and the requests to the storage.
+        imaging: Focused images, candidates and exports.
+        service: Maintenance of the robot.
+        profiles: Parameters that are stored under a name.
+        plans: What the operator planned last.
+        robots: The robots that share the ROS master.
+    """
+
+    survey: WindowPresenter
+    traces: TracePresenter
+    imaging: ImagingPresenter
+    service: ServiceModel
+    profiles: Profiles
+    plans: PlanMemory
+    robots: Robots
