@@ -9,7 +9,6 @@ from window_helpers import ServiceTools
 from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.robot.events import AxisLimits, CurrentPosition, Request
-from gpr20_operator.robot.message_source import Received
 from gpr20_operator.robot.service_events import (
     AxisAction,
     AxisMeasured,
@@ -146,8 +145,8 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
         return model.state.axes[0].pressed
 
     assert lamp() is None
-    model.on_event(Received("/x_axis/axis_driver", EndstopState(AxisId.X, True)))
-    model.on_event(Received("/x_axis/axis_driver", EndstopState(AxisId.X, False)))
+    model.on_event(EndstopState(AxisId.X, True))
+    model.on_event(EndstopState(AxisId.X, False))
     assert lamp() is True
     clock.advance(LAMP_S)
     assert lamp() is False
@@ -167,9 +166,9 @@ def test_position_and_zero_of_each_axis(model, clock):
 
 def test_the_smallest_offset_of_a_clock_counts(model):
     for offset_s in (8.0, 0.2, 3.0):
-        model.on_event(Received("/x", ClockOffset("height_sensor", offset_s)))
+        model.on_event(ClockOffset("height_sensor", offset_s))
     assert not any("differs" in str(one.text) for one in model.findings())
-    model.on_event(Received("/x", ClockOffset("vna_acquisition", 8.0)))
+    model.on_event(ClockOffset("vna_acquisition", 8.0))
     assert any("differs" in str(one.text) for one in model.findings())
 
 

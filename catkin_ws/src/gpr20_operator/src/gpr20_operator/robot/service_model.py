@@ -10,7 +10,6 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_operator.robot.events import Position, Request
 from gpr20_operator.robot.examination import ExaminationRequests, RobotExamination
-from gpr20_operator.robot.message_source import Received
 from gpr20_operator.robot.service_events import (
     AxisAction,
     AxisMeasured,
@@ -142,15 +141,14 @@ class ServiceModel:
 
     def on_event(self, event: object) -> None:
         """Take an event."""
-        content = event.event if isinstance(event, Received) else event
-        self._examination.on_event(content)
-        if isinstance(content, EndstopState):
-            lamp = self._endstops.setdefault(content.axis, _Lamp(self._clock))
-            lamp.note(content.pressed)
-        elif isinstance(content, AxisMeasured):
-            self._homed[content.axis] = content.position.homed, self._clock.now_s()
-        elif isinstance(content, (AxisMoved, HeightTested, AnalyzerTest, CheckStepTaken)):
-            self._note_answer(content)
+        self._examination.on_event(event)
+        if isinstance(event, EndstopState):
+            lamp = self._endstops.setdefault(event.axis, _Lamp(self._clock))
+            lamp.note(event.pressed)
+        elif isinstance(event, AxisMeasured):
+            self._homed[event.axis] = event.position.homed, self._clock.now_s()
+        elif isinstance(event, (AxisMoved, HeightTested, AnalyzerTest, CheckStepTaken)):
+            self._note_answer(event)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""

@@ -13,6 +13,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QV
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.robot.events import Answer
+from gpr20_operator.robot.message_source import Received
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
     DESIGN_HEIGHT_PX,
@@ -139,8 +140,11 @@ class MainWindow(TranslatedWidget):
         self.survey_binding.take_refusal(self.survey.on_event(event))
         if isinstance(event, Answer):
             self.refresh()
+        if not self.survey.is_shown(event):
+            return
+        content = event.event if isinstance(event, Received) else event
         for binding in self._bindings:
-            binding.on_event(event)
+            binding.on_event(content)
 
     def refresh(self) -> None:
         """Show what is known of the robot and the survey now."""

@@ -13,7 +13,6 @@ from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.grid import Cell
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.events import Answer, Request
-from gpr20_operator.robot.message_source import Received
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import Snapshot
@@ -85,8 +84,7 @@ class MapBinding(Page):
 
     def on_event(self, event: object) -> None:
         """Take what belongs to a survey."""
-        if self._survey.is_shown(event):
-            self._additions.on_event(event.event if isinstance(event, Received) else event)
+        self._additions.on_event(event)
         problem = self._additions.take_problem()
         if problem is not None:
             self._show_refusal(Refused.MARKER, problem)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Callable
 
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.robot.message_source import Received
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import Snapshot
 from gpr20_user_interface.pages.ground.band import BandPage
@@ -45,9 +44,8 @@ class TracesBinding(Page):
             page.band.back_touched.connect(self._on_back_to_live)
 
     def on_event(self, event: object) -> None:
-        """Take an event about traces, if it is about the robot or replay that is shown."""
-        if self._survey.is_shown(event):
-            self._traces.on_event(event.event if isinstance(event, Received) else event)
+        """Take an event about traces."""
+        self._traces.on_event(event)
         self._follow()
 
     def refresh(self, snapshot: Snapshot) -> None:

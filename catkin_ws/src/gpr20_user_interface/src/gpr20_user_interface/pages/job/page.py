@@ -13,7 +13,6 @@ from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.fault_messages import FaultWatch, is_fault
 from gpr20_operator.robot.job import JobScreen, survey_name
-from gpr20_operator.robot.message_source import Received
 from gpr20_operator.robot.motion import motion_of
 from gpr20_operator.robot.notices import fault_notice, motion_notice, state_notice
 from gpr20_operator.robot.stop_confirmation import ANSWER_S, StopConfirmation, StopWarning
@@ -129,9 +128,8 @@ class JobBinding(Page):
     def on_event(self, event: object) -> None:
         """Follow what is known of a STOP, and the name of the survey."""
         self._stop.on_event(event)
-        content = event.event if isinstance(event, Received) else event
-        if isinstance(content, SurveyDescribed) and self._survey.is_shown(event):
-            self._named = survey_name(content.text)
+        if isinstance(event, SurveyDescribed):
+            self._named = survey_name(event.text)
             self._show_name()
 
     def refresh(self, snapshot: Snapshot) -> None:

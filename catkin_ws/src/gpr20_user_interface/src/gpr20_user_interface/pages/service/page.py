@@ -46,8 +46,7 @@ class ServiceBinding(Page):
 
     def on_event(self, event: object) -> None:
         """Take an event about the robot."""
-        if self._survey.is_shown(event):
-            self._model.on_event(event)
+        self._model.on_event(event)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
