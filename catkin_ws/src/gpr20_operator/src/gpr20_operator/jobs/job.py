@@ -1,0 +1,146 @@
+"""What takes a while: it is asked for, reports its progress, can be cancelled, and answers once."""
+
+from __future__ import annotations
+
+import enum
+import uuid
+from dataclasses import dataclass
+from typing import Callable, Generic, Optional, TypeVar
+
+from gpr20_common.message import Message
+
+Result = TypeVar("Result")
+
+
+class JobState(enum.Enum):
+    """What a job does."""
+
+    READY = "ready"
+    RUNNING = "running"
+    DONE = "done"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """An answer on its way from the thread of a client into the one of its job.
+
+    Attributes:
+        deliver: Called in the thread of the job.
+    """
+
+    deliver: Callable[[], None]
+
+
+class Ticket(Generic[Result]):
+    """One request of a job; its answers count while it is the job's last one, and not cancelled.
+
+    Attributes:
+        request_id: A name that no other request has.
+    """
+
+    def __init__(self, job: Job[Result]) -> None:
+        self.request_id = uuid.uuid4().hex
+        self._job = job
+
+    def progress(self, stage: Message) -> None:
+        """Say what is being done."""
+        self._job.take(self, JobState.RUNNING, stage=stage)
+
+    def done(self, result: Result) -> None:
+        """Answer."""
+        self._job.take(self, JobState.DONE, result=result)
+
+    def fail(self, problem: Message) -> None:
+        """Say why there is no answer."""
+        self._job.take(self, JobState.FAILED, problem=problem)
+
+
+Send = Callable[[Ticket[Result]], None]
+"""Sends a request without waiting; the ticket takes the answer."""
+
+
+class Job(Generic[Result]):
+    """One request at a time. Belongs to one thread.
+
+    Args:
+        cancel: Asks to end a request, by its id.
+        now_s: A clock that never goes back [s].
+        done: Called with each result.
+
+    Attributes:
+        state: What the job does.
+        stage: What is being done; None: it is not known, or nothing is.
+        problem: Why there is no result; None: there is no problem.
+        result: The last result; None unless the job is done.
+        revision: Changes with everything above.
+    """
+
+    def __init__(
+        self,
+        cancel: Callable[[str], None],
+        now_s: Callable[[], float],
+        done: Callable[[Result], None] = lambda _result: None,
+    ) -> None:
+        self._cancel = cancel
+        self._now_s = now_s
+        self._done = done
+        self._ticket: Optional[Ticket[Result]] = None
+        self._started_s = 0.0
+        self.revision = 0
+        self._set(JobState.READY)
+
+    @property
+    def running(self) -> bool:
+        """Whether an answer is awaited."""
+        return self.state is JobState.RUNNING
+
+    @property
+    def running_s(self) -> float:
+        """How long the request has been running [s]; 0 if none is."""
+        return self._now_s() - self._started_s if self.running else 0.0
+
+    def ask(self, send: Send[Result]) -> None:
+        """Send a request; one that runs is ended."""
+        self.end()
+        self._ticket, self._started_s = Ticket(self), self._now_s()
+        self._set(JobState.RUNNING)
+        send(self._ticket)
+
+    def end(self, reason: Optional[Message] = None) -> None:
+        """End a request that runs, and forget the result.
+
+        Args:
+            reason: What people read of it; None: nothing.
+        """
+        ticket, self._ticket = self._ticket, None
+        if ticket is not None:
+            self._cancel(ticket.request_id)
+        self._set(JobState.READY, problem=reason)
+
+    def take(
+        self,
+        ticket: Ticket[Result],
+        state: JobState,
+        stage: Optional[Message] = None,
+        problem: Optional[Message] = None,
+        result: Optional[Result] = None,
+    ) -> None:
+        """Take progress or the answer of a request, unless it is not the last one."""
+        if ticket is not self._ticket:
+            return
+        if state is not JobState.RUNNING:
+            self._ticket = None
+        self._set(state, stage, problem, result)
+        if state is JobState.DONE:
+            self._done(result)  # type: ignore[arg-type]
+
+    def _set(
+        self,
+        state: JobState,
+        stage: Optional[Message] = None,
+        problem: Optional[Message] = None,
+        result: Optional[Result] = None,
+    ) -> None:
+        self.state, self.stage, self.problem, self.result = state, stage, problem, result
+        self.revision += 1

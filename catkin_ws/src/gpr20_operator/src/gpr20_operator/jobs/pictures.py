@@ -1,0 +1,208 @@
+"""What the imaging node does for the window: images, where a mine could hide, exports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Tuple
+
+from gpr20_common.message import Message
+from gpr20_operator.jobs.job import Job, Ticket
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.volume import Volume
+
+NOT_KNOWN = 0.0
+"""What is sent as the permittivity of ground of which nothing is known."""
+# An image takes a second of a core at the lowest priority.
+PERIOD_S = 10.0
+# A permittivity that is set in steps: the last one counts.
+SETTLED_S = 1.0
+# The imaging node refuses an image of fewer lines than three.
+FEWEST_TRACES = 9
+# Of images, which are large: the one that is shown, and those of finer surveys laid over it.
+MOST_IMAGES = 6
+
+
+@dataclass(frozen=True)
+class ExportOrder:
+    """What is to be written where.
+
+    Attributes:
+        survey: Its id, or the name of its folder.
+        kinds: As the imaging node calls them.
+        permittivity: Of the ground; `NOT_KNOWN`: it is not known.
+        language: Code of the language of reports.
+        volume: Path of the stick.
+    """
+
+    survey: str
+    kinds: List[str]
+    permittivity: float
+    language: str
+    volume: str
+
+
+class Sticks(NamedTuple):
+    """The USB sticks that are mounted on the computer of the storage."""
+
+    computer: str
+    volumes: Tuple[Volume, ...]
+
+
+class StoredSurvey(NamedTuple):
+    """What the storage has of a survey: survey.json, and how many traces."""
+
+    text: str
+    stored_traces: int
+
+
+class ImagingRequests(Protocol):
+    """Requests to the imaging node and the storage, without waiting; tickets take the answers.
+
+    A survey is given by its id or the name of its folder.
+    """
+
+    def focus(self, ticket: Ticket[FocusedImage], survey: str, permittivity: float) -> None:
+        """Ask for the focused image of a survey and the candidates in it."""
+
+    def map_hidden(
+        self, ticket: Ticket[HidingMap], survey: str, permittivity: float, target: str
+    ) -> None:
+        """Ask where a target could hide."""
+
+    def export(self, ticket: Ticket[Tuple[str, ...]], order: ExportOrder) -> None:
+        """Ask to write files; the answer is their names on the stick."""
+
+    def list_volumes(self, ticket: Ticket[Sticks]) -> None:
+        """Ask for the sticks."""
+
+    def read_survey(self, ticket: Ticket[StoredSurvey], survey: str) -> None:
+        """Ask what the storage has of a survey."""
+
+    def note(self, ticket: Ticket[None], survey: str, kind: Kind, values: Mapping[str, Any]) -> None:
+        """Ask to add a fact to the log of a survey, durably."""
+
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request of a ticket; of one that is not there, nothing."""
+
+
+class Pictures:
+    """Images and hiding maps of surveys, for every page.
+
+    Attributes:
+        revision: Changes with every picture.
+    """
+
+    def __init__(self) -> None:
+        self.revision = 0
+        self._images: Dict[str, FocusedImage] = {}
+        self._hiding: Dict[str, HidingMap] = {}
+
+    def image(self, survey_id: str) -> Optional[FocusedImage]:
+        """Return the last image of a survey; None: none."""
+        image = self._images.pop(survey_id, None)
+        if image is not None:
+            # Those that are looked at stay longest.
+            self._images[survey_id] = image
+        return image
+
+    def hiding(self, survey_id: str) -> Optional[HidingMap]:
+        """Return where a mine could hide in a survey; None: nobody asked."""
+        return self._hiding.get(survey_id)
+
+    def add_image(self, image: FocusedImage) -> None:
+        """Keep an image, in the place of the last one of its survey."""
+        self._images.pop(image.survey_id, None)
+        self._images[image.survey_id] = image
+        while len(self._images) > MOST_IMAGES:
+            del self._images[next(iter(self._images))]
+        self.revision += 1
+
+    def add_hiding(self, found: HidingMap) -> None:
+        """Keep where a mine could hide."""
+        self._hiding[found.survey_id] = found
+        self.revision += 1
+
+    def drop_hiding(self, survey_id: str) -> None:
+        """Forget where a mine could hide: it was found with another permittivity."""
+        if self._hiding.pop(survey_id, None) is not None:
+            self.revision += 1
+
+
+class Wanted(NamedTuple):
+    """What an image depends on."""
+
+    survey_id: str
+    traces: int
+    permittivity: float
+
+
+class Imaging:
+    """Asks for images while somebody looks at them. Belongs to one thread.
+
+    Args:
+        requests: The imaging node and the storage.
+        now_s: A clock that never goes back [s].
+
+    Attributes:
+        pictures: What it has found.
+        permittivities: Of the ground of surveys, by their ids, as their plans or people say.
+    """
+
+    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+        self.requests = requests
+        self.now_s = now_s
+        self.pictures = Pictures()
+        self.permittivities: Dict[str, float] = {}
+        self._shown: Job[FocusedImage] = Job(requests.cancel, now_s, self.pictures.add_image)
+        self._others: Job[FocusedImage] = Job(requests.cancel, now_s, self.pictures.add_image)
+        self._asked: Optional[Wanted] = None
+        self._ended_s: Optional[float] = None
+        self._settling: Optional[Wanted] = None
+        self._settling_s = 0.0
+
+    @property
+    def problem(self) -> Optional[Message]:
+        """Why there is no newer image of the survey that is shown; None: nothing went wrong."""
+        return self._shown.problem
+
+    def keep(self, wanted: Wanted) -> None:
+        """Ask for an image if it would differ from the last one and that is long enough ago."""
+        if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
+            return
+        if self._ended_s is None:
+            self._ended_s = self.now_s()
+        if wanted == self._asked or not self._is_due(wanted):
+            return
+        self._asked, self._ended_s = wanted, None
+        self._shown.ask(
+            lambda ticket: self.requests.focus(ticket, wanted.survey_id, wanted.permittivity)
+        )
+
+    def focus(self, survey_id: str, permittivity: float) -> bool:
+        """Ask for the image of another survey than the one that is shown.
+
+        Returns:
+            Whether that was possible: one image at a time.
+        """
+        if self._others.running:
+            return False
+        self._others.ask(lambda ticket: self.requests.focus(ticket, survey_id, permittivity))
+        return True
+
+    def end(self) -> None:
+        """End what is awaited."""
+        self._shown.end()
+        self._others.end()
+
+    def _is_due(self, wanted: Wanted) -> bool:
+        asked, now_s = self._asked, self.now_s()
+        if asked is None or asked.survey_id != wanted.survey_id:
+            return True
+        if asked.permittivity == wanted.permittivity:
+            return now_s - (self._ended_s or 0.0) >= PERIOD_S
+        # Only once the operator has stopped changing it.
+        if self._settling is None or self._settling.permittivity != wanted.permittivity:
+            self._settling, self._settling_s = wanted, now_s
+        return now_s - self._settling_s >= SETTLED_S

@@ -1,0 +1,126 @@
+"""The export of a survey to a USB stick: with one stick there, it begins by itself."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import replace
+from typing import Callable, FrozenSet, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_operator.jobs.pictures import ExportOrder, ImagingRequests, Sticks
+from gpr20_operator.jobs.job import Job, JobState
+from gpr20_survey.results.volume import Volume
+
+# A stick that is plugged in shows within this time [s].
+LIST_PERIOD_S = 2.0
+EXPORT_CANCELLED = Message("The export was cancelled. No unfinished file was left on the stick.")
+NO_STICKS = Sticks("", ())
+
+
+class ExportPart(enum.Enum):
+    """What can be exported, as the imaging node calls it."""
+
+    REPORT_PDF = "report-pdf"
+    REPORT_HTML = "report-html"
+    CANDIDATES_CSV = "candidates-csv"
+    CANDIDATES_GEOJSON = "candidates-geojson"
+    SURVEY_ZIP = "survey-zip"
+
+
+REPORT = frozenset({ExportPart.REPORT_PDF})
+
+
+class StickExport:
+    """One export at a time. Belongs to one thread.
+
+    Args:
+        requests: The imaging node.
+        now_s: A clock that never goes back [s].
+
+    Attributes:
+        job: The export; its result are the names of the files on the stick.
+        listing: The list of sticks.
+        sticks: Those of the last list.
+        parts: What is written.
+        choosing: Whether a person chooses the parts; else the only stick is written at once.
+    """
+
+    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+        self._requests = requests
+        self._now_s = now_s
+        self._listed_s = -LIST_PERIOD_S
+        self._order = ExportOrder("", [], 0.0, "", "")
+        self.job: Job[Tuple[str, ...]] = Job(requests.cancel, now_s)
+        self.listing: Job[Sticks] = Job(requests.cancel, now_s, self._take_sticks)
+        self.sticks = NO_STICKS
+        self.parts: FrozenSet[ExportPart] = REPORT
+        self.choosing = False
+
+    @property
+    def revision(self) -> Tuple[object, ...]:
+        """Changes with everything that a view shows of this."""
+        return self.job.revision, self.listing.problem, self.sticks, self.parts, self.choosing
+
+    @property
+    def writable(self) -> Tuple[Volume, ...]:
+        """The sticks that can be written."""
+        return tuple(one for one in self.sticks.volumes if one.writable)
+
+    @property
+    def only(self) -> Optional[Volume]:
+        """The only stick that can be written; None: there is none, or several."""
+        return self.writable[0] if len(self.writable) == 1 else None
+
+    def begin(self, survey: str, permittivity: float, language: str) -> None:
+        """Write the report on a survey, as soon as it is clear to which stick.
+
+        Args:
+            survey: Its id.
+            permittivity: Of the ground.
+            language: Code of the language of the report.
+        """
+        if self.job.running:
+            return
+        self.job.end()
+        self._order = ExportOrder(survey, [], permittivity, language, "")
+        self.parts, self.choosing = REPORT, False
+        # A stick of an earlier list may have been removed.
+        self.sticks, self._listed_s = NO_STICKS, -LIST_PERIOD_S
+        self.look_for_sticks()
+
+    def look_for_sticks(self) -> None:
+        """Ask for the sticks, if that was not done just now; while somebody waits for them."""
+        waits = self.job.state is JobState.READY or self.choosing
+        late = self._now_s() - self._listed_s >= LIST_PERIOD_S
+        if waits and late and not self.job.running and not self.listing.running:
+            self._listed_s = self._now_s()
+            self.listing.ask(self._requests.list_volumes)
+
+    def choose_parts(self) -> None:
+        """Let a person choose what is written, and where."""
+        if not self.job.running:
+            self.job.end()
+            self.choosing = True
+
+    def toggle(self, part: ExportPart) -> None:
+        """Add or remove a part."""
+        self.parts = self.parts ^ {part}
+
+    def write(self, volume: str) -> None:
+        """Write the parts to the stick that is mounted at a path."""
+        if self.job.running or not self.parts:
+            return
+        self.choosing = False
+        kinds = [one.value for one in ExportPart if one in self.parts]
+        order = replace(self._order, kinds=kinds, volume=volume)
+        self.job.ask(lambda ticket: self._requests.export(ticket, order))
+
+    def cancel(self) -> None:
+        """End an export that is running, or the wait for a stick."""
+        self.choosing = True
+        self.job.end(EXPORT_CANCELLED if self.job.running else None)
+
+    def _take_sticks(self, sticks: Sticks) -> None:
+        self.sticks = sticks
+        if self.only is not None and self.job.state is JobState.READY and not self.choosing:
+            self.write(self.only.path)
