@@ -113,7 +113,7 @@ def summaries(draw):
         *(draw(st.booleans()), draw(st.booleans()), draw(MESSAGES)),
         *(draw(WORDS), draw(WORDS)),
         survey_summary.Thumbnail(*sizes, columns, rows, percent),
-        draw(WORDS),
+        *(draw(WORDS) for _ in range(3)),
     )
 
 

@@ -64,6 +64,8 @@ class SurveySummary:
         refines: Id of the survey that it measures more finely; empty: none.
         thumbnail: Its area.
         fault_code: Of why it ended; empty: nothing went wrong, or it is not known.
+        site: Where it was measured, in words; empty if nobody wrote it.
+        operator: Who measured it.
     """
 
     folder: str
@@ -80,6 +82,8 @@ class SurveySummary:
     refines: str = ""
     thumbnail: Thumbnail = NO_THUMBNAIL
     fault_code: str = ""
+    site: str = ""
+    operator: str = ""
 
     def local_time(self, zone: Optional[datetime.tzinfo] = None) -> str:
         """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded.
@@ -99,7 +103,7 @@ class SurveySummary:
 
 PLAIN = (
     *("folder", "survey_id", "started", "outcome", "stored_traces", "planned_traces"),
-    *("complete", "simulated", "name", "refines", "fault_code"),
+    *("complete", "simulated", "name", "refines", "fault_code", "site", "operator"),
 )
 TEXTS = ("verdict", "problem")
 
