@@ -1,4 +1,4 @@
-"""Where on the screen a place of the survey area is, and the other way round."""
+"""Areas of the ground, and how the pictures of one share the screen."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ SMALLEST_PART = 1.0 / 2.0
 GROUND_AROUND = 0.25
 # How wide a single line is drawn, as a part of its length.
 LINE_PART = 0.1
+# The view from above has at least and at most this part of the room.
+LEAST_ABOVE, MOST_ABOVE = 0.3, 0.6
 
 
 @dataclass(frozen=True)
@@ -52,9 +54,85 @@ class Area:
             self.high_mm + margin_mm,
         )
 
-    def holds(self, x_mm: float, y_mm: float) -> bool:
-        """Return whether a place is in it."""
-        return self.left_mm <= x_mm <= self.right_mm and self.low_mm <= y_mm <= self.high_mm
+
+def survey_area(xs_mm: np.ndarray, ys_mm: np.ndarray) -> Area:
+    """Return the stops of a survey, each with its share of the ground around it.
+
+    Args:
+        xs_mm: Columns, evenly spaced.
+        ys_mm: Rows, evenly spaced.
+    """
+    half_x_mm, half_y_mm = share_mm(xs_mm, ys_mm) / 2.0, share_mm(ys_mm, xs_mm) / 2.0
+    return Area(
+        float(xs_mm.min()) - half_x_mm,
+        float(xs_mm.max()) + half_x_mm,
+        float(ys_mm.min()) - half_y_mm,
+        float(ys_mm.max()) + half_y_mm,
+    )
+
+
+def shown_area(own: Area, around: Iterable[Area] = ()) -> Area:
+    """Return what to show of the ground: a survey, and others around it if it stays large enough.
+
+    Args:
+        own: The survey.
+        around: Areas of other surveys that should be seen too.
+    """
+    shown = own
+    for one in around:
+        shown = shown.joined(one)
+    if (
+        own.width_mm >= SMALLEST_PART * shown.width_mm
+        and own.height_mm >= SMALLEST_PART * shown.height_mm
+    ):
+        return shown
+    return own.grown(GROUND_AROUND * max(own.width_mm, own.height_mm))
+
+
+def share_mm(places_mm: np.ndarray, others_mm: np.ndarray) -> float:
+    """Return the size of a stop's share of the ground along one axis, given those of both [mm].
+
+    That of a single line, which was imported, is a part of its length.
+    """
+    if len(places_mm) > 1:
+        return float(abs(places_mm[1] - places_mm[0]))
+    return max(LINE_PART * float(np.ptp(others_mm)), 1.0)
+
+
+@dataclass(frozen=True)
+class Division:
+    """How the view from above and the sections share a room.
+
+    Attributes:
+        beside: Whether the sections are beside the view from above; else below it.
+        above_px: Width of the view from above if they are beside it, else its height.
+    """
+
+    beside: bool
+    above_px: int
+
+
+def divided(area: Area, width_px: int, height_px: int) -> Division:
+    """Return the division in which the view from above, true to scale, leaves the least unused.
+
+    Args:
+        area: What the view from above shows.
+        width_px: Width of the room for all pictures.
+        height_px: Height of that room.
+    """
+    shape = max(area.width_mm, 1e-6) / max(area.height_mm, 1e-6)
+    found = []
+    for beside, along_px, across_px, part in (
+        (True, width_px, height_px, shape),
+        (False, height_px, width_px, 1.0 / shape),
+    ):
+        wanted_px = across_px * part
+        above_px = min(max(wanted_px, LEAST_ABOVE * along_px), MOST_ABOVE * along_px)
+        # A picture that is narrower or wider than its room leaves some of it unused.
+        unused = 1.0 - min(wanted_px, above_px) / max(wanted_px, above_px)
+        found.append((unused * above_px * across_px, not beside, round(above_px)))
+    _unused, below, above_px = min(found)
+    return Division(not below, above_px)
 
 
 @dataclass(frozen=True)
@@ -112,7 +190,7 @@ def fit(
             too small.
     """
     own = Area(*_span(xs_mm, ys_mm), *_span(ys_mm, xs_mm))
-    shown = _shown(own, around)
+    shown = shown_area(own, around)
     left_px, top_px, room_width_px, room_height_px = screen_px
     scale = max(min(room_width_px / shown.width_mm, room_height_px / shown.height_mm), 1e-6)
     return MapGeometry(
@@ -126,28 +204,6 @@ def fit(
         - (own.low_mm - shown.low_mm) * scale,
         scale,
     )
-
-
-def _shown(own: Area, around: Iterable[Area]) -> Area:
-    shown = own
-    for one in around:
-        shown = shown.joined(one)
-    if (
-        own.width_mm >= SMALLEST_PART * shown.width_mm
-        and own.height_mm >= SMALLEST_PART * shown.height_mm
-    ):
-        return shown
-    return own.grown(GROUND_AROUND * max(own.width_mm, own.height_mm))
-
-
-def share_mm(places_mm: np.ndarray, others_mm: np.ndarray) -> float:
-    """Return the size of a stop's share of the ground along one axis, given those of both [mm].
-
-    That of a single line, which was imported, is a part of its length.
-    """
-    if len(places_mm) > 1:
-        return float(abs(places_mm[1] - places_mm[0]))
-    return max(LINE_PART * float(np.ptp(others_mm)), 1.0)
 
 
 def _span(places_mm: np.ndarray, others_mm: np.ndarray) -> Tuple[float, float]:

@@ -144,6 +144,12 @@ class FocusedSource:
         layer = image.levels_db[self._layer(settings)]
         return self._picture(layer, image.x_mm, Axis.X_MM, image.y_mm, settings)
 
+    def from_above(self) -> Picture:
+        """Return the largest level of all depths at each place."""
+        image = self.image
+        levels_db = np.fmax.reduce(image.levels_db, axis=0)
+        return self._picture(levels_db, image.x_mm, Axis.X_MM, image.y_mm, RadarSettings())
+
     def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
         """Return the level of a voxel [dB above noise]."""
         row, column = self._index(place)

@@ -27,6 +27,22 @@ _STOPS = {
 
 
 @lru_cache(maxsize=None)
+def colour_table(colours: Colours) -> np.ndarray:
+    """Return red, green, blue and alpha of each number of a picture (uint8, 256 x 4).
+
+    What was not measured is transparent.
+    """
+    stops = np.array([list(bytes.fromhex(one)) for one in _STOPS[colours].split()], np.float64)
+    places = np.linspace(0.0, len(stops) - 1.0, LAST_SHADE + 1)
+    table = np.zeros((NOT_MEASURED + 1, 4), np.uint8)
+    for channel in range(3):
+        found = np.interp(places, np.arange(len(stops)), stops[:, channel])
+        table[: LAST_SHADE + 1, channel] = np.rint(found)
+    table[: LAST_SHADE + 1, 3] = 255
+    return table
+
+
+@lru_cache(maxsize=None)
 def shade_colours(colours: Colours) -> List[int]:
     """Return the colour of each number of a picture; what was not measured is transparent."""
     stops = np.array([list(bytes.fromhex(one)) for one in _STOPS[colours].split()], np.float64)

@@ -1,0 +1,360 @@
+"""The ground from above, true to scale, with the states of stops, candidates and markers."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QImage, QPainter
+
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.geometry import Area, share_mm, shown_area, survey_area
+from gpr20_operator.ground.grid import Stop, SurveyGrid
+from gpr20_operator.ground.map_model import MapModel
+from gpr20_operator.ground.records import Colours, Picture
+from gpr20_survey.results.hiding_map import MM_PER_M, HidingMap
+from gpr20_user_interface.look.look import Look, Mark
+from gpr20_user_interface.widgets.plot import GroundMark, MarkKind, Plot, rimmed
+
+__all__ = ["Cell", "Frame", "GroundMark", "GroundPicture", "MarkKind", "cells_image"]
+
+# Smaller stops have no lines between them.
+SMALLEST_WITH_LINES_PX = 7.0
+SMALLEST_FRAME_PX = 14.0
+FAILED_RING_PX = 11.0
+# Single stops that are not done must not be overlooked among thousands.
+MAX_RINGS = 60
+# Of the depths that were tried: what is missed above that is hatched densely.
+DENSE_SHARE = 0.5
+# Width and height of a pattern, which is repeated [px].
+TILE_PX = 16
+
+
+class Cell(enum.IntEnum):
+    """What a cell of the ground is: each has a pattern besides its colours."""
+
+    MISSING = StopState.MISSING
+    PARTLY = StopState.PARTLY
+    DONE = StopState.DONE
+    FAILED = StopState.FAILED
+    LOADING = 4
+    """Stored, but not here yet."""
+    HIDING = 5
+    """A mine could hide here."""
+    HIDING_SHALLOW = 6
+    """A mine could hide here even if it is not deep."""
+    BLANK = 7
+    """Nothing is painted."""
+
+
+def _tiles() -> np.ndarray:
+    """Return the Mark of each pixel of each pattern; 0: none (uint8, cells x TILE_PX x TILE_PX)."""
+    y, x = np.mgrid[:TILE_PX, :TILE_PX]
+    rising, falling = (x + y) % 8, (x - y) % 8
+    tiles = np.zeros((len(Cell), TILE_PX, TILE_PX), np.uint8)
+    # Missing: empty, with dots. Loading: empty, with dashes.
+    tiles[Cell.MISSING] = np.where((x % 8 < 2) & (y % 8 < 2), _no(Mark.STOP_MISSING), _PAPER)
+    tiles[Cell.LOADING] = np.where((x % 16 < 11) & (y % 8 < 2), _no(Mark.STOP_DONE), _PAPER)
+    # Partly: half of it is done. Failed: a lattice.
+    tiles[Cell.PARTLY] = np.where(rising < 4, _no(Mark.STOP_DONE), _no(Mark.STOP_PARTLY))
+    tiles[Cell.DONE] = _no(Mark.STOP_DONE)
+    tiles[Cell.FAILED] = np.where(np.minimum(rising, falling) < 2, _PAPER, _no(Mark.STOP_FAILED))
+    # Over whatever is below, so each line has a rim.
+    for cell, place in ((Cell.HIDING, (x + y) % 16), (Cell.HIDING_SHALLOW, rising)):
+        tiles[cell] = np.select([place < 2, place < 4], [_no(Mark.INK), _PAPER], 0)
+    return tiles
+
+
+def _no(mark: Mark) -> int:
+    return mark.value
+
+
+_PAPER = Mark.PAPER.value
+TILES = _tiles()
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame around another survey, or around one that is planned."""
+
+    area: Area
+    planned: bool = False
+
+
+class GroundPicture(Plot):
+    """Draws one image, the coverage below it and marks above it; a touch chooses a place or mark.
+
+    Args:
+        interactive: Whether it takes touches.
+
+    Attributes:
+        hiding: Where a mine could hide; None: that is not shown.
+    """
+
+    # A place that was touched, X and Y in mm: no mark is near.
+    place_touched = pyqtSignal(float, float)
+    # What the mark that was touched is about.
+    mark_touched = pyqtSignal(object)
+
+    def __init__(self, interactive: bool = True) -> None:
+        super().__init__(to_scale=True, interactive=interactive)
+        self._grid: Optional[SurveyGrid] = None
+        self._cells: Optional[np.ndarray] = None
+        self._cells_of: object = None
+        self._current: Optional[Tuple[float, float]] = None
+        self._failed: List[Tuple[float, float]] = []
+        self._frames: Tuple[Frame, ...] = ()
+        self._carriage_mm: Optional[Tuple[float, float]] = None
+        self._chosen_mm: Optional[Tuple[float, float]] = None
+        self.hiding: Optional[HidingMap] = None
+        self._hatching: Tuple[object, Optional[QImage]] = (None, None)
+
+    @property
+    def cells(self) -> Optional[np.ndarray]:
+        """The Cell of each stop, both axes ascending; None: nothing is known of the stops."""
+        return self._cells
+
+    def show_picture(self, picture: Optional[Picture], colours: Colours) -> None:
+        """Draw an image; without a coverage it is all that is shown."""
+        super().show_picture(picture, colours)
+        if picture is not None and self._grid is None:
+            (left, right), (low, high) = picture.across_mm, picture.range
+            self.set_extent(QRectF(left, low, right - left, high - low))
+
+    def show_coverage(
+        self,
+        model: MapModel,
+        loading: Optional[np.ndarray] = None,
+        states: bool = True,
+    ) -> None:
+        """Draw the states of the stops.
+
+        Args:
+            model: The survey.
+            loading: Which stops are stored but not here yet (bool, rows x columns); None: none.
+            states: Whether states are shown; else only what is not there.
+        """
+        grid, found = model.grid, model.stop_states
+        self._current = self._place_of(grid, model.current)
+        shown = (model, model.revision, states)
+        if grid is not self._grid:
+            self._grid = grid
+            self._fit()
+        if shown == self._cells_of and loading is None:
+            self.viewport().update()
+            return
+        self._cells_of = shown if loading is None else None
+        self._cells, self._failed = None, []
+        if grid is not None and found is not None:
+            order = ascending(grid)
+            cells = found if states else np.where(found == StopState.DONE, Cell.BLANK, found)
+            if loading is not None:
+                cells = np.where(loading, Cell.LOADING, cells)
+            self._cells = cells[order].astype(np.uint8)
+            rings = np.argwhere(found == StopState.FAILED)[:MAX_RINGS] if states else ()
+            self._failed = [(grid.xs_mm[column], grid.ys_mm[row]) for row, column in rings]
+        self.resetCachedContent()
+        self.viewport().update()
+
+    def set_frames(self, frames: Sequence[Frame]) -> None:
+        """Frame other surveys and those that are planned."""
+        if tuple(frames) != self._frames:
+            self._frames = tuple(frames)
+            self._fit()
+
+    def set_carriage(self, place_mm: Optional[Tuple[float, float]]) -> None:
+        """Note where the antennas are [mm]; None: not known."""
+        if place_mm != self._carriage_mm:
+            self._carriage_mm = place_mm
+            self.viewport().update()
+
+    def set_chosen(self, place_mm: Optional[Tuple[float, float]]) -> None:
+        """Frame the stop that was touched [mm]; None: none."""
+        self._chosen_mm = place_mm
+        self.viewport().update()
+
+    def _fit(self) -> None:
+        """Show the survey, with the others around it."""
+        area = shown_extent(self._grid, self._frames)
+        if area is not None:
+            self.set_extent(QRectF(area.left_mm, area.low_mm, area.width_mm, area.height_mm))
+        elif self._grid is None and self.numbers is None:
+            self.set_extent(None)
+
+    def _touch(self, place: QPointF) -> None:
+        """Choose marks that lie close together one after the other, and then the place."""
+        near = self.marks_near(place)
+        chosen = next((number for number, one in enumerate(near) if one.chosen), -1)
+        if chosen + 1 < len(near):
+            self.mark_touched.emit(near[chosen + 1].about)
+        else:
+            self.place_touched.emit(*self.to_data(place))
+
+    @staticmethod
+    def _place_of(
+        grid: Optional[SurveyGrid], stop: Optional[Stop]
+    ) -> Optional[Tuple[float, float]]:
+        if grid is None or stop is None:
+            return None
+        return float(grid.xs_mm[stop.column]), float(grid.ys_mm[stop.row])
+
+    def _paint_below(self, painter: QPainter, look: Look) -> None:
+        if self._grid is None or self._cells is None:
+            return
+        area = survey_area(self._grid.xs_mm, self._grid.ys_mm)
+        painter.drawImage(0, 0, cells_image(self, self._cells, area, look, lines=True))
+        painter.setPen(QColor(look.colour(Mark.BORDER)))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(self._pixels_of(area))
+
+    def _paint_above(self, painter: QPainter, look: Look) -> None:
+        self._paint_hiding(painter, look)
+        for one in self._frames:
+            for pen in rimmed(look, Mark.CURRENT if one.planned else Mark.INK, 3):
+                if one.planned:
+                    pen.setDashPattern([4.0, 3.0])
+                painter.setPen(pen)
+                painter.drawRect(self._pixels_of(one.area))
+        radius = look.px(FAILED_RING_PX)
+        for pen in rimmed(look, Mark.STOP_FAILED, 3):
+            painter.setPen(pen)
+            for place_mm in self._failed:
+                painter.drawEllipse(self.to_screen(*place_mm), radius, radius)
+        self._paint_stop(painter, look, self._current, Mark.CURRENT)
+        self._paint_stop(painter, look, self._chosen_mm, Mark.SELECTED)
+        # Below the marks: it must not hide a candidate.
+        self._paint_carriage(painter, look)
+
+    def _paint_hiding(self, painter: QPainter, look: Look) -> None:
+        """Hatch where a mine could hide, the more densely the shallower; drawn after a change."""
+        found = self.hiding
+        if found is None:
+            return
+        state = (id(found), self.to_screen(0.0, 0.0), self.to_screen(1.0, 1.0), self.size(), look)
+        if self._hatching[0] != state:
+            cells, area = hiding_cells(found)
+            self._hatching = state, cells_image(self, cells, area, look)
+        if self._hatching[1] is not None:
+            painter.drawImage(0, 0, self._hatching[1])
+
+    def _paint_stop(
+        self, painter: QPainter, look: Look, place_mm: Optional[Tuple[float, float]], mark: Mark
+    ) -> None:
+        if place_mm is None or self._grid is None:
+            return
+        xs_mm, ys_mm = self._grid.xs_mm, self._grid.ys_mm
+        centre, corner = (
+            self.to_screen(*place_mm),
+            self.to_screen(
+                place_mm[0] + share_mm(xs_mm, ys_mm) / 2.0,
+                place_mm[1] + share_mm(ys_mm, xs_mm) / 2.0,
+            ),
+        )
+        half = look.px(SMALLEST_FRAME_PX) / 2.0
+        width, height = max(corner.x() - centre.x(), half), max(centre.y() - corner.y(), half)
+        frame = QRectF(centre.x() - width, centre.y() - height, 2 * width, 2 * height)
+        for pen in rimmed(look, mark, 3):
+            painter.setPen(pen)
+            painter.drawRect(frame)
+
+    def _paint_carriage(self, painter: QPainter, look: Look) -> None:
+        """Paint a cross where the antennas are; at the edge, hollow, if they are off the area."""
+        if self._carriage_mm is None or self.extent is None:
+            return
+        x_mm, y_mm = self._carriage_mm
+        x = min(max(x_mm, self.extent.left()), self.extent.right())
+        y = min(max(y_mm, self.extent.top()), self.extent.bottom())
+        centre, ring, arm = self.to_screen(x, y), look.px(7), look.px(13)
+        for pen in rimmed(look, Mark.CARRIAGE, 2):
+            painter.setPen(pen)
+            painter.drawEllipse(centre, ring, ring)
+            if (x, y) == (x_mm, y_mm):
+                for step in (QPointF(arm, 0.0), QPointF(0.0, arm)):
+                    painter.drawLine(centre - step, centre + step)
+
+    def _pixels_of(self, area: Area) -> QRectF:
+        return QRectF(
+            self.to_screen(area.left_mm, area.high_mm), self.to_screen(area.right_mm, area.low_mm)
+        )
+
+
+def shown_extent(grid: Optional[SurveyGrid], frames: Sequence[Frame] = ()) -> Optional[Area]:
+    """Return what the view from above shows of a survey and others; None without a plan."""
+    if grid is None:
+        return None
+    around = [one.area for one in frames if not one.planned]
+    return shown_area(survey_area(grid.xs_mm, grid.ys_mm), around)
+
+
+def ascending(grid: SurveyGrid) -> Tuple[slice, slice]:
+    """Return the order of rows and columns in which Y and X ascend."""
+    return (
+        slice(None, None, 1 if grid.ys_mm[0] <= grid.ys_mm[-1] else -1),
+        slice(None, None, 1 if grid.xs_mm[0] <= grid.xs_mm[-1] else -1),
+    )
+
+
+def hiding_cells(found: HidingMap) -> Tuple[np.ndarray, Area]:
+    """Return the Cell of each place where a target could hide, and the area of the map."""
+    missed_m = found.missed_m
+    hidden = np.isfinite(missed_m)
+    deeper = np.mean(found.depth_m[:, None, None] < np.where(hidden, missed_m, 0.0), axis=0)
+    cells = np.where(deeper < DENSE_SHARE, Cell.HIDING_SHALLOW, Cell.HIDING)
+    (width, height), x, y = found.cell_m, found.x_m, found.y_m
+    ends = (x[0] - width / 2, x[-1] + width / 2, y[0] - height / 2, y[-1] + height / 2)
+    area = Area(*(MM_PER_M * float(one) for one in ends))
+    return np.where(hidden, cells, Cell.BLANK).astype(np.uint8), area
+
+
+def cells_image(
+    plot: Plot, cells: np.ndarray, area: Area, look: Look, lines: bool = False
+) -> QImage:
+    """Return the patterns of cells, as large as a plot: their size does not follow the zoom.
+
+    Args:
+        plot: Where they are drawn.
+        cells: Cell of each place, both axes ascending.
+        area: All cells together.
+        look: The colours.
+        lines: Whether there are lines between large cells.
+    """
+    width, height = plot.viewport().width(), plot.viewport().height()
+    rows, columns = cells.shape
+    left, low = plot.to_data(QPointF(0.5, height - 0.5))
+    right, high = plot.to_data(QPointF(width - 0.5, 0.5))
+    column = _places(left, right, width, area.left_mm, area.width_mm, columns)
+    row = _places(high, low, height, area.low_mm, area.height_mm, rows)
+    # Around the cells nothing is painted.
+    padded = np.pad(cells.astype(np.uint16), 1, constant_values=Cell.BLANK) * TILE_PX**2
+    y, x = np.arange(height) % TILE_PX * TILE_PX, np.arange(width) % TILE_PX
+    # Two steps of one axis each: much faster than both at once.
+    codes = padded[:, column][row] + (y[:, None] + x).astype(np.uint16)
+    pixels = _inks(look)[TILES.ravel()].take(codes)
+    if lines and width / (right - left) * area.width_mm / columns >= SMALLEST_WITH_LINES_PX:
+        grid = QColor(look.colour(Mark.GRID)).rgba()
+        inside = (row[:, None] > 0) & (row[:, None] <= rows) & (column > 0) & (column <= columns)
+        edges = np.zeros((height, width), bool)
+        edges[:, 1:] |= np.diff(column) != 0
+        edges[1:] |= (np.diff(row) != 0)[:, None]
+        pixels[edges & inside] = grid
+    image = QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_ARGB32)
+    return image.copy()  # its own memory
+
+
+def _places(
+    first: float, last: float, size_px: int, begin: float, length: float, count: int
+) -> np.ndarray:
+    """Return the number of the cell of each pixel, from 1; 0 and count + 1 are outside."""
+    at = np.linspace(first, last, size_px)
+    found = np.floor((at - begin) / max(length, 1e-9) * count).astype(np.intp) + 1
+    return np.clip(found, 0, count + 1)
+
+
+def _inks(look: Look) -> np.ndarray:
+    colours: Dict[int, int] = {mark.value: QColor(look.colour(mark)).rgba() for mark in Mark}
+    inks = np.zeros(max(colours) + 1, np.uint32)
+    inks[list(colours)] = list(colours.values())
+    return inks
