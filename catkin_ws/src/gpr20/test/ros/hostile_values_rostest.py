@@ -108,7 +108,7 @@ def changed(message, path, value):
 USUAL = {
     "list_surveys": {"max_surveys": 10},
     "read_survey": {"survey": SURVEY_ID},
-    "read_traces": {"survey": SURVEY_ID, "max_traces": 10},
+    "read_traces": {"survey": SURVEY_ID, "indices": [0, 1]},
     "reopen_survey": {"survey": SURVEY_ID},
     "resume_survey": {"survey": SURVEY_ID},
     "annotate_survey": {"survey": SURVEY_ID},

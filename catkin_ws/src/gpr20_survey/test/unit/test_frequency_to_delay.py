@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from gpr20_survey.radar.depth import delay_of_depth, depth_of_delay_m, one_way_path_m
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, Window, delay_kernel
-from gpr20_survey.radar.noise import LateDelays, late_delays_s, noise_of_trace
+from gpr20_survey.radar.noise import LateDelays, late_delays_s, noise_of_traces
 
 
 def echo(delay_s, level, frequency_hz):
@@ -65,6 +65,6 @@ def test_late_delays_hold_noise_and_not_the_echoes_of_the_ground():
 def test_the_noise_of_a_trace_is_its_root_mean_square_also_beside_late_echoes():
     rng = np.random.default_rng(6)
     late = 3.0 * (rng.standard_normal(4000) + 1j * rng.standard_normal(4000)) / np.sqrt(2.0)
-    assert noise_of_trace(late) == pytest.approx(3.0, rel=0.05)
+    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
     late[:400] += 1000.0
-    assert noise_of_trace(late) == pytest.approx(3.0, rel=0.1)
+    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)

@@ -246,7 +246,7 @@ class Traces(unittest.TestCase):
 
     def test_5_what_names_no_survey_is_refused(self) -> None:
         for name in ("", "../..", "/etc/passwd", "20260921T141320_0f8fad5b"):
-            answer = self.services["read_traces"](name, 0, 1)
+            answer = self.services["read_traces"](name, [0])
             self.assertFalse(answer.success)
             self.assertTrue(answer.message)
 

@@ -16,7 +16,7 @@ from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadSurveyResponse, ReadTracesResponse
-from gpr20_operator.ground.trace_events import AnnotationFailed, AnnotationRead
+from gpr20_operator.ground.trace_events import AnnotationFailed, AnnotationRead, ReadingFailed
 from gpr20_survey.plan.annotation import EMPTY, from_fields
 from gpr20_user_interface.high import conversions
 
@@ -64,7 +64,15 @@ def test_traces_that_cannot_be_read_have_their_reasons():
     response = ReadTracesResponse(
         survey_id="id", unreadable=[f"3: {FULL}", "5: torn"], unreadable_json=[FULL.to_json()]
     )
-    assert conversions.traces_read(3, response).unreadable == {3: FULL, 5: verbatim("torn")}
+    read = conversions.traces_read(3, response)
+    assert (read.first_index, read.block.survey_id, read.block.indices.size) == (3, "id", 0)
+    assert read.unreadable == {3: FULL, 5: verbatim("torn")}
+
+
+def test_traces_that_contradict_themselves_are_a_failure():
+    response = ReadTracesResponse(frequency_hz=[1e9, 2e9], indices=[3], s21=bytes(15))
+    failed = conversions.traces_read(3, response)
+    assert isinstance(failed, ReadingFailed) and failed.reason.fault_code == "trace.damaged"
 
 
 @given(annotations)

@@ -10,6 +10,7 @@ from gpr20_operator.ground.grid import Stop, grid_from_description
 from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
 from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed, TracesRead
 from gpr20_survey.folder.trace_files import read_trace
+from gpr20_survey.trace.trace_block import TraceBlock
 from gpr20_user_interface.pages.surveys.view import AREA, VERDICT
 from gpr20_user_interface.window.main_window import TabName
 
@@ -36,7 +37,7 @@ def opened(window, folder):
     window.on_event(SurveyRead(folder.name, text, tuple(range(len(paths)))))
     grid = window.traces.shown.map.grid
     traces = tuple(map(read_trace, paths))
-    window.on_event(TracesRead(grid.survey_id, 0, traces, {}))
+    window.on_event(TracesRead(0, TraceBlock.of(grid.survey_id, traces), {}))
     window.refresh()
     return window.traces.shown
 

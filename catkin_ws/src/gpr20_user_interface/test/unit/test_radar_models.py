@@ -3,6 +3,8 @@ import dataclasses
 import numpy as np
 import pytest
 from fault_kit import raises_fault
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from view_kit import FREQUENCY_HZ, SURVEY, cell, depth_echo, make_grid, trace_at
 
 from gpr20_operator.errors import SurveyNotReadableError
@@ -11,6 +13,7 @@ from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.pictures import a_scan, b_scan, c_scan
 from gpr20_operator.ground.records import Axis, RadarSettings
 from gpr20_survey.plan.coverage import SampleState
+from gpr20_survey.trace.trace_block import TraceBlock
 
 LINEAR = RadarSettings(in_db=False, remove_background=False)
 
@@ -157,6 +160,74 @@ def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
         assert 3 in model.given_up
     with raises_fault(SurveyNotReadableError.fault, 3, "7c9e6679"):
         model.add(trace_at(make_grid(), 3, survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
+
+
+def one_by_one(grid, traces):
+    model, reasons = RadarModel(), []
+    model.begin(grid)
+    for trace in traces:
+        try:
+            model.add(trace)
+        except SurveyNotReadableError as error:
+            reasons.append(error.message)
+    return model, reasons
+
+
+ODD = st.sampled_from(
+    [{}, {}, {}, {}, {"x_coord_mm": 101.0}, {"z_coord_deg": 45.0}, {"index": 40}, {"index": 999}]
+)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 39), ODD), unique_by=lambda one: one[0], max_size=30),
+    st.lists(st.integers(1, 12)),
+    st.booleans(),
+)
+def test_a_block_is_the_same_as_its_traces_one_by_one(places, sizes, again):
+    grid, chance = make_grid(), np.random.default_rng(len(places))
+    traces = {}
+    for index, changes in places:
+        s21 = chance.standard_normal(501) + 1j * chance.standard_normal(501)
+        height_m = float(chance.choice([0.2, 0.25, np.nan]))
+        trace = dataclasses.replace(trace_at(grid, index, s21, height_m), **changes)
+        traces[trace.index] = trace
+    left = [*traces.values()] * (1 + again)
+    single, reasons = one_by_one(grid, left)
+    model, found = RadarModel(), []
+    model.begin(grid)
+    while left:
+        size = min(sizes.pop(), len(traces)) if sizes else 1
+        block, left = left[:size], left[size:]
+        distinct = {one.index: one for one in block}
+        found += model.add_block(TraceBlock.of(SURVEY, [*distinct.values()]))
+    assert (model.count, model.latest, model.latest_of) == (
+        single.count,
+        single.latest,
+        single.latest_of,
+    )
+    assert model.given_up == single.given_up and set(found) == set(reasons)
+    for number in range(2):
+        assert (model.present(number) == single.present(number)).all()
+        assert model.echoes(number) == pytest.approx(single.echoes(number), abs=1e-6)
+        assert model.heights_m(number) == pytest.approx(single.heights_m(number), nan_ok=True)
+        if model.background(number) is not None:
+            assert model.background(number) == pytest.approx(single.background(number), abs=1e-6)
+    for in_db in (False, True):
+        assert (model.scale(False, in_db) is None) == (single.scale(False, in_db) is None)
+
+
+def test_the_level_of_noise_is_that_of_the_traces_one_by_one():
+    grid, chance = make_grid(), np.random.default_rng(20)
+    noise = chance.standard_normal((40, 501)) + 1j * chance.standard_normal((40, 501))
+    traces = [trace_at(grid, index, noise[index]) for index in range(40)]
+    single, _reasons = one_by_one(grid, traces)
+    model = RadarModel()
+    model.begin(grid)
+    assert model.add_block(TraceBlock.of(SURVEY, traces)) == ()
+    for in_db in (False, True):
+        own, other = model.scale(False, in_db), single.scale(False, in_db)
+        assert dataclasses.astuple(own) == pytest.approx(dataclasses.astuple(other))
 
 
 def test_it_knows_which_stored_traces_it_lacks():

@@ -88,8 +88,8 @@ class Storage:
     def read_survey(self, folder):
         self.asked.append(("survey", folder))
 
-    def read_traces(self, survey, first_index):
-        self.asked.append(("traces", survey, first_index))
+    def read_traces(self, survey, indices):
+        self.asked.append(("traces", survey, indices))
 
     def read_annotation(self, survey):
         self.asked.append(("annotation", survey))

@@ -19,6 +19,7 @@ import uuid
 from pathlib import Path
 
 import genpy.dynamic
+import numpy as np
 import rosbag
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -34,7 +35,14 @@ from sent_traces import make_trace, numbers
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.message import Fault, Message
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
-from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, ReportSurvey, StoreData
+from gpr20_msgs.srv import (
+    CloseSurvey,
+    OpenSurvey,
+    ReadTraces,
+    ReopenSurvey,
+    ReportSurvey,
+    StoreData,
+)
 from gpr20_survey.recording import survey_topics
 from gpr20_survey.trace import trace_message
 
@@ -114,6 +122,24 @@ class StoreSurveyTest(unittest.TestCase):
         self.wait_until(lambda: subscriber.get_num_connections() > 0, f"no publisher of {topic}")
         return found
 
+    def check_read(self, path: str) -> None:
+        """Compare what `read_traces` returns with what was stored."""
+        read = self.service("read_traces", ReadTraces)
+        stored = [make_trace(self.survey_id, index) for index in range(TRACES)]
+        for survey in (self.survey_id, Path(path).name):
+            answer = read(survey=survey, indices=[*range(TRACES), TRACES + 1])
+            self.assertTrue(answer.success, answer.message)
+            self.assertEqual(answer.survey_id, self.survey_id)
+            for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg"):
+                self.assertEqual(getattr(answer, name), tuple(getattr(one, name) for one in stored))
+            self.assertEqual(answer.indices, tuple(range(TRACES)))
+            self.assertEqual(answer.frequency_hz, tuple(stored[0].frequency_hz))
+            s21 = np.frombuffer(answer.s21, "<c8").reshape(TRACES, -1)
+            own = [np.array(one.s21_real) + 1j * np.array(one.s21_imag) for one in stored]
+            self.assertTrue(np.array_equal(s21, np.array(own).astype("<c8")))
+            (unreadable,) = answer.unreadable
+            self.assertIn(f"{TRACES + 1}: the storage has no file", unreadable)
+
     def test_1_a_survey_is_the_same_in_json_bag_mcap_and_topic(self) -> None:
         status = rospy.Publisher("control_status", ControlStatus, queue_size=1, latch=True)
         status.publish(ControlStatus(code=ControlStatus.SURVEYING, message="before the survey"))
@@ -137,6 +163,7 @@ class StoreSurveyTest(unittest.TestCase):
             lambda: len(self.on_disk(opened.path, "/robot1/x_axis/current_coord")) == TRACES,
             "a topic is not recorded to the disk while the survey is open",
         )
+        self.check_read(opened.path)
         closed = self.close()
         self.assertTrue(closed.success, closed.message)
         self.assertEqual((closed.stored_traces, closed.path), (TRACES, opened.path))
@@ -146,6 +173,7 @@ class StoreSurveyTest(unittest.TestCase):
             {"survey": self.survey_id, "stored": TRACES},
         )
 
+        self.check_read(opened.path)
         expected = [numbers(make_trace(self.survey_id, index)) for index in range(TRACES)]
         self.assertEqual(sorted(glob.glob(opened.path + "/traces/*")), paths)
         files = [json.loads(Path(path).read_text("ascii")) for path in paths]

@@ -36,12 +36,12 @@ def test_it_is_listed_as_imported_with_its_source_and_its_area(tmp_path):
     assert summary_fields(survey)["outcome"] == "imported"
 
 
-def test_its_traces_are_read_in_pages(tmp_path):
+def test_its_traces_are_read(tmp_path):
     archive = SurveyArchive(tmp_path)
     folder = imported_folder(tmp_path, 6, 3)
     assert archive.survey(folder.name).stored_indices == tuple(range(18))
-    page = archive.traces(folder.name, 4, 7)
-    assert [one.index for one in page.traces] == list(range(4, 11)) and page.unreadable == ()
+    found = archive.traces(folder.name, range(4, 11))
+    assert found.block.indices.tolist() == list(range(4, 11)) and not found.unreadable
 
 
 def test_it_is_not_continued_and_nothing_in_it_changes(kit, tmp_path):

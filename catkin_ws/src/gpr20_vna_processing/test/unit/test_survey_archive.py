@@ -1,9 +1,8 @@
-"""Reading surveys back: pages, surveys that still run, and nothing outside the data folder."""
+"""Reading surveys back: lists, surveys that still run, and nothing outside the data folder."""
 
 import json
 import os
 
-import numpy as np
 import pytest
 from fault_kit import raises_fault
 from hypothesis import given, settings
@@ -14,10 +13,7 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
-from gpr20_vna_processing.mid.survey_archive import (
-    MAX_POINTS_PER_PAGE,
-    SurveyArchive,
-)
+from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 METADATA = json.dumps(
     {
@@ -44,19 +40,6 @@ def fill(kit, indices=(0, 1, 2, 3, 4), **changes):
     for index in indices:
         kit.processing.store(make_trace(index))
     return folder
-
-
-def test_a_survey_that_still_runs_is_read_page_by_page(kit, archive):
-    fill(kit, [0, 1, 2, 4, 7])
-    first = archive.traces(SURVEY, 0, 3)
-    assert [trace.index for trace in first.traces] == [0, 1, 2]
-    assert (first.next_index, first.more) == (3, True)
-    second = archive.traces(SURVEY, first.next_index, 3)
-    assert [trace.index for trace in second.traces] == [4, 7]
-    assert (second.next_index, second.more) == (8, False)
-    assert archive.traces(SURVEY, 8, 3).traces == ()
-    for trace in (*first.traces, *second.traces):
-        assert trace.fingerprint() == make_trace(trace.index).fingerprint()
 
 
 def test_what_was_planned_and_stored_is_told_without_the_report(kit, archive):
@@ -174,32 +157,6 @@ def test_a_data_folder_that_was_not_made_yet_holds_no_surveys(tmp_path):
     assert SurveyArchive(tmp_path / "later").list("", 10) == ([], False)
 
 
-def test_a_torn_file_is_told_and_the_others_are_read(kit, archive):
-    folder = fill(kit)
-    torn = next(iter((folder / "traces").glob("000002_*")))
-    torn.write_bytes(torn.read_bytes()[:-20])
-    page = archive.traces(SURVEY, 0, 10)
-    assert [trace.index for trace in page.traces] == [0, 1, 3, 4]
-    ((index, reason),) = page.unreadable
-    assert index == 2
-    assert reason.fault_code == "trace.damaged"
-
-
-def test_a_page_of_many_frequencies_is_shorter(kit, archive):
-    kit.open(metadata_json=METADATA)
-    points = 4001
-    for index in range(30):
-        sweep = np.linspace(6e8, 6e9, points)
-        values = np.zeros(points)
-        kit.processing.store(
-            make_trace(index, frequency_hz=sweep, s21_real=values, s21_imag=values)
-        )
-    page = archive.traces(SURVEY, 0, 200)
-    assert len(page.traces) * points < MAX_POINTS_PER_PAGE + points
-    assert page.more
-    assert page.next_index == len(page.traces)
-
-
 @pytest.mark.parametrize("name", ["survey.json", "traces"])
 def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, name):
     folder = fill(kit)
@@ -207,7 +164,7 @@ def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, n
     (folder / name).rename(outside)
     (folder / name).symlink_to(outside)
     with raises_fault("storage.not_a_file", name, error=SurveyRefusedError):
-        archive.traces(SURVEY, 0, 1)
+        archive.traces(SURVEY, [0])
     assert archive.list("", 1)[0][0].problem.fault_code == "storage.not_a_file"
 
 
@@ -224,7 +181,7 @@ def test_a_linked_trace_is_no_trace(kit, archive, tmp_path):
 def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
     archive = SurveyArchive(tmp_path_factory.getbasetemp())
     with pytest.raises(ProcessingError):
-        archive.traces(text, 0, 1)
+        archive.traces(text, [0])
     with pytest.raises(ProcessingError):
         archive.survey(text)
     if text:
@@ -238,11 +195,11 @@ def test_what_is_not_there_is_refused(archive):
             print(archive.survey(name))
 
 
-@pytest.mark.parametrize("count", [0, 201])
-def test_pages_are_bounded(kit, archive, count):
+@pytest.mark.parametrize("count", [0, 1001])
+def test_requests_are_bounded(kit, archive, count):
     fill(kit, [0])
-    with raises_fault("storage.request_refused", count, 1, 200, error=SurveyRefusedError):
-        archive.traces(SURVEY, 0, count)
+    with raises_fault("storage.request_refused", count, 1, 1000, error=SurveyRefusedError):
+        archive.traces(SURVEY, range(count))
     if count:
         with raises_fault("storage.request_refused", count, 1, 50, error=SurveyRefusedError):
             archive.list("", count)

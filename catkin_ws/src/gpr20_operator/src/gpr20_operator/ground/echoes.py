@@ -9,12 +9,13 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.coverage import is_stored
-from gpr20_operator.ground.grid import Cell, SurveyGrid
+from gpr20_operator.ground.grid import Cell, Cells, Stop, SurveyGrid
 from gpr20_operator.ground.level_scale import LevelScale, SteadyScale
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
-from gpr20_survey.radar.noise import LateDelays, noise_of_survey, noise_of_trace
+from gpr20_survey.radar.noise import LateDelays, noise_of_survey, noise_of_traces
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import TraceBlock
 
 MAX_VOLUME_BYTES = 256 << 20
 BYTES_PER_SAMPLE = 8  # complex64
@@ -85,36 +86,63 @@ class RadarModel:
         Raises:
             SurveyNotReadableError: It does not belong to its place in the plan; it is not shown.
         """
-        if self.grid is None or trace.survey_id != self.grid.survey_id:
+        for reason in self.add_block(TraceBlock.of(trace.survey_id, [trace])):
+            raise SurveyNotReadableError(reason)
+
+    def add_block(self, block: TraceBlock) -> Tuple[Message, ...]:
+        """Take traces; return why some of them do not belong to their places in the plan.
+
+        Those are given up.
+
+        Raises:
+            SurveyNotReadableError: They belong to another survey.
+        """
+        if not block.indices.size:
+            return ()
+        if self.grid is None or block.survey_id != self.grid.survey_id:
             raise SurveyNotReadableError(
                 Message(
                     "trace {index} belongs to survey {survey}; another survey is shown",
-                    index=trace.index,
-                    survey=trace.survey_id[:40],
+                    index=int(block.indices[0]),
+                    survey=block.survey_id[:40],
                 )
             )
-        try:
-            cell = self._checked_cell(self.grid, trace)
-        except SurveyNotReadableError as error:
-            self.give_up(trace.index, error.message)
-            raise
-        transform, late = self._transforms or self._begin_volume(trace)
-        s21 = trace.s21_real + 1j * trace.s21_imag
-        echoes = transform.transform(s21)
-        place = (cell.polarization, cell.stop.row, cell.stop.column)
-        if self._present[place]:
-            self._sums[cell.polarization] -= self._echoes[place]
-        else:
-            self._count += 1
-        self._echoes[place] = echoes
-        self._sums[cell.polarization] += echoes
-        self._heights_m[place] = trace.antennae_height_m
-        self._noises[place] = noise_of_trace(late.samples(s21))
-        self._present[place] = True
-        self.given_up.pop(trace.index, None)
-        self.latest = cell
-        self.latest_of[cell.polarization] = cell
+        planned = block.indices < self.grid.planned
+        places = self.grid.cells(np.where(planned, block.indices, 0))
+        in_place = planned & self.grid.holds(places, block.positions)
+        fits = self.transform is None or self.transform.fits(block.frequency_hz)
+        right = in_place & fits
+        wrong = {
+            int(block.indices[one]): self._misfit(self.grid, block, one, in_place[one]).message
+            for one in np.flatnonzero(~right)
+        }
+        self.given_up.update(wrong)
+        if right.any():
+            self._store(block, right, places)
+            self.latest = self.grid.cell(int(block.indices[right][-1]))
         self.revision += 1
+        return tuple(wrong.values())
+
+    def _store(self, block: TraceBlock, right: np.ndarray, places: Cells) -> None:
+        row, column, polarization = (one[right] for one in places)
+        place = (polarization, row, column)
+        transform, late = self._transforms or self._begin_volume(block.frequency_hz)
+        s21 = block.s21[right]
+        echoes = transform.transform(s21)
+        # Of one that came before, too; where none is, they are 0.
+        changes = echoes - self._echoes[place]
+        for number in np.unique(polarization):
+            of_number = polarization == number
+            self._sums[number] += changes[of_number].sum(axis=0, dtype=np.complex128)
+            last = Stop(int(row[of_number][-1]), int(column[of_number][-1]))
+            self.latest_of[int(number)] = Cell(last, int(number))
+        self._count += int(np.count_nonzero(~self._present[place]))
+        self._echoes[place] = echoes
+        self._heights_m[place] = block.heights_m[right]
+        self._noises[place] = noise_of_traces(late.samples(s21))
+        self._present[place] = True
+        for index in self.given_up.keys() & set(block.indices[right].tolist()):
+            del self.given_up[index]
 
     def give_up(self, index: int, reason: Message) -> None:
         """Note that a stored trace cannot be shown; it is not requested again."""
@@ -217,34 +245,38 @@ class RadarModel:
                 strongest = max(strongest, float(np.quantile(peaks, STRONG_PART)))
         return strongest
 
-    def _checked_cell(self, grid: SurveyGrid, trace: Trace) -> Cell:
-        cell = grid.cell(trace.index)
-        place = (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
-        if not grid.holds(cell, *place):
-            x_mm, y_mm, z_deg = place
-            raise SurveyNotReadableError(
-                Message(
-                    "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this "
-                    "is not its place in the plan",
-                    index=trace.index,
-                    x_mm=x_mm,
-                    y_mm=y_mm,
-                    z_deg=z_deg,
-                )
-            )
-        if self.transform is not None and not self.transform.fits(trace.frequency_hz):
-            raise SurveyNotReadableError(
+    @staticmethod
+    def _misfit(
+        grid: SurveyGrid, block: TraceBlock, number: int, in_place: bool
+    ) -> SurveyNotReadableError:
+        index = int(block.indices[number])
+        try:
+            grid.cell(index)
+        except SurveyNotReadableError as error:
+            return error
+        if in_place:
+            return SurveyNotReadableError(
                 Message(
                     "the frequencies of trace {index} differ from those of the first trace",
-                    index=trace.index,
+                    index=index,
                 )
             )
-        return cell
+        x_mm, y_mm, z_deg = block.positions[number].tolist()
+        return SurveyNotReadableError(
+            Message(
+                "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this is "
+                "not its place in the plan",
+                index=index,
+                x_mm=x_mm,
+                y_mm=y_mm,
+                z_deg=z_deg,
+            )
+        )
 
-    def _begin_volume(self, trace: Trace) -> Tuple[FrequencyToDelay, LateDelays]:
+    def _begin_volume(self, frequency_hz: np.ndarray) -> Tuple[FrequencyToDelay, LateDelays]:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
-        transform = FrequencyToDelay.resolved(trace.frequency_hz, min(MAX_SAMPLES, room))
-        self._transforms = (transform, LateDelays(trace.frequency_hz))
+        transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
+        self._transforms = (transform, LateDelays(frequency_hz))
         samples = transform.samples
         # Zeros are given by the system page by page when they are written.
         self._echoes = np.zeros((*self._present.shape, samples), np.complex64)

@@ -36,6 +36,10 @@ class Cell:
     polarization: int
 
 
+Cells = Tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Row, column and polarization of many cells (whole numbers, each of shape n)."""
+
+
 @dataclass(frozen=True)
 class Places:
     """Where the traces of a survey lie.
@@ -94,7 +98,7 @@ class SurveyGrid:
         """Number of planned traces."""
         return len(self.ys_mm) * len(self.xs_mm) * len(self.rotations_deg)
 
-    def cells(self, indices: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def cells(self, indices: np.ndarray) -> Cells:
         """Return row, column and polarization of places in the plan (whole numbers, shape n).
 
         The order is that of `survey_plan.survey_points`: columns turn with every row,
@@ -143,17 +147,18 @@ class SurveyGrid:
         column = int(np.argmin(np.abs(self.xs_mm - x_mm)))
         return Stop(int(np.argmin(np.abs(self.ys_mm - y_mm))), column)
 
-    def holds(self, cell: Cell, x_mm: float, y_mm: float, z_deg: float) -> bool:
-        """Return whether a place is that of a cell, to half a motor step."""
-        own = (
-            self.xs_mm[cell.stop.column],
-            self.ys_mm[cell.stop.row],
-            self.rotations_deg[cell.polarization],
-        )
-        return all(
-            abs(one - place) <= most
-            for one, place, most in zip(own, (x_mm, y_mm, z_deg), self._tolerances)
-        )
+    def holds(self, cells: Cells, positions: np.ndarray) -> np.ndarray:
+        """Return which positions are those of their cells, to half a motor step (bool, shape n).
+
+        Args:
+            cells: As `cells` returns them.
+            positions: x [mm], y [mm] and z [deg] (shape n x 3).
+        """
+        row, column, polarization = cells
+        rotations_deg = np.array(self.rotations_deg)
+        own = np.stack((self.xs_mm[column], self.ys_mm[row], rotations_deg[polarization]), axis=1)
+        near: np.ndarray = (np.abs(own - positions) <= self._tolerances).all(axis=1)
+        return near
 
 
 def grid_from_description(text: str) -> SurveyGrid:

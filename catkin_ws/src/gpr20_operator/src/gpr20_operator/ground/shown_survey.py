@@ -2,17 +2,52 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.map_model import MapModel
 from gpr20_operator.ground.trace_events import TracesRead
 from gpr20_survey.trace.trace import Trace
+
+NOTHING = np.zeros(0, np.intp)
+# What the storage answers at once at most.
+TRACES_PER_BLOCK = 1000
+# How many stops are read before the others.
+COARSE_STOPS = 500
+
+
+@dataclass(frozen=True)
+class Loading:
+    """How far the stored traces of a survey have been read.
+
+    A stop that waits is "loading", never "not measured": what is not here yet says nothing about
+    the ground. It is over when `loaded` is `stored`. A trace that a running survey has just stored
+    waits, too, for a fraction of a second.
+
+    Attributes:
+        loaded: How many traces are here.
+        stored: How many will be: all that are stored, but those that cannot be shown
+            (`RadarModel.given_up`).
+        waiting: Which stored traces are not here yet (bool, polarizations x rows x columns).
+        step: Of a survey that is opened every `step`-th row and column is read first, from row and
+            column 0 on: a picture may draw these stops `step` times as wide while it loads.
+    """
+
+    loaded: int
+    stored: int
+    waiting: np.ndarray
+    step: int
+
+    @property
+    def is_over(self) -> bool:
+        """Whether everything is here."""
+        return self.loaded == self.stored
 
 
 class ShownSurvey:
@@ -25,7 +60,8 @@ class ShownSurvey:
     def __init__(self) -> None:
         self.map = MapModel()
         self.radar = RadarModel()
-        self._lacking: Optional[int] = None
+        self._lacking = NOTHING
+        self._loading: Optional[Tuple[Tuple[int, int], Loading]] = None
 
     @property
     def survey_id(self) -> str:
@@ -41,7 +77,7 @@ class ShownSurvey:
         """
         if grid.survey_id == self.survey_id and grid.plan == self._plan():
             return
-        self._lacking = None
+        self._lacking = NOTHING
         self.radar.begin(grid)
         self.map.set_grid(grid)
 
@@ -54,43 +90,64 @@ class ShownSurvey:
         if trace.survey_id == self.survey_id:
             self.radar.add(trace)
 
-    def take_page(self, page: TracesRead) -> Tuple[Message, ...]:
+    def take_block(self, read: TracesRead) -> Tuple[Message, ...]:
         """Take traces that were read; return why some of them cannot be shown."""
-        if page.survey != self.survey_id:
+        if read.block.survey_id != self.survey_id:
             return ()
-        problems = []
-        for index, reason in page.unreadable.items():
-            self.radar.give_up(index, reason)
-            problems.append(_about(index, reason))
-        for trace in page.traces:
-            try:
-                self.radar.add(trace)
-            except SurveyNotReadableError as error:
-                problems.append(error.message)
+        unreadable = dict(read.unreadable)
+        problems = self.radar.add_block(read.block)
         # Whatever the answer was, the same place is not requested again and again.
-        if page.first_index in self._absent():
-            reason = Message("the storage has no file of this trace")
-            self.radar.give_up(page.first_index, reason)
-            problems.append(_about(page.first_index, reason))
-        self._lacking = None
-        return tuple(problems)
+        if read.first_index in self._absent() and read.first_index not in unreadable:
+            unreadable[read.first_index] = Message("the storage has no file of this trace")
+        for index, reason in unreadable.items():
+            self.radar.give_up(index, reason)
+        return (*problems, *(_about(index, reason) for index, reason in unreadable.items()))
 
-    def next_page(self) -> Optional[int]:
-        """Return the place in the plan from which to read traces; None: all are here.
+    def due(self) -> Tuple[int, ...]:
+        """Return the places in the plan whose traces to read now; empty: all are here.
 
-        A trace that was stored just now may still come on the topic: it is requested only if it
-        is missing at two calls in a row.
+        Some that are spread over the area come first, then row after row. A trace that was stored
+        just now may still come on the topic: it is due only if it is absent at two calls in a row.
         """
         absent = self._absent()
-        before, self._lacking = self._lacking, int(absent[0]) if absent.size else None
-        return self._lacking if self._lacking is not None and self._lacking == before else None
+        due = absent[np.isin(absent, self._lacking)]
+        self._lacking = absent
+        if self.map.grid is not None:
+            row, column, _polarization = self.map.grid.cells(due)
+            step = coarse_step(self.map.grid)
+            spread = due[(row % step == 0) & (column % step == 0)]
+            due = spread if spread.size else due
+        return tuple(due[:TRACES_PER_BLOCK].tolist())
+
+    @property
+    def loading(self) -> Loading:
+        """How much of what is stored is here."""
+        revisions = (self.map.revision, self.radar.revision)
+        if self._loading is None or self._loading[0] != revisions:
+            self._loading = revisions, self._compared()
+        return self._loading[1]
+
+    def _compared(self) -> Loading:
+        grid, count = self.map.grid, self.radar.count
+        if grid is None:
+            return Loading(0, 0, np.zeros((0, 0, 0), bool), 1)
+        absent = self._absent()
+        row, column, polarization = grid.cells(absent)
+        waiting = np.zeros((len(grid.rotations_deg), *grid.shape), bool)
+        waiting[polarization, row, column] = True
+        return Loading(count, count + len(absent), waiting, coarse_step(grid))
 
     def _absent(self) -> np.ndarray:
         states = self.map.trace_states
-        return np.zeros(0, np.intp) if states is None else self.radar.absent(states)
+        return NOTHING if states is None else self.radar.absent(states)
 
     def _plan(self) -> object:
         return None if self.map.grid is None else self.map.grid.plan
+
+
+def coarse_step(grid: SurveyGrid) -> int:
+    """Return the distance of the rows and columns that are read before the others."""
+    return max(1, round(math.sqrt(grid.shape[0] * grid.shape[1] / COARSE_STOPS)))
 
 
 def _about(index: int, reason: Message) -> Message:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Iterable, Mapping, Tuple, Union
+from typing import Mapping, Tuple, Union
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import TraceBlock
 
 
 @dataclass(frozen=True)
@@ -32,15 +31,16 @@ class SurveyRead:
 
 @dataclass(frozen=True)
 class TracesRead:
-    """Stored traces that were requested, in the order of the plan.
+    """Stored traces that were requested.
 
     Attributes:
-        unreadable: Why traces cannot be read, by their place in the plan.
+        first_index: The first place in the plan that was requested.
+        block: Those that were read.
+        unreadable: Why others cannot be read, by their place in the plan.
     """
 
-    survey: str
     first_index: int
-    traces: Tuple[Trace, ...]
+    block: TraceBlock
     unreadable: Mapping[int, Message]
 
 
@@ -98,26 +98,3 @@ TraceEvent = Union[
     AnnotationStored,
     AnnotationFailed,
 ]
-
-
-def page_of_traces(
-    survey: str,
-    first_index: int,
-    messages: Iterable[Tuple[int, bytes]],
-    unreadable: Mapping[int, Message],
-) -> TracesRead:
-    """Return the traces of serialized messages; one that is not allowed is unreadable.
-
-    Args:
-        survey: Its id.
-        first_index: Place in the plan at which the page begins.
-        messages: Place in the plan and message of each trace.
-        unreadable: Why the storage cannot read traces, by their place in the plan.
-    """
-    traces, refused = [], dict(unreadable)
-    for index, data in messages:
-        try:
-            traces.append(trace_message.decode(data))
-        except TraceRefusedError as error:
-            refused[index] = error.message
-    return TracesRead(survey, first_index, tuple(traces), refused)

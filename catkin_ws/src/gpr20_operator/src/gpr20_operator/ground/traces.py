@@ -66,7 +66,7 @@ def replay_band(mark: ReplayMark) -> ShownBand:
     return ShownBand(Message("REPLAY: {name}", name=mark.survey), False, replay=True)
 
 
-# How long to wait for a page, in refreshes, before it is requested again.
+# How long to wait for traces, in refreshes, before it is requested again.
 RETRY_REFRESHES = 80
 
 
@@ -79,8 +79,8 @@ class TraceSource(AdditionsSource, Protocol):
     def read_survey(self, folder: str) -> None:
         """Ask for the plan of a past survey."""
 
-    def read_traces(self, survey: str, first_index: int) -> None:
-        """Ask for a page of stored traces of a survey, by its id."""
+    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
+        """Ask for stored traces of a survey, by its id and their places in the plan."""
 
     def read_annotation(self, survey: str) -> None:
         """Ask for the annotation of a survey, by its id or folder."""
@@ -207,8 +207,9 @@ class TracePresenter:
             self.past.set_outdated()
         elif isinstance(event, TracesRead):
             self._waiting = 0
-            for problem in self.shown.take_page(event):
+            for problem in self.shown.take_block(event):
                 self._report(problem)
+            self._ask_for_traces()
         elif isinstance(event, SurveyRead):
             self._open(event)
         elif isinstance(event, SurveysListed):
@@ -249,7 +250,7 @@ class TracePresenter:
             # The answer may have been lost with the storage.
             self._waiting = (self._waiting + 1) % RETRY_REFRESHES
             return
-        first_index = self.shown.next_page()
-        if first_index is not None:
+        due = self.shown.due()
+        if due:
             self._waiting = 1
-            self.source.read_traces(self.shown.survey_id, first_index)
+            self.source.read_traces(self.shown.survey_id, due)

@@ -110,7 +110,7 @@ class FrequencyToDelay:
         )
 
     def transform(self, s21: np.ndarray) -> np.ndarray:
-        """Return the echoes of a sweep (complex64, shape `samples`)."""
+        """Return the echoes of sweeps (..., frequency) as complex64 (..., samples)."""
         return s21.astype(np.complex64) @ self._kernel
 
     def carrier(self, delays_s: np.ndarray) -> np.ndarray:

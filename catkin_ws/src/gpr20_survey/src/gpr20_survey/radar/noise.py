@@ -39,7 +39,7 @@ class LateDelays:
         self._kernel = kernel.astype(np.complex64)
 
     def samples(self, s21: np.ndarray) -> np.ndarray:
-        """Return the samples of a sweep (complex64)."""
+        """Return the samples of sweeps (..., frequency) as complex64 (..., delay)."""
         return s21.astype(np.complex64) @ self._kernel
 
 
@@ -64,16 +64,16 @@ def rayleigh_ratio(log_probability: float) -> float:
     return math.sqrt(-log_probability)
 
 
-def noise_of_trace(late: np.ndarray) -> float:
-    """Return the root mean square of the noise of one trace.
+def noise_of_traces(late: np.ndarray) -> np.ndarray:
+    """Return the root mean square of the noise of each trace.
 
     Args:
-        late: Its complex samples at delays where no echo is expected.
+        late: Complex samples at delays where no echo is expected (..., delay).
     """
     # Much faster than numpy's quantile, which interpolates between two of the samples.
-    place = int(QUANTILE * len(late))
-    power = np.partition(late.real**2 + late.imag**2, place)[place]
-    return math.sqrt(float(power) / QUANTILE_OF_POWER)
+    place = int(QUANTILE * late.shape[-1])
+    power = np.partition(late.real**2 + late.imag**2, place, axis=-1)[..., place]
+    return np.sqrt(power / QUANTILE_OF_POWER)
 
 
 def noise_of_survey(noises: np.ndarray) -> float:

@@ -31,7 +31,8 @@ FOOTER = struct.Struct("<BQQQI")
 DATA_END = struct.Struct("<BQI")
 HEAD = (Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT)
 
-_TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
+TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
+"""What reading a record raises that is not whole."""
 
 
 class StoredMcap:
@@ -67,7 +68,7 @@ class StoredMcap:
                     self._check_sum(content, place, data)
                     return
                 found = self._messages(opcode, data)
-            except _TORN as error:
+            except TORN as error:
                 place = self._next_chunk(content, place, str(error) or type(error).__name__)
                 continue
             yield from found
@@ -98,7 +99,7 @@ class StoredMcap:
         if opcode != Opcode.CHUNK:
             raise ValueError(f"a record of kind {opcode} is where a chunk should be")
         messages = []
-        for record in breakup_chunk(_uncompressed(data)):
+        for record in breakup_chunk(uncompressed(data)):
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
@@ -151,7 +152,7 @@ def read_attachment(path: Path, name: str) -> Optional[bytes]:
     """
     content = mapped(path)
     place = len(MAGIC)
-    with contextlib.suppress(*_TORN):
+    with contextlib.suppress(*TORN):
         while True:
             opcode, data, end = _record(content, place)
             if opcode not in HEAD:
@@ -183,7 +184,8 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
     return opcode, content[place + 9 : end], end
 
 
-def _uncompressed(data: bytes) -> Chunk:
+def uncompressed(data: bytes) -> Chunk:
+    """Return the chunk of a record's content, unpacked; raises one of `TORN` if it is not whole."""
     chunk = Chunk.read(_stream(data))
     # The size in the frame is checked first: a damaged one must not fill the memory.
     if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
@@ -203,6 +205,6 @@ def _stream(data: bytes) -> ReadDataStream:
 def _is_chunk(content: bytes, place: int) -> bool:
     try:
         opcode, data, _ = _record(content, place)
-        return opcode == Opcode.CHUNK and bool(_uncompressed(data).data)
-    except _TORN:
+        return opcode == Opcode.CHUNK and bool(uncompressed(data).data)
+    except TORN:
         return False

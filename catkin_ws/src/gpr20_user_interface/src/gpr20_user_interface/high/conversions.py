@@ -8,7 +8,6 @@ from typing import Any, Dict, Optional, Sequence
 from sensor_msgs.msg import Range
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.raw_message import serialized
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from, received_message
 from gpr20_doctor.high.node_reports import height_m
@@ -26,12 +25,12 @@ from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
     AnnotationRead,
+    ReadingFailed,
     SurveyDescribed,
     SurveyRead,
     SurveysListed,
     TraceEvent,
     TracesRead,
-    page_of_traces,
 )
 from gpr20_operator.robot.events import (
     ControlParameters,
@@ -46,12 +45,13 @@ from gpr20_operator.robot.service_events import (
     HeightTested,
     ServiceActivity,
 )
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import summary_from
+from gpr20_survey.trace.trace_block import TraceBlock
 
 
 def replay_mark(message: Replay) -> ReplayMark:
@@ -160,11 +160,21 @@ def annotation_read(survey: str, response: Any) -> TraceEvent:
         return AnnotationFailed(error.message)
 
 
-def traces_read(first_index: int, response: Any) -> TracesRead:
+def traces_read(first_index: int, response: Any) -> TraceEvent:
     """Convert the answer of `read_traces`."""
-    found = [(message.index, serialized(message)) for message in response.traces]
+    try:
+        block = TraceBlock.received(
+            response.survey_id,
+            response.frequency_hz,
+            response.indices,
+            (response.x_coord_mm, response.y_coord_mm, response.z_coord_deg),
+            response.antennae_height_m,
+            response.s21,
+        )
+    except TraceRefusedError as error:
+        return ReadingFailed(error.message)
     unreadable = _reasons(response.unreadable, response.unreadable_json)
-    return page_of_traces(response.survey_id, first_index, found, unreadable)
+    return TracesRead(first_index, block, unreadable)
 
 
 def surveys_listed(before: str, response: Any) -> SurveysListed:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable
+from typing import Any, Callable, Tuple
 
 import rospy
 from std_msgs.msg import String
@@ -20,6 +20,7 @@ from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     TraceEvent,
 )
+from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace import trace_message
@@ -31,9 +32,7 @@ LIST_TIMEOUT_S = 20.0
 READ_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.
 ANNOTATE_TIMEOUT_S = 60.0
-SURVEYS_PER_PAGE = 20
-# A page is converted at once in the window's process and must not make it stutter.
-TRACES_PER_PAGE = 50
+SURVEYS_PER_PAGE = 50
 # A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
 
@@ -41,8 +40,8 @@ TRACE_QUEUE = 200
 class StorageClient(RosEvents):
     """Passes everything about traces to a listener; asks the storage without waiting."""
 
-    def __init__(self, listener: Callable[[TraceEvent], None]) -> None:
-        super().__init__(listener)
+    def __init__(self, listener: Callable[[TraceEvent], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
@@ -73,16 +72,11 @@ class StorageClient(RosEvents):
             lambda response: conversions.survey_read(folder, response),
         )
 
-    def read_traces(self, survey: str, first_index: int) -> None:
-        """Ask for a page of stored traces of a survey, by its id."""
+    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
+        """Ask for stored traces of a survey, by its id and their places in the plan."""
         self._ask(
-            lambda: self._traces.call(
-                READ_TIMEOUT_S,
-                survey=survey,
-                first_index=first_index,
-                max_traces=TRACES_PER_PAGE,
-            ),
-            lambda response: conversions.traces_read(first_index, response),
+            lambda: self._traces.call(READ_TIMEOUT_S, survey=survey, indices=indices),
+            lambda response: conversions.traces_read(indices[0], response),
         )
 
     def read_annotation(self, survey: str) -> None:
@@ -108,7 +102,7 @@ class StorageClient(RosEvents):
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:
-            self._emit_received(message, trace)
+            self._emit(trace)
 
     def _ask(
         self,

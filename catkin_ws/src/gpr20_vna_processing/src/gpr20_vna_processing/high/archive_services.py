@@ -7,11 +7,10 @@ from typing import Any, List
 
 import rospy
 
-from gpr20_common.high.raw_message import deserialized
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
-from gpr20_msgs.msg import SurveySummary, Trace
+from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import (
     ListSurveys,
     ListSurveysResponse,
@@ -21,7 +20,6 @@ from gpr20_msgs.srv import (
     ReadTracesResponse,
 )
 from gpr20_survey.results.survey_summary import summary_fields
-from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 
@@ -56,19 +54,25 @@ class ArchiveServices:
         )
 
     def _traces(self, request: Any) -> ReadTracesResponse:
-        page = self._archive.traces(request.survey, request.first_index, request.max_traces)
+        found = self._archive.traces(request.survey, request.indices)
+        block, unreadable = found.block, found.unreadable
         message = Message(
             "{count} traces, {unreadable} files cannot be read",
-            count=len(page.traces),
-            unreadable=len(page.unreadable),
+            count=len(block.indices),
+            unreadable=len(unreadable),
         )
+        x_mm, y_mm, z_deg = block.positions.T.tolist()
         return ReadTracesResponse(
             success=True,
             **message_fields(message),
-            survey_id=page.survey_id,
-            traces=[deserialized(Trace, trace_message.encode(trace)) for trace in page.traces],
-            unreadable=[f"{index}: {reason}" for index, reason in page.unreadable],
-            unreadable_json=[reason.to_json() for _index, reason in page.unreadable],
-            next_index=page.next_index,
-            more=page.more,
+            survey_id=block.survey_id,
+            frequency_hz=block.frequency_hz.tolist(),
+            indices=block.indices.tolist(),
+            x_coord_mm=x_mm,
+            y_coord_mm=y_mm,
+            z_coord_deg=z_deg,
+            antennae_height_m=block.heights_m.tolist(),
+            s21=block.s21.tobytes(),
+            unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
+            unreadable_json=[reason.to_json() for reason in unreadable.values()],
         )

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
-from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.folder.log_content import LOG, UNCONFIRMED
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import read_description, unconfirmed_message
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
@@ -28,16 +27,12 @@ from gpr20_survey.plan.imported import (
 )
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.recent_summaries import RecentSummaries
 from gpr20_vna_processing.mid.survey_thumbnail import thumbnail_of
+from gpr20_vna_processing.mid.trace_reader import ReadTraces, TraceReader, trace_names
 
 MAX_SURVEYS_PER_PAGE = 50
-MAX_TRACES_PER_PAGE = 200
-# What a page may hold in memory: 200 traces of 501 points.
-MAX_POINTS_PER_PAGE = 100_200
-
-TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
+MAX_TRACES_PER_READ = 1000
 
 
 @dataclass(frozen=True)
@@ -46,20 +41,8 @@ class StoredSurvey:
 
     survey_id: str
     description: Dict[str, Any]
-    """survey.json without its report."""
+    """survey.json without its report; of its log what was found, and decisions."""
     stored_indices: Tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class TracePage:
-    """Some traces of a survey, in the order of the plan."""
-
-    survey_id: str
-    traces: Tuple[Trace, ...]
-    unreadable: Tuple[Tuple[int, Message], ...]
-    """Index and reason of the files that hold no whole trace."""
-    next_index: int
-    more: bool
 
 
 class SurveyArchive:
@@ -68,6 +51,7 @@ class SurveyArchive:
     def __init__(self, data: Path) -> None:
         self._data = data
         self._summaries = RecentSummaries(self._summary)
+        self._reader = TraceReader()
 
     def list(self, before: str, max_surveys: int) -> Tuple[List[SurveySummary], bool]:
         """Return the newest surveys, and whether older ones are left.
@@ -105,51 +89,26 @@ class SurveyArchive:
             ProcessingError: Its folder cannot be read.
         """
         folder, found = find_survey(self._data, survey)
-        description = found.description
-        files = _trace_files(folder)
-        without_report = {key: value for key, value in description.items() if key != "report"}
-        indices = tuple(index for index, _ in files)
-        return StoredSurvey(description["survey_id"], without_report, indices)
+        description = {key: one for key, one in found.description.items() if key != "report"}
+        kinds = (Kind.FOUND.value, Kind.DECISION.value)
+        log = [one.as_json() for one in found.found.records if one.kind in kinds]
+        return StoredSurvey(found.survey_id, {**description, LOG: log}, tuple(trace_names(folder)))
 
-    def traces(self, survey: str, first_index: int, max_traces: int) -> TracePage:
-        """Return the traces from a place in the plan on.
+    def traces(self, survey: str, indices: Sequence[int]) -> ReadTraces:
+        """Return stored traces that have the frequencies of the first of them.
 
         Args:
             survey: Its id, or the name of its folder.
-            first_index: Place in the plan at which to begin.
-            max_traces: How many at most.
+            indices: Their places in the plan. The first one is in the result; others may be
+                absent from it, to be requested again.
 
         Raises:
-            SurveyRefusedError: There is no such survey, or an argument is not allowed.
+            SurveyRefusedError: There is no such survey, or there are too many indices.
             ProcessingError: Its folder cannot be read.
         """
-        _check_count("max_traces", max_traces, MAX_TRACES_PER_PAGE)
+        _check_count("indices", len(indices), MAX_TRACES_PER_READ)
         folder, found = find_survey(self._data, survey)
-        survey_id = found.survey_id
-        due = [one for one in _trace_files(folder) if one[0] >= first_index]
-        traces: List[Trace] = []
-        unreadable: List[Tuple[int, Message]] = []
-        points = 0
-        used = 0
-        for index, name in itertools.islice(due, max_traces):
-            if points >= MAX_POINTS_PER_PAGE:
-                break
-            used += 1
-            path = folder / survey_folder.TRACES_FOLDER / name
-            try:
-                trace = trace_files.read_trace(path, survey_id)
-            except TraceRefusedError as error:
-                unreadable.append((index, error.message))
-                continue
-            except OSError as error:
-                unreadable.append((index, os_reason(error)))
-                continue
-            traces.append(trace)
-            points += len(trace.frequency_hz)
-        next_index = due[used - 1][0] + 1 if used else first_index
-        return TracePage(
-            survey_id, tuple(traces), tuple(unreadable), next_index, more=len(due) > used
-        )
+        return self._reader.read(folder, found.survey_id, indices)
 
     def _folders(self) -> Iterator[str]:
         try:
@@ -174,7 +133,7 @@ class SurveyArchive:
             survey_folder.check_no_links(folder)
             values = read_description(folder)
             survey_folder.check_survey_id(values["survey_id"])
-            stored = [index for index, _ in _trace_files(folder)]
+            stored = list(trace_names(folder))
             # Without a manifest nothing vouches for the outcome.
             sealed = (folder / MANIFEST_FILE).is_file()
         except ProcessingError as error:
@@ -206,7 +165,7 @@ class SurveyArchive:
             # Data of unknown origin are never shown as those of real ground.
             simulated=values.get("simulated") is not False,
             refines=refines_of(values),
-            name=_name(values.get(ANNOTATION)),
+            **_people(values.get(ANNOTATION)),
             thumbnail=thumbnail_of(area, stored),
             fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
         )
@@ -223,26 +182,6 @@ def _check_count(name: str, count: int, limit: int) -> None:
                 upper=limit,
             )
         )
-
-
-def _trace_files(folder: Path) -> List[Tuple[int, str]]:
-    """Return index and name of the trace files, ascending; one name per index."""
-    found: Dict[int, str] = {}
-    try:
-        with os.scandir(str(folder / survey_folder.TRACES_FOLDER)) as entries:
-            for entry in entries:
-                match = TRACE_FILE.fullmatch(entry.name)
-                if match and entry.is_file(follow_symlinks=False):
-                    found[int(match.group(1))] = entry.name
-    except OSError as error:
-        raise ProcessingError(
-            Message(
-                "the traces in {folder} cannot be read: {reason}",
-                folder=printable(folder),
-                reason=os_reason(error),
-            )
-        ) from error
-    return sorted(found.items())
 
 
 def _planned_traces(parameters: Any) -> int:
@@ -262,8 +201,10 @@ def _planned_traces(parameters: Any) -> int:
     return min(planned, (1 << 32) - 1)
 
 
-def _name(annotation: Any) -> str:
-    return _text(annotation.get("name")) if isinstance(annotation, dict) else ""
+def _people(annotation: Any) -> Dict[str, str]:
+    """Return what people wrote that a list is searched for."""
+    written = annotation if isinstance(annotation, dict) else {}
+    return {name: _text(written.get(name)) for name in ("name", "site", "operator")}
 
 
 def _text(value: Any) -> str:

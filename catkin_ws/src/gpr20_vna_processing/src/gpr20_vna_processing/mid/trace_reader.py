@@ -1,0 +1,151 @@
+"""Stored traces by their places in the plan, read fast while others may be stored."""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import ProcessingError, TraceRefusedError
+from gpr20_survey.folder import survey_folder, trace_files
+from gpr20_survey.recording.mcap_traces import McapTraces
+from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import TraceBlock
+
+# What is read at once may take 12 MB: 1000 traces of 501 points.
+MAX_POINTS = 501_000
+# Another client waits meanwhile; a small computer needs 10 s for 1000 JSON files.
+MAX_READING_S = 2.0
+# A file that changed so shortly ago may change again without another time of change.
+CHANGE_NS = 2_000_000_000
+
+TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
+
+
+@dataclass(frozen=True)
+class ReadTraces:
+    """Traces that were read, and why others are unreadable, by their places in the plan."""
+
+    block: TraceBlock
+    unreadable: Mapping[int, Message]
+
+
+@dataclass(frozen=True)
+class _Listed:
+    state: Tuple[Any, ...]
+    names: Mapping[int, str]
+    recorded: McapTraces
+
+
+class TraceReader:
+    """Reads a trace from the MCAP, or from its JSON file if the MCAP has no whole one.
+
+    Any thread may call it. It remembers where the traces of the last survey are, and holds no file
+    open between two calls: the disk can be removed.
+    """
+
+    def __init__(self) -> None:
+        self._one_at_a_time = threading.Lock()
+        self._listed: Optional[_Listed] = None
+
+    def read(self, folder: Path, survey_id: str, indices: Sequence[int]) -> ReadTraces:
+        """Return traces that have the frequencies of the first of them.
+
+        Args:
+            folder: The survey's folder.
+            survey_id: Whose traces there must be.
+            indices: Their places in the plan. The first one is in the result; others may be
+                absent from it, to be requested again.
+
+        Raises:
+            ProcessingError: The folder cannot be read.
+        """
+        traces: List[Trace] = []
+        unreadable: Dict[int, Message] = {}
+        points = 0
+        with self._one_at_a_time:
+            end_s = time.monotonic() + MAX_READING_S
+            listed = self._list(folder)
+            with listed.recorded.finder() as recorded:
+                for index in indices:
+                    try:
+                        trace = recorded(index)
+                        if trace is None or trace.survey_id != survey_id:
+                            trace = _from_file(folder, survey_id, listed.names.get(index))
+                    except TraceRefusedError as error:
+                        unreadable[index] = error.message
+                    except OSError as error:
+                        unreadable[index] = os_reason(error)
+                    else:
+                        if not traces or _are_alike(trace, traces[0]):
+                            traces.append(trace)
+                            points += len(trace.frequency_hz)
+                    if points >= MAX_POINTS or time.monotonic() > end_s:
+                        break
+        return ReadTraces(TraceBlock.of(survey_id, traces), unreadable)
+
+    def _list(self, folder: Path) -> _Listed:
+        state = _state(folder)
+        if self._listed is None or self._listed.state != state:
+            names = trace_names(folder)
+            recorded = McapTraces(folder / survey_folder.MCAP_FILE, list(names))
+            self._listed = _Listed(state, names, recorded)
+        return self._listed
+
+
+def trace_names(folder: Path) -> Dict[int, str]:
+    """Return the name of the JSON file of each stored trace by its index, ascending.
+
+    Raises:
+        ProcessingError: The survey's folder cannot be read.
+    """
+    found: Dict[int, str] = {}
+    try:
+        with os.scandir(str(folder / survey_folder.TRACES_FOLDER)) as entries:
+            for entry in entries:
+                match = TRACE_FILE.fullmatch(entry.name)
+                if match and entry.is_file(follow_symlinks=False):
+                    found[int(match.group(1))] = entry.name
+    except OSError as error:
+        raise ProcessingError(
+            Message(
+                "the traces in {folder} cannot be read: {reason}",
+                folder=printable(folder),
+                reason=os_reason(error),
+            )
+        ) from error
+    return dict(sorted(found.items()))
+
+
+def _from_file(folder: Path, survey_id: str, name: Optional[str]) -> Trace:
+    if name is None:
+        raise TraceRefusedError(Message("the storage has no file of this trace"))
+    return trace_files.read_trace(folder / survey_folder.TRACES_FOLDER / name, survey_id)
+
+
+def _are_alike(one: Trace, other: Trace) -> bool:
+    return np.array_equal(one.frequency_hz, other.frequency_hz)
+
+
+def _state(folder: Path) -> Tuple[Any, ...]:
+    """Return what differs if files were added to a survey."""
+    found: List[Any] = [folder]
+    now_ns = time.time_ns()
+    for name in (survey_folder.TRACES_FOLDER, survey_folder.MCAP_FILE):
+        try:
+            status = os.stat(str(folder / name))
+        except OSError:
+            continue
+        found += (name, status.st_ino, status.st_size, status.st_mtime_ns)
+        if now_ns - status.st_mtime_ns < CHANGE_NS:
+            found.append(now_ns)
+    return tuple(found)
