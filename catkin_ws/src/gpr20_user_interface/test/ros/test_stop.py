@@ -21,9 +21,9 @@ from window_case import WindowCase, run_on_a_screen, wait_until
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_msgs.msg import AxisAction, AxisGoal
 from gpr20_msgs.srv import Command
-from gpr20_operator.robot.job import JobLevel
+from gpr20_operator.robot.condition import JobLevel
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
 from survey_client import node_pid

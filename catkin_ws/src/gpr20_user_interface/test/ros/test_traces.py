@@ -35,7 +35,7 @@ from gpr20_user_interface.look.shade_colours import NOT_MEASURED
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.pages.surveys.view import VERDICT
 from gpr20_user_interface.terminal.survey_arguments import parse_arguments
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 SERVICES = {
     "set_survey_parameters": SetSurveyParameters,

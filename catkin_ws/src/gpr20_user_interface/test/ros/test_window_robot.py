@@ -26,7 +26,7 @@ from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.pages.surveys.view import VERDICT
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.keys import DOWN, STEP
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 class WindowOnRobot(WindowCase):
@@ -133,8 +133,8 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
 
     def test_stop_works_from_every_tab_and_stopped_is_said_when_it_is(self) -> None:
-        for tab in (TabName.STATUS, TabName.CONTROL):
-            self.window.show_tab(TabName.CONTROL)
+        for tab in (TabName.STATUS, TabName.SURVEY):
+            self.window.show_tab(TabName.SURVEY)
             self.click("start")
             wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
             self.window.show_tab(tab)

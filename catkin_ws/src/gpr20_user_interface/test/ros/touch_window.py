@@ -25,7 +25,7 @@ from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 TEXT = "text:"
 TAB = "tab:"

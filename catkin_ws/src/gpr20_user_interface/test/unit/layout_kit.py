@@ -29,7 +29,7 @@ from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.edits import FieldBox, TouchEdit
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
 LARGEST = SurveyPreview(
@@ -84,7 +84,7 @@ def spoken(screen):
         overlay.hide()
     screen.survey.preview = LARGEST
     screen.control.form.set_texts(texts_of(default_parameters()))
-    screen.show_tab(TabName.CONTROL)
+    screen.show_tab(TabName.SURVEY)
     show(screen, busiest())
     # The changes of language, size and theme are events.
     QTest.qWait(1)

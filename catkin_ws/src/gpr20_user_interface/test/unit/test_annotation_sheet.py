@@ -22,7 +22,7 @@ from gpr20_operator.plan.tiles import Tile
 from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 @pytest.fixture(autouse=True)

@@ -21,7 +21,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.hiding_map import ONLY_THIS
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 LISTED = past_survey(survey_id=SURVEY, outcome="", stored_traces=40, complete=True)
 RUNS = ControlState(SurveyState.SURVEYING, verbatim(""), "other", True)

@@ -11,7 +11,7 @@ from gpr20_operator.robot.health import Alarm, AlarmKind
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.touch.dimming import Dimming
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 NEVER, AFTER_S = None, 120.0
 

@@ -19,7 +19,7 @@ from gpr20_operator.jobs.imaging import (
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.volume import Volume
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 LISTED = past_survey(survey_id=SURVEY, outcome="", stored_traces=40, complete=True)
 BLUE = Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True)

@@ -12,7 +12,7 @@ from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed, Traces
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.trace.trace_block import TraceBlock
 from gpr20_user_interface.pages.surveys.view import AREA, VERDICT
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 def listed(folder, traces):

@@ -7,10 +7,10 @@ from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_operator.robot.events import ControlState, Progress
 from gpr20_operator.robot.health import Alarm, AlarmKind, HealthReport
-from gpr20_operator.robot.job import JobLevel
+from gpr20_operator.robot.condition import JobLevel
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 def test_state_and_progress_are_seen_from_every_tab(window):

@@ -15,7 +15,7 @@ from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.jobs.imaging import ImageFocused
 from gpr20_operator.robot.events import Answer, ControlState, Request
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 def fill(window):

@@ -47,7 +47,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_user_interface.look.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.look.style_sheet import TAB_PADDING_PX
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 __all__ = ["screen", "spoken"]
 
@@ -85,7 +85,7 @@ def tab_sizes(window):
 
 def test_nothing_of_a_tab_is_cut_off(spoken):
     for code in SurveyState:
-        tabs = [TabName.CONTROL, TabName.STATUS]
+        tabs = [TabName.SURVEY, TabName.STATUS]
         if code in (SurveyState.IDLE, SurveyState.SURVEYING, SurveyState.FAILED):
             tabs += OTHER_TABS
         for tab in tabs:

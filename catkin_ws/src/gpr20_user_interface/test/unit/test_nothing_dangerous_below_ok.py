@@ -11,7 +11,7 @@ from gpr20_user_interface.pages.plan.start_sheet import StartSheet
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.cards import NoticeView
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 __all__ = ["screen", "spoken"]
 

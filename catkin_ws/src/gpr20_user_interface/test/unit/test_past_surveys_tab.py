@@ -12,7 +12,7 @@ from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import Thumbnail
 from gpr20_user_interface.pages.surveys.view import AREA, MAP, WHAT
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))
@@ -52,7 +52,7 @@ def test_the_list_is_read_anew_when_a_survey_begins_is_opened_and_ends(window, s
 
 
 def test_a_list_that_nobody_sees_is_not_read(window, storage):
-    window.show_tab(TabName.CONTROL)
+    window.show_tab(TabName.SURVEY)
     show(window, RUNS)
     assert storage.asked == []
 

@@ -25,7 +25,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.look.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.look.style_sheet import FITS
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 __all__ = ["screen", "spoken"]
 

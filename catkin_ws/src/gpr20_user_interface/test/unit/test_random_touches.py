@@ -25,7 +25,7 @@ from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 TOUCHES = int(os.environ.get("GPR20_TOUCHES", "10000"))
 SEEDS = int(os.environ.get("GPR20_SEEDS", "1"))

@@ -18,7 +18,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.state_band import StateBand
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 SURVEY_MOVES = ("HOMING", "SURVEYING", "PAUSING", "STOPPING")
 

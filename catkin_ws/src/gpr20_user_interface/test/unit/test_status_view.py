@@ -12,7 +12,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import TOUCH_PX
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 def test_progress_is_shown_and_never_full_before_the_end(window):

@@ -16,7 +16,7 @@ from gpr20_operator.plan.parameter_form import default_parameters
 from gpr20_operator.plan.tiles import Tile
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
 
@@ -108,7 +108,7 @@ def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger)
     window.control.start.clicked.connect(lambda: pressed.append("start"))
     finger.press(window.control.start)
     window.show_tab(TabName.STATUS)
-    window.show_tab(TabName.CONTROL)
+    window.show_tab(TabName.SURVEY)
     QApplication.processEvents()
     assert not window.control.start.isDown()
     finger.release(window.control.start)

@@ -32,7 +32,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
 from gpr20_user_interface.look.look import TOUCH_PX
 from gpr20_user_interface.pages.surveys.view import AREA, VERDICT, WHAT
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 OTHER = PAST
 GRID = make_grid()

@@ -10,7 +10,7 @@ from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.pages.surveys.view import VERDICT
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 
 @pytest.fixture

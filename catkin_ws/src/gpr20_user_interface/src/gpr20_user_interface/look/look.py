@@ -8,7 +8,7 @@ from typing import Dict, NamedTuple
 
 from PyQt5.QtWidgets import QWidget
 
-from gpr20_operator.robot.job import JobLevel
+from gpr20_operator.robot.condition import JobLevel
 from gpr20_user_interface.look.settings import Theme
 
 
@@ -186,8 +186,7 @@ GAP_PX = 8
 TEXT_PX = 18
 TITLE_PX = 22
 BORDER_PX = 2
-TOP_BAR_PX = 76
-TAB_PX = 60
+TOP_BAR_PX = 68
 
 
 @dataclass(frozen=True)
@@ -235,4 +234,5 @@ LEVEL_COLOURS: Dict[JobLevel, TextColours] = {
     JobLevel.FAULT: TextColours.BAD,
     JobLevel.DONE: TextColours.PROGRESS_FULL,
     JobLevel.REST: TextColours.REST,
+    JobLevel.REPLAY: TextColours.REPLAY,
 }

@@ -8,7 +8,6 @@ from gpr20_user_interface.look.look import (
     BORDER_PX,
     COMMAND_PX,
     LEVEL_COLOURS,
-    TAB_PX,
     TEXT_PX,
     TITLE_PX,
     TOUCH_PX,
@@ -90,7 +89,8 @@ def _fits(look: Look) -> str:
 STOP_WIDTH_PX = 140
 PAUSE_WIDTH_PX = 110
 SLIDER_PX = 8
-TAB_PADDING_PX = 6
+# So that two lines have room below the title of the band.
+BAND_TEXT_PX = 16
 
 
 def style_sheet(look: Look) -> str:
@@ -115,13 +115,12 @@ QLabel#title {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#preview {{ font-weight: bold; }}
 QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
-QWidget#replay, QWidget#replay QLabel {{ {css(TextColours.REPLAY)} }}
 QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
 QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
     {css(TextColours.REPLAY)} }}
 QWidget#lock_band, QLabel#locked {{ {css(TextColours.SIMULATED)} font-weight: bold; }}
 QLabel#locked[flash="true"] {{ {css(TextColours.ALARM)} }}
-QLabel#simulated, QWidget#replay QLabel#simulated {{ {css(TextColours.SIMULATED)}
+QLabel#simulated {{ {css(TextColours.SIMULATED)}
     font-weight: bold; padding: {px(4)}px; }}
 QLabel#alarm {{ {css(TextColours.ALARM)} font-weight: bold; padding: 0 {px(6)}px; }}
 QLabel[level="good"] {{ {css(TextColours.GOOD)} padding: 0 {px(6)}px; }}
@@ -148,9 +147,8 @@ QPushButton#start {{ {css(TextColours.START)} font-size: {px(TITLE_PX)}px;
     min-height: {px(COMMAND_PX) - 2 * frame}px; }}
 QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
     min-width: {px(STOP_WIDTH_PX)}px; }}
-QPushButton#replay_pause {{ {css(TextColours.ARROW)} min-width: {px(STOP_WIDTH_PX - 20)}px; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
-QPushButton#jog, QPushButton#settings, QPushButton#lock {{ padding: 0; }}
+QPushButton#jog {{ padding: 0; }}
 QPushButton#choice {{ {css(TextColours.ARROW)} }}
 QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold, QPushButton#jog {{ {css(TextColours.ARROW)} }}
@@ -162,10 +160,10 @@ QPushButton#hold:pressed, QPushButton#jog:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
-QTabWidget::pane {{ border: none; border-top: {frame}px solid {border}; }}
-QTabBar::tab {{ {css(TextColours.ARROW)} min-height: {px(TAB_PX) - 2}px;
-    padding: 0 {px(TAB_PADDING_PX)}px; border: 1px solid {border}; }}
-QTabBar::tab:selected {{ {css(TextColours.CHOSEN)} }}
+QToolButton#rail {{ {css(TextColours.ARROW)} border: none; font-weight: bold;
+    border-right: {frame}px solid {border}; border-bottom: 1px solid {border}; }}
+QToolButton#rail:checked {{ {css(TextColours.CHOSEN)} }}
+QToolButton#rail:pressed {{ {css(TextColours.PRESSED)} }}
 """
 
 
@@ -225,6 +223,9 @@ QFrame#band[job="{level.value}"], QLabel[job="{level.value}"] {{
     )
     return f"""{bands}
 QFrame#band QLabel#simulated {{ {_css(look, TextColours.SIMULATED)} padding: 0 {px(6)}px; }}
+QFrame#band QLabel#band_message {{ font-size: {px(BAND_TEXT_PX)}px; }}
+QFrame#band QLabel#what_to_do {{ font-weight: bold; padding: 0 {px(6)}px;
+    border: {px(BORDER_PX)}px solid; border-radius: {px(4)}px; }}
 QPushButton#pause {{ min-width: {px(PAUSE_WIDTH_PX)}px; font-size: {px(TITLE_PX)}px; }}
 QLabel#job_title {{ font-size: {px(30)}px; font-weight: bold; }}
 QLabel#percent {{ font-size: {px(64)}px; font-weight: bold; }}

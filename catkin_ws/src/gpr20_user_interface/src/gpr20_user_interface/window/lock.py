@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, QObject, QPointF, QRectF, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QPainter, QPaintEvent, QPen
+from PyQt5.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from gpr20_common.low.clock import Clock
-from gpr20_user_interface.look.look import GAP_PX, TAB_PX, TOP_BAR_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX, TOP_BAR_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget
 from gpr20_user_interface.touch.filter import TouchFilter
 from gpr20_user_interface.touch.guard import TouchGuard
@@ -16,42 +15,12 @@ from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import set_look
 
-SIGN_PX = 30
-# In the sixteenths of a degree that Qt counts.
-HALF_CIRCLE = 180 * 16
-
-
-class LockButton(QPushButton):
-    """A padlock, painted: not every robot's fonts have one."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setObjectName("lock")
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-
-    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
-        """Qt: the button, and the padlock on it."""
-        super().paintEvent(event)
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        side = float(look_of(self).px(SIGN_PX))
-        ink = self.palette().buttonText().color()
-        painter.translate(QRectF(self.rect()).center())
-        painter.fillRect(QRectF(-0.4 * side, -0.05 * side, 0.8 * side, 0.55 * side), ink)
-        painter.setPen(QPen(ink, 0.12 * side))
-        left, top, width = -0.24 * side, -0.5 * side, 0.48 * side
-        painter.drawArc(QRectF(left, top, width, 0.6 * side), 0, HALF_CIRCLE)
-        for x in (left, left + width):
-            painter.drawLine(QPointF(x, -0.2 * side), QPointF(x, 0.0))
-
-
-# That of the tabs, and the line below them.
-BAND_PX = TAB_PX + 2
+BAND_PX = 62
 FLASH_MS = 600
 
 
 class LockBand(TranslatedWidget):
-    """Covers the bar of the tabs while the screen is locked; hidden at first."""
+    """Covers the top of every tab while the screen is locked; hidden at first."""
 
     unlocked = pyqtSignal()
 
@@ -77,7 +46,7 @@ class LockBand(TranslatedWidget):
         self.retranslate()
 
     def cover(self) -> None:
-        """Lie over the bar of the tabs, and over everything else that is there."""
+        """Lie over everything that is there."""
         look, window = look_of(self), self.parentWidget()
         self.setGeometry(0, look.px(TOP_BAR_PX), window.width(), look.px(BAND_PX))
         self.raise_()
@@ -113,15 +82,12 @@ class TouchBinding(Page):
         clock: Measures the time after something has opened or closed.
 
     Attributes:
-        lock_button: Locks the screen; for the right of the tabs.
         band: What a locked screen shows.
         touches: Takes the touches.
     """
 
     def __init__(self, window: QWidget, stop: QPushButton, clock: Clock) -> None:
         self._window = window
-        self.lock_button = LockButton()
-        self.lock_button.clicked.connect(lambda: self.set_locked(True))
         self.band = LockBand(window)
         self.band.unlock.set_clock(clock)
         self.band.unlocked.connect(lambda: self.set_locked(False))

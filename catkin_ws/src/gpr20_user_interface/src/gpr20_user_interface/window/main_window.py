@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import replace
 from typing import Callable, Dict, Optional, Tuple
 
 from PyQt5.QtCore import QTimer
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QTabWidget, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QVBoxLayout, QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.robot.events import Answer
-from gpr20_operator.robot.message_source import Received
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
     DESIGN_HEIGHT_PX,
     DESIGN_WIDTH_PX,
-    GAP_PX,
     SMALLEST_SCALE,
     Look,
     scale_for,
@@ -48,6 +45,7 @@ from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
 from gpr20_user_interface.window.lock import TouchBinding
 from gpr20_user_interface.window.presenters import Presenters
+from gpr20_user_interface.window.rail import Rail, TabName
 
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
@@ -56,17 +54,6 @@ DRAW_MS = 200
 # A robot may be started, or restarted with other limits, after the window; this also shows
 # whether the master answers.
 MASTER_CHECK_MS = 2000
-
-
-class TabName(enum.Enum):
-    """The tabs, in their order."""
-
-    CONTROL = "control"
-    STATUS = "status"
-    MAP = "map"
-    RADAR = "radar"
-    SURVEYS = "surveys"
-    SERVICE = "service"
 
 
 class MainWindow(TranslatedWidget):
@@ -114,7 +101,8 @@ class MainWindow(TranslatedWidget):
         ]
         self._lay_out()
         self.touch_binding = TouchBinding(self, self.top_bar.stop, clock)
-        self.corner.addWidget(self.touch_binding.lock_button)
+        self.rail.settings.clicked.connect(lambda: self.settings.open())
+        self.rail.lock.clicked.connect(lambda: self.touch_binding.set_locked(True))
         self._refresh_after_requests()
         self.retranslate()
         self.setStyleSheet(style_sheet(self.look))
@@ -140,11 +128,8 @@ class MainWindow(TranslatedWidget):
         self.survey_binding.take_refusal(self.survey.on_event(event))
         if isinstance(event, Answer):
             self.refresh()
-        if not self.survey.is_shown(event):
-            return
-        content = event.event if isinstance(event, Received) else event
         for binding in self._bindings:
-            binding.on_event(content)
+            binding.on_event(event)
 
     def refresh(self) -> None:
         """Show what is known of the robot and the survey now."""
@@ -160,13 +145,14 @@ class MainWindow(TranslatedWidget):
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""
         self.tabs.setCurrentWidget(self._pages[name])
+        self.rail.show_chosen(name)
 
     def _use_parameters(self, parameters: SurveyParameters) -> None:
         """Put the parameters of a plan into CONTROL, and bring it to the front."""
         self.control.show_parameters(parameters)
         # The job of the survey before is no longer of interest.
         self.job_binding.show_plan()
-        self.show_tab(TabName.CONTROL)
+        self.show_tab(TabName.SURVEY)
 
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
@@ -180,28 +166,14 @@ class MainWindow(TranslatedWidget):
         size = event.size()
         self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
 
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        self.corner.setSpacing(self.look.px(GAP_PX))
-
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
         self.setWindowTitle(self.tr("GPR-20"))
-        titles = {
-            TabName.CONTROL: self.tr("CONTROL"),
-            TabName.STATUS: self.tr("STATUS"),
-            TabName.MAP: self.tr("MAP"),
-            TabName.RADAR: self.tr("RADAR"),
-            TabName.SURVEYS: self.tr("SURVEYS"),
-            TabName.SERVICE: self.tr("SERVICE"),
-        }
-        for name, page in self._pages.items():
-            self.tabs.setTabText(self.tabs.indexOf(page), titles[name])
 
     def _make_tabs(self) -> None:
         traces = self.traces
         self.top_bar = TopBar()
-        self.tabs = QTabWidget()
+        self.rail, self.tabs = Rail(), QStackedWidget()
         self.control = ControlView()
         self.status = StatusView()
         self.additions = AdditionsPresenter(
@@ -217,10 +189,8 @@ class MainWindow(TranslatedWidget):
         # Planning a survey, or the job while there is one.
         self.control_pages = QStackedWidget()
         self.control_pages.addWidget(self.control)
-        # At the right of the tabs.
-        self.corner = QHBoxLayout()
         self._pages: Dict[TabName, QWidget] = {
-            TabName.CONTROL: self.control_pages,
+            TabName.SURVEY: self.control_pages,
             TabName.STATUS: self.status,
             TabName.MAP: self.map_page,
             TabName.RADAR: self.radar_page,
@@ -305,22 +275,18 @@ class MainWindow(TranslatedWidget):
 
     def _lay_out(self) -> None:
         for page in self._pages.values():
-            self.tabs.addTab(page, "")
-        self.corner.setContentsMargins(0, 0, 0, 0)
-        self.corner.addWidget(self.settings.button)
-        corner = QWidget()
-        corner.setLayout(self.corner)
-        self.tabs.setCornerWidget(corner)
-        self.tabs.tabBar().setExpanding(False)
-        # Not by the style sheet, whose bold letters the tabs do not measure.
-        font = self.tabs.tabBar().font()
-        font.setBold(True)
-        self.tabs.tabBar().setFont(font)
+            self.tabs.addWidget(page)
+        below = QHBoxLayout()
+        below.setSpacing(0)
+        below.addWidget(self.rail)
+        below.addWidget(self.tabs, 1)
+        self.rail.chosen.connect(self.show_tab)
+        self.show_tab(TabName.SURVEY)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addWidget(self.top_bar)
-        layout.addWidget(self.tabs, 1)
+        layout.addLayout(below, 1)
         # The window may be smaller than the design: then everything in it is smaller too.
         layout.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
         self.setMinimumSize(
