@@ -52,7 +52,7 @@ class Describer:
         if name.startswith(PICTURE):
             return {"written": self._window.grab().save(name[len(PICTURE) :])}
         if name.startswith(TAB):
-            return self._tab(TabName[name[len(TAB) :]])
+            return _described(self._window.rail.tabs[TabName[name[len(TAB) :]]])
         widget = self._with_text(name[len(TEXT) :]) if name.startswith(TEXT) else self._at(name)
         return {"visible": False} if widget is None else _described(widget)
 
@@ -73,18 +73,6 @@ class Describer:
             "frame": _sides(window.frameGeometry()),
             "outside": outside,
             "scale": window.look.scale,
-        }
-
-    def _tab(self, name: TabName) -> Dict[str, Any]:
-        tabs = self._window.tabs
-        bar = tabs.tabBar()
-        area = bar.tabRect(tabs.indexOf(self._window._pages[name]))
-        corner = bar.mapToGlobal(area.topLeft())
-        return {
-            **dict(zip(("x", "y", "width", "height"), _sides(QRect(corner, area.size())))),
-            "visible": bar.isVisible(),
-            "enabled": bar.isEnabled(),
-            "text": "",
         }
 
     def _with_text(self, text: str) -> Optional[QWidget]:

@@ -59,7 +59,7 @@ def test_only_a_main_control_that_starts_surveys_is_a_robot():
 def test_a_robot_alone_is_neither_named_nor_offered(opened):
     found(opened, "/robot1")
     assert not opened.top_bar.message.whole.startswith("robot1")
-    opened.settings.button.click()
+    opened.rail.settings.click()
     assert not opened.settings.sheet.robot_button.isVisible()
 
 
@@ -72,7 +72,7 @@ def test_one_of_several_robots_is_named_beside_its_state(opened):
 
 def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
     found(opened, "/robot1", "/robot2", "/robot3")
-    opened.settings.button.click()
+    opened.rail.settings.click()
     opened.settings.sheet.robot_button.click()
     sheet = opened.robots.sheet
     assert sheet.isVisible() and choice.watched == [True]
@@ -137,7 +137,7 @@ def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
         found(window, "/robot2")
         show(window, snapshot(alive=False))
         assert not window.robots.sheet.isVisible()
-        window.settings.button.click()
+        window.rail.settings.click()
         assert not window.settings.sheet.robot_button.isVisible()
         assert window.top_bar.message.whole.startswith("/: ")
     finally:

@@ -169,7 +169,7 @@ def test_stop_acts_on_the_press_whatever_has_just_happened(window, finger):
         window.touch_binding.set_locked(False)
         finger.wait(AFTER_S)
         if locked:
-            finger.tap(window.touch_binding.lock_button)
+            finger.tap(window.rail.lock)
             finger.wait(AFTER_S)
             assert window.touch_binding.band.isVisible()
         if changed:
@@ -205,7 +205,7 @@ def test_a_locked_screen_says_so_and_takes_nothing_but_stop_and_the_unlocking(wi
 
 
 def test_what_opens_on_a_locked_screen_leaves_the_band_free(window, finger):
-    finger.tap(window.touch_binding.lock_button)
+    finger.tap(window.rail.lock)
     window.notice.show_notice(NOTICE)
     band = window.touch_binding.band
     assert not place_of(window, window.notice).intersects(place_of(window, band))
@@ -217,7 +217,7 @@ def test_what_opens_on_a_locked_screen_leaves_the_band_free(window, finger):
 
 
 def test_a_touch_of_a_locked_screen_shows_why_it_does_nothing(window, finger):
-    finger.tap(window.touch_binding.lock_button)
+    finger.tap(window.rail.lock)
     finger.wait(AFTER_S)
     assert not window.touch_binding.band.text.property("flash")
     finger.tap(QPoint(400, 300))

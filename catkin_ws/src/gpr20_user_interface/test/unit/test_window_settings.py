@@ -77,7 +77,7 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     window = new_window(languages, profiles=tmp_path, memory=memory)
     window.show()
     sheet = window.settings.sheet
-    click(window.settings.button)
+    click(window.rail.settings)
     assert sheet.isVisible()
     assert sheet.languages[Language.ENGLISH].isChecked()
     click(sheet.languages[Language.SPANISH])
@@ -96,7 +96,7 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     languages = Languages(application, remembered.settings.language)
     window = new_window(languages, profiles=tmp_path, memory=remembered)
     window.show()
-    click(window.settings.button)
+    click(window.rail.settings)
     assert window.look.theme is Theme.NIGHT
     sheet = window.settings.sheet
     assert sheet.languages[Language.SPANISH].isChecked()
