@@ -1,8 +1,9 @@
-"""The list of past surveys: how each ended and what can be done with it."""
+"""The list of past surveys: how each ended, what can be done with it, and what is searched for."""
 
 from __future__ import annotations
 
 import enum
+import unicodedata
 from typing import List, Optional, Tuple
 
 from gpr20_common.message import Message
@@ -10,10 +11,17 @@ from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 
 NO_LIST = Message("During a replay no list of surveys is available.")
+# Of a survey that is not complete although every trace is stored.
+ALL_STORED = {
+    "": Message("not ended; all traces stored"),
+    "stopped": Message("stopped; all traces stored"),
+    "interrupted": Message("interrupted; all traces stored"),
+    "failed": Message("failed; all traces stored"),
+}
 
 
 class Verdict(enum.Enum):
-    """How a survey ended, in one word."""
+    """How a survey ended."""
 
     COMPLETE = "complete"
     INCOMPLETE = "incomplete"
@@ -23,6 +31,32 @@ class Verdict(enum.Enum):
     """It has no plan: nothing says whether it is complete."""
 
 
+class Listed(enum.Enum):
+    """Which surveys the operator wants to see."""
+
+    ALL = "all"
+    NOT_COMPLETE = "not complete"
+    IMPORTED = "imported"
+
+    def holds(self, verdict: Verdict) -> bool:
+        """Return whether a survey that ended so is among them."""
+        if self is Listed.NOT_COMPLETE:
+            return verdict not in (Verdict.COMPLETE, Verdict.IMPORTED)
+        return self is Listed.ALL or verdict is Verdict.IMPORTED
+
+
+def searchable(text: str) -> str:
+    """Return a text as it is compared: without capital letters and accents."""
+    letters = unicodedata.normalize("NFKD", text).casefold()
+    return "".join(one for one in letters if not unicodedata.combining(one))
+
+
+def searched_text(survey: SurveySummary) -> str:
+    """Return what a survey is searched for by: name, site, operator, local time and folder."""
+    written = (survey.name, survey.site, survey.operator, survey.local_time(), survey.folder)
+    return searchable("\n".join(written))
+
+
 class PastSurveys:
     """Collects the pages of the list; knows which survey is running.
 
@@ -30,6 +64,7 @@ class PastSurveys:
         revision: Changes with everything that a view shows of this.
         outdated: Whether the list should be requested again when it is visible.
         problem: Why the list or a survey cannot be read; None if it can.
+        read: Whether a page has come.
         more: Whether there are older ones.
         replay: Whether a replay is shown, and no robot.
     """
@@ -38,10 +73,13 @@ class PastSurveys:
         self.revision = 0
         self.outdated = False
         self.problem: Optional[Message] = None
-        self._surveys: List[SurveySummary] = []
+        self.read = False
         self.more = False
-        self._running_id = ""
         self.replay = False
+        self._surveys: List[SurveySummary] = []
+        # As in the list of surveys.
+        self._texts: List[str] = []
+        self._running_id = ""
 
     @property
     def surveys(self) -> Tuple[SurveySummary, ...]:
@@ -57,15 +95,25 @@ class PastSurveys:
         """Return a survey of the pages so far; None if it is not among them."""
         return next((one for one in self._surveys if one.folder == folder), None)
 
+    def found(self, listed: Listed, text: str) -> Tuple[SurveySummary, ...]:
+        """Return the surveys of the pages so far that hold every word of a text."""
+        words = searchable(text).split()
+        return tuple(
+            survey
+            for survey, written in zip(self._surveys, self._texts)
+            if all(word in written for word in words) and listed.holds(self.verdict(survey))
+        )
+
     def take(self, before: str, surveys: Tuple[SurveySummary, ...], more: bool) -> None:
         """Add a page; the first one replaces the list."""
         self._change(problem=None)
         if not before:
-            self._surveys = []
+            self._surveys, self._texts = [], []
         elif before != self.next_before:
             return  # the list was replaced meanwhile
         self._surveys.extend(surveys)
-        self.more = more
+        self._texts.extend(map(searched_text, surveys))
+        self.more, self.read = more, True
 
     def set_running(self, survey_id: str) -> None:
         """Note which survey is running; empty: none."""
@@ -99,11 +147,29 @@ class PastSurveys:
             return Verdict.IMPORTED
         return Verdict.COMPLETE if survey.complete else Verdict.INCOMPLETE
 
+    def ending(self, survey: SurveySummary) -> Message:
+        """Return in a few words how a survey ended; of an incomplete one, what is wrong with it."""
+        verdict, planned = self.verdict(survey), survey.planned_traces
+        if verdict is not Verdict.INCOMPLETE:
+            return {
+                Verdict.COMPLETE: Message("complete"),
+                Verdict.RUNNING: Message("running"),
+                Verdict.UNREADABLE: Message("cannot be read"),
+                Verdict.IMPORTED: Message("imported"),
+            }[verdict]
+        if not planned:
+            return Message("its plan cannot be read")
+        missing = planned - survey.stored_traces
+        if missing > 0:
+            return Message(
+                "{missing} of {planned} traces missing", missing=missing, planned=planned
+            )
+        return ALL_STORED.get(survey.outcome, Message("not confirmed; all traces stored"))
+
     def can_resume(self, survey: SurveySummary) -> bool:
-        """Whether a survey lacks traces that could be measured now."""
-        return (
-            not self.replay and not self._running_id and self.verdict(survey) is Verdict.INCOMPLETE
-        )
+        """Whether a survey could be measured to its end now."""
+        incomplete = self.verdict(survey) is Verdict.INCOMPLETE
+        return incomplete and not self.replay and not self._running_id
 
     def can_open(self, survey: SurveySummary) -> bool:
         """Whether there is something to show."""

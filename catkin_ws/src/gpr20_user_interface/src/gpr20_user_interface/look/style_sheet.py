@@ -149,7 +149,8 @@ QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
     min-width: {px(STOP_WIDTH_PX)}px; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog {{ padding: 0; }}
-QPushButton#choice {{ {css(TextColours.ARROW)} }}
+QPushButton#choice, QPushButton#field {{ {css(TextColours.ARROW)} }}
+QPushButton#field {{ text-align: left; padding: 0 {px(8)}px; font-weight: normal; }}
 QPushButton#choice:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#hold, QPushButton#jog {{ {css(TextColours.ARROW)} }}
 QFrame#sheet QPushButton#hold {{ font-size: {px(TITLE_PX)}px; }}

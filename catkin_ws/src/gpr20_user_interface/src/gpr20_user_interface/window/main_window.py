@@ -39,8 +39,11 @@ from gpr20_user_interface.pages.service.view import ServiceView
 from gpr20_user_interface.pages.settings.page import SettingsBinding
 from gpr20_user_interface.pages.status.page import SurveyBinding
 from gpr20_user_interface.pages.status.view import StatusView
-from gpr20_user_interface.pages.surveys.page import ImagingBinding, SurveysBinding
-from gpr20_user_interface.pages.surveys.view import PastSurveysView
+from gpr20_user_interface.pages.surveys.page import (
+    ImagingBinding,
+    SurveysBinding,
+    SurveysPage,
+)
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
 from gpr20_user_interface.window.lock import TouchBinding
@@ -184,7 +187,7 @@ class MainWindow(TranslatedWidget):
         self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
         self.radar = RadarView(traces.shown.radar)
         self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
-        self.past = PastSurveysView(traces.past)
+        self.past = SurveysPage(self, traces.past)
         self.service = ServiceView()
         # Planning a survey, or the job while there is one.
         self.control_pages = QStackedWidget()

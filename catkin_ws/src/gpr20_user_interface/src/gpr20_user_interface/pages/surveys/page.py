@@ -1,23 +1,287 @@
-"""Keeps the focused image fresh while MAP or RADAR is looked at."""
+"""SURVEYS: the stored surveys, searched and filtered; a touch on one shows what can be done."""
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Dict, List, Optional
 
 import numpy as np
-from PyQt5.QtWidgets import QWidget
+from PyQt5.QtCore import QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QResizeEvent, QShowEvent
+from PyQt5.QtWidgets import (
+    QButtonGroup,
+    QGridLayout,
+    QHBoxLayout,
+    QPushButton,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
 
 from gpr20_operator.ground.coverage import is_stored
+from gpr20_operator.ground.past_surveys import Listed, PastSurveys, Verdict
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.images import ImagingPresenter, Wanted
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import Snapshot
-from gpr20_user_interface.look.translation import Languages
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_user_interface.look.icons import icon
+from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
+from gpr20_user_interface.look.translation import Languages, TranslatedWidget, sentence_text
 from gpr20_user_interface.pages.plan.start_sheet import StartSheet
 from gpr20_user_interface.pages.surveys.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.pages.surveys.export_sheet import ExportSheet
-from gpr20_user_interface.pages.surveys.view import PastSurveysView
+from gpr20_user_interface.pages.surveys.survey_list import SURVEY, SurveyRow, SurveysModel, title_of
+from gpr20_user_interface.touch.scrolling import FingerList
+from gpr20_user_interface.widgets.empty_state import EmptyState
+from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.text_pad import TextPad
+from gpr20_user_interface.widgets.widgets import new_button
+
+PANEL_PX = 216
+SIGN_PX = 28
+ELIDE = Qt.TextElideMode.ElideRight
+
+
+class SurveysPage(TranslatedWidget, Page):
+    """The list of stored surveys.
+
+    Args:
+        window: Keys for the search open over it.
+        surveys: The list.
+
+    Attributes:
+        chosen: The survey that the operator touched.
+        list: The surveys that fit the search.
+    """
+
+    # Empty: the first page. Else the folder before which the next page begins.
+    page_requested = pyqtSignal(str)
+    # The name of a folder.
+    open_requested = pyqtSignal(str)
+    resume_requested = pyqtSignal(str)
+    notes_requested = pyqtSignal(str)
+
+    def __init__(self, window: QWidget, surveys: PastSurveys) -> None:
+        super().__init__()
+        self._surveys = surveys
+        self._revision = -1
+        self._asked_before: Optional[str] = None
+        self._text, self._listed = "", Listed.ALL
+        self.chosen: Optional[SurveySummary] = None
+        self.pad = TextPad(window)
+        self.search = new_button(self._ask_text)
+        self.clear = new_button(lambda: self.search_for(""), "✕")
+        self.filters: Dict[Listed, QPushButton] = {}
+        self.model = SurveysModel()
+        self.list = FingerList()
+        self.list.setModel(self.model)
+        self.list.setItemDelegate(SurveyRow(surveys, self._is_chosen))
+        self.list.tapped.connect(lambda row: self.choose(row.data(SURVEY)))
+        self.list.verticalScrollBar().valueChanged.connect(lambda _: self._read_older())
+        self.empty = EmptyState()
+        self.title, self.details = ElidedLabel(), PulledText()
+        self.open = new_button(lambda: self.open_requested.emit(self._folder))
+        self.resume = new_button(lambda: self.resume_requested.emit(self._folder))
+        self.notes = new_button(lambda: self.notes_requested.emit(self._folder))
+        self._lay_out()
+        self.retranslate()
+
+    def refresh(self, _snapshot: Snapshot) -> None:
+        """Show the list if it has changed; request it again if it is visible and outdated."""
+        if self._surveys.outdated and self.isVisible():
+            self._ask_again()
+        if self._surveys.revision != self._revision:
+            self._revision = self._surveys.revision
+            self._show_list()
+
+    def on_event(self, _event: object) -> None:
+        """Show what the storage reports."""
+        if self._surveys.revision != self._revision:
+            self._revision = self._surveys.revision
+            self._show_list()
+
+    def choose(self, survey: Optional[SurveySummary]) -> None:
+        """Show a survey and what can be done with it; None: no survey."""
+        self.chosen = survey
+        self.list.viewport().update()
+        self._show_choice()
+
+    def search_for(self, text: str) -> None:
+        """List the surveys that hold every word of a text."""
+        self._text = " ".join(text.split())
+        self._show_list()
+
+    def show_listed(self, listed: Listed) -> None:
+        """List the surveys that ended in some ways."""
+        self._listed = listed
+        self.filters[listed].setChecked(True)
+        self._show_list()
+
+    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
+        """Request the list whenever the tab is opened."""
+        super().showEvent(event)
+        self._ask_again()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: there is more or less room for rows."""
+        super().resizeEvent(event)
+        self._show_search()
+        self._read_older()
+
+    def _is_chosen(self, survey: SurveySummary) -> bool:
+        return self.chosen is not None and survey.folder == self.chosen.folder
+
+    @property
+    def _folder(self) -> str:
+        return "" if self.chosen is None else self.chosen.folder
+
+    def _ask_text(self) -> None:
+        hint = self.tr("Name, site, operator, date")
+        self.pad.ask(self.search_for, self.tr("Search"), hint, self._text, lambda _: "", False)
+
+    def _ask_again(self) -> None:
+        self._surveys.outdated = False
+        self._asked_before = None
+        if not self._surveys.replay:
+            self.page_requested.emit("")
+
+    def _read_older(self) -> None:
+        """Request the next page when the end of the rows that fit comes near."""
+        bar, before = self.list.verticalScrollBar(), self._surveys.next_before
+        near = self.list.isHidden() or bar.value() >= bar.maximum() - bar.pageStep()
+        wanted = near and self._surveys.more and not self._surveys.replay
+        if wanted and self.isVisible() and before != self._asked_before:
+            self._asked_before = before
+            self.page_requested.emit(before)
+
+    def _show_list(self) -> None:
+        self.model.show(self._surveys.found(self._listed, self._text))
+        if self.chosen is not None:
+            # Its survey may have changed; it stays chosen where the search leaves it out.
+            self.chosen = self._surveys.find(self.chosen.folder)
+        self.list.viewport().update()
+        self._show_empty()
+        self._show_search()
+        self._show_choice()
+        self._read_older()
+
+    def _show_search(self) -> None:
+        room_px = self.search.width() - look_of(self).px(SIGN_PX + 4 * GAP_PX)
+        # Dots, while there may be more than were found.
+        count = f" · {len(self.model.surveys)}{'…' if self._surveys.more else ''}"
+        metrics = self.search.fontMetrics()
+        room_px -= metrics.horizontalAdvance(count)
+        shown = metrics.elidedText(self._text, ELIDE, room_px) + count
+        self.search.setText(shown if self._text else self.tr("Search"))
+        self.clear.setVisible(bool(self._text))
+
+    def _show_empty(self) -> None:
+        surveys, is_empty = self._surveys, not self.model.surveys
+        self.shown.setCurrentWidget(self.empty if is_empty else self.list)
+        if not is_empty:
+            return
+        if surveys.problem is not None:
+            again = None if surveys.replay else self._ask_again
+            text = sentence_text(surveys.problem)
+            self.empty.show_state("warning", text, self.tr("Read again"), again)
+        elif not surveys.read or surveys.more:
+            self.empty.show_state("surveys", self.tr("The surveys are being read."))
+        elif surveys.surveys:
+            text = self.tr("No survey fits the search.")
+            self.empty.show_state("search", text, self.tr("Show all"), self._show_all)
+        else:
+            self.empty.show_state("surveys", self.tr("No survey is stored yet."))
+
+    def _show_all(self) -> None:
+        self._text = ""
+        self.show_listed(Listed.ALL)
+
+    def _show_choice(self) -> None:
+        surveys, chosen = self._surveys, self.chosen
+        for button, can in (
+            (self.open, surveys.can_open),
+            (self.resume, surveys.can_resume),
+            (self.notes, lambda one: one.problem is None),
+        ):
+            button.setEnabled(chosen is not None and can(chosen))
+        title, lines = "", [self.tr("Touch a survey. Times are local.")]
+        if chosen is not None:
+            title, lines = title_of(chosen), self._lines(chosen)
+        if surveys.problem is not None:
+            lines = [sentence_text(surveys.problem)]
+        self.title.show_text(title)
+        self.details.setText("\n".join(lines))
+
+    def _lines(self, survey: SurveySummary) -> List[str]:
+        if survey.problem is not None:
+            return [survey.folder, sentence_text(survey.problem)]
+        area = survey.thumbnail
+        lines = [
+            f"{area.width_mm:.0f} x {area.height_mm:.0f} mm" if area.width_mm else "",
+            self.tr("{count} traces").format(count=survey.stored_traces),
+            sentence_text(self._surveys.ending(survey)),
+        ]
+        if survey.verdict is not None and self._surveys.verdict(survey) is Verdict.INCOMPLETE:
+            lines.append(sentence_text(survey.verdict))
+        return [one for one in lines if one]
+
+    def retranslate(self) -> None:
+        """Write every text that does not come with the next refresh."""
+        self.open.setText(self.tr("Open"))
+        self.resume.setText(self.tr("Resume"))
+        self.notes.setText(self.tr("Notes"))
+        names = {
+            Listed.ALL: self.tr("All"),
+            Listed.NOT_COMPLETE: self.tr("Not complete"),
+            Listed.IMPORTED: self.tr("Imported"),
+        }
+        for listed, button in self.filters.items():
+            button.setText(names[listed])
+        self._show_list()
+
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look."""
+        look = look_of(self)
+        ink = look.text(TextColours.ARROW).ink
+        self.search.setIcon(icon("search", ink, look.px(SIGN_PX)))
+        self.search.setIconSize(QSize(look.px(SIGN_PX), look.px(SIGN_PX)))
+        self.panel.setFixedWidth(look.px(PANEL_PX))
+        self._grid.setSpacing(look.px(GAP_PX))
+        self.list.doItemsLayout()
+        self._show_list()
+
+    def _lay_out(self) -> None:
+        self.search.setObjectName("field")
+        self.title.setObjectName("title")
+        self.open.setObjectName("primary")
+        self.shown = QStackedWidget()
+        self.shown.addWidget(self.list)
+        self.shown.addWidget(self.empty)
+        top, group = QHBoxLayout(), QButtonGroup(self)
+        top.addWidget(self.search, 1)
+        top.addWidget(self.clear)
+        for listed in Listed:
+            button = self.filters[listed] = QPushButton()
+            button.setObjectName("choice")
+            button.setCheckable(True)
+            button.clicked.connect(lambda _on, one=listed: self.show_listed(one))
+            group.addButton(button)
+            top.addWidget(button)
+        self.filters[Listed.ALL].setChecked(True)
+        self.panel = QWidget()
+        buttons = QVBoxLayout(self.panel)
+        buttons.setContentsMargins(0, 0, 0, 0)
+        buttons.addWidget(self.title)
+        buttons.addWidget(self.details, 1)
+        for button in (self.open, self.resume, self.notes):
+            buttons.addWidget(button)
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
+        self._grid.addLayout(top, 0, 0, 1, 2)
+        self._grid.addWidget(self.shown, 1, 0)
+        self._grid.addWidget(self.panel, 1, 1)
+        self._grid.setColumnStretch(0, 1)
 
 
 class SurveysBinding(Page):
@@ -32,7 +296,7 @@ class SurveysBinding(Page):
         self,
         window: QWidget,
         survey: WindowPresenter,
-        past: PastSurveysView,
+        past: SurveysPage,
         traces: TracePresenter,
         start_sheet: StartSheet,
         imaging: ImagingPresenter,
@@ -44,20 +308,19 @@ class SurveysBinding(Page):
         past.page_requested.connect(traces.source.list_surveys)
         past.open_requested.connect(traces.open_survey)
         past.notes_requested.connect(traces.source.read_annotation)
-        past.candidates_requested.connect(self.candidates.show_survey)
-        past.export_requested.connect(self.export.show_survey)
         past.resume_requested.connect(start_sheet.ask_resume_past)
 
     def on_event(self, event: object) -> None:
         """Show what the storage or the imaging node reports."""
+        self._past.on_event(event)
         self._show()
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
+        self._past.refresh(snapshot)
         self._show()
 
     def _show(self) -> None:
-        self._past.refresh()
         self.candidates.refresh()
         self.export.refresh()
 
