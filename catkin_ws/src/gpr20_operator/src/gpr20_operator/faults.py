@@ -36,7 +36,20 @@ CONTROL_RESTARTED = Fault(
     may_move=True,
     replaces=True,
 )
+CONTROL_LATE = Fault(
+    "window.control_late",
+    Message("Wait some seconds. STOP stops every axis at any time."),
+    Severity.WARNING,
+)
 PART_SILENT = Fault("window.part_silent", remedies.WAIT_FOR_PART)
+STANDS_STILL = Fault(
+    "window.stands_still",
+    Message(
+        "Look on ROBOT for a part with a fault. If there is none, press PAUSE and resume; STOP "
+        "ends the survey, and what is stored is kept."
+    ),
+    Severity.WARNING,
+)
 STOP_UNCONFIRMED = Fault(
     "window.stop_unconfirmed", remedies.MOTORS_OFF, may_move=True, replaces=True
 )
@@ -53,6 +66,11 @@ NOT_STARTED = Fault(
     Severity.NOTE,
 )
 NO_SURVEY = Fault("window.no_survey", remedies.NOTHING_TO_DO, Severity.NOTE)
+REPLAY_BESIDE = Fault(
+    "window.replay_beside",
+    Message("End the player, or play under other names: rosbag play --prefix=/replay ..."),
+    Severity.WARNING,
+)
 REPLAY_RUNS = Fault(
     "window.replay_runs", Message("End the replay and start the robot, or follow with --attach.")
 )

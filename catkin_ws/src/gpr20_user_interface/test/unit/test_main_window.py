@@ -5,9 +5,9 @@ from window_helpers import click, show, wishes
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_operator.robot.condition import JobLevel
 from gpr20_operator.robot.events import ControlState, Progress
 from gpr20_operator.robot.health import Alarm, AlarmKind, HealthReport
-from gpr20_operator.robot.condition import JobLevel
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.window.rail import TabName

@@ -20,7 +20,7 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass, field
 from typing import Mapping, Optional, Union
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, Severity
 from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Annotation
@@ -33,12 +33,14 @@ class AxisReport:
         moving: Whether it moves.
         owner: Full name of the node that holds it; empty: nobody, or it is not known.
         received_s: When the report came [s].
+        silent: Whether none came for longer than usual.
     """
 
     axis: AxisId
     moving: bool
     owner: str
     received_s: float
+    silent: bool = False
 
 
 # The limits of the documented system, for as long as the axes' own are not known:
@@ -67,6 +69,35 @@ class ControlState:
         if self.replay:
             return Message("REPLAY: {state}", state=self.code.label)
         return self.code.label
+
+    @property
+    def reason(self) -> Message:
+        """What it says without the words around it that name the state."""
+        return self.message.failure or self.message
+
+    @property
+    def is_fault(self) -> bool:
+        """Whether a survey is paused or has ended because of a fault."""
+        failed = self.message.failure is not None
+        if self.code is SurveyState.PAUSED:
+            # A text that does not say that the pause was asked for, as one of another version,
+            # is a fault; a warning alone does not say it.
+            asked = any(one.severity is Severity.NOTE for one in self.message.faults)
+            return failed or not asked
+        return self.code is SurveyState.FAILED or (failed and self.code is SurveyState.STOPPED)
+
+    @property
+    def axis_may_move(self) -> bool:
+        """Whether an axis may still move although the survey has ended."""
+        if self.code is not SurveyState.STOPPED:
+            return self.message.may_move or self.is_fault
+        # A text without a fault, or a code that came without the rest, does not say that all is
+        # at rest.
+        cause = self.message.cause
+        known = cause is not None and not (
+            cause.severity is Severity.FAULT and cause.remedy is None
+        )
+        return self.message.may_move or not known
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from gpr20_operator.robot.service_events import (
     HeightTested,
     MachineExamined,
 )
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest

@@ -1,20 +1,23 @@
-"""Health of the nodes, and the alarms."""
+"""Health of the parts of the robot, as they report it."""
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message, in_a_row, verbatim
+from gpr20_doctor.faults import PART_FAILED
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
+    IMAGING,
+    MAIN_CONTROL,
     MAX_SENSORS,
     SENSOR_PREFIX,
     HealthLevel,
     NodeHealth,
 )
+from gpr20_doctor.mid.titles import node_title
 from gpr20_operator import faults
 
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
@@ -23,6 +26,8 @@ STALE_S = 4.0
 SIMULATOR = "simulator"
 ANALYZER = "vna_acquisition"
 STORAGE = "vna_processing"
+# Not what a survey needs: the state says how the main control is, and images can wait.
+NOT_NEEDED = (MAIN_CONTROL, IMAGING)
 
 
 @dataclass(frozen=True)
@@ -31,21 +36,41 @@ class HealthReport:
 
     Attributes:
         nodes: In the order to be shown; a node that does not report is STALE.
+        settled: Whether each node had the time to report once.
     """
 
     nodes: Tuple[NodeHealth, ...] = ()
+    settled: bool = True
 
     def node(self, name: str) -> Optional[NodeHealth]:
         """Return the health of a node; None if it is not listed."""
         return next((node for node in self.nodes if node.name == name), None)
 
     @property
-    def analyzer_fault(self) -> Optional[Message]:
-        """The fault that the VNA driver reports; None if there is none."""
-        analyzer = self.node(ANALYZER)
-        if analyzer is None or analyzer.level is not HealthLevel.ERROR:
-            return None
-        return analyzer.message
+    def trouble(self) -> Optional[Message]:
+        """What keeps a survey from running: parts that have failed or do not report; else None."""
+        needed = [
+            one
+            for one in self.nodes
+            if one.name not in NOT_NEEDED and not one.name.startswith(SENSOR_PREFIX)
+        ]
+        found = [
+            Message("{name}: {state}", name=node_title(one.name), state=one.message).with_fault(
+                PART_FAILED
+            )
+            for one in needed
+            if one.level is HealthLevel.ERROR
+        ]
+        silent = tuple(
+            node_title(one.name)
+            for one in needed
+            if one.level is HealthLevel.STALE and self.settled
+        )
+        if silent:
+            found.append(Message("No report: {parts}", parts=silent).with_fault(faults.PART_SILENT))
+        if len(found) > 1:
+            return in_a_row(found)
+        return found[0] if found else None
 
     @property
     def free_disk_mb(self) -> Optional[float]:
@@ -69,6 +94,7 @@ class HealthTracker:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
+        self._begun_s = clock.now_s()
         self._reports: Dict[str, Tuple[NodeHealth, float]] = {}
 
     def note(self, health: NodeHealth) -> None:
@@ -80,7 +106,8 @@ class HealthTracker:
         """Return the health of every node now."""
         more = [SIMULATOR] if SIMULATOR in self._reports else []
         names = (*EXPECTED_NODES, *more, *self._sensors())
-        return HealthReport(tuple(self._node(name) for name in names))
+        settled = self._clock.now_s() - self._begun_s > STALE_S
+        return HealthReport(tuple(self._node(name) for name in names), settled)
 
     def _sensors(self) -> List[str]:
         return sorted(name for name in self._reports if name.startswith(SENSOR_PREFIX))
@@ -96,55 +123,3 @@ class HealthTracker:
         if self._clock.now_s() - received_s <= STALE_S:
             return health
         return NodeHealth(name, HealthLevel.STALE, health.message, health.values)
-
-
-class AlarmKind(enum.Enum):
-    """What keeps the window from the robot, or the robot from the survey."""
-
-    MASTER_GONE = "master gone"
-    NO_CONTROL = "no control"
-    CONTROL_LOST = "control lost"
-    SURVEY_INTERRUPTED = "survey interrupted"
-    ANALYZER_FAULT = "analyzer fault"
-
-
-@dataclass(frozen=True)
-class Alarm:
-    """An alarm.
-
-    Attributes:
-        kind: What is wrong.
-        silent_s: Time without contact with the main control [s]; 0 for other alarms.
-        reason: The fault that a node reports; None for other alarms.
-    """
-
-    kind: AlarmKind
-    silent_s: float = 0.0
-    reason: Optional[Message] = None
-
-    @property
-    def message(self) -> Message:
-        """The alarm in a sentence."""
-        if self.kind is AlarmKind.CONTROL_LOST:
-            return Message(
-                "No contact with the main control for {seconds} s: the robot may still move. "
-                "Waiting for it.",
-                seconds=int(self.silent_s),
-            ).with_fault(faults.CONTROL_LOST)
-        if self.kind is AlarmKind.ANALYZER_FAULT and self.reason is not None:
-            return Message("VNA fault: {reason}", reason=self.reason)
-        return _ALARMS[self.kind]
-
-
-_ALARMS: Dict[AlarmKind, Message] = {
-    AlarmKind.MASTER_GONE: Message(
-        "The ROS master does not answer: the robot may still move. Waiting for it."
-    ).with_fault(faults.MASTER_LOST),
-    AlarmKind.NO_CONTROL: Message(
-        "No contact with the main control. Start it with: roslaunch gpr20 survey.launch"
-    ).with_fault(faults.NO_CONTROL),
-    AlarmKind.SURVEY_INTERRUPTED: Message(
-        "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEYS."
-    ).with_fault(faults.CONTROL_RESTARTED),
-    AlarmKind.ANALYZER_FAULT: Message("VNA fault"),
-}

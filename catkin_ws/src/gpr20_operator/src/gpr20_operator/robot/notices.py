@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, Optional, Tuple
+from typing import Dict, List, Optional, Set, Tuple
 
 from gpr20_common import remedies
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.titles import level_title, node_title
+from gpr20_operator.robot.condition import JobLevel, condition_of, urgent
 from gpr20_operator.robot.events import Answer, ControlState
-from gpr20_operator.robot.fault_messages import reason_of
-from gpr20_operator.robot.motion import TITLE
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
 
 NO_REPORT = Message("no report")
@@ -114,14 +114,9 @@ def stop_notice(answer: Answer, known: Message) -> Notice:
     )
 
 
-def motion_notice(motion: Message) -> Notice:
-    """Return what a dialog says about motion that no survey explains."""
-    return Notice(TITLE, motion, remedy(motion), details=_details(motion))
-
-
 def fault_notice(state: ControlState) -> Notice:
     """Return the card of a fault that paused or ended a survey."""
-    reason = reason_of(state.message)
+    reason = state.reason
     paused, can_continue = state.code is SurveyState.PAUSED, state.message.can_continue
     then: Optional[Message] = _RESUME_NEXT if paused else _START_NEXT
     if not can_continue:
@@ -159,11 +154,49 @@ def analyzer_notice(reason: Message, identity: str) -> Notice:
     )
 
 
-def state_notice(state: ControlState) -> Notice:
-    """Return the whole status message of the main control."""
-    message = state.message
-    first = remedies.first_step(message)
-    return Notice(state.title, message, first, details=_details(message))
+def band_notice(snapshot: Snapshot) -> Notice:
+    """Return all that the band says, and what to do first."""
+    state = snapshot.state
+    if urgent(snapshot) is None and state is not None and state.is_fault:
+        return fault_notice(state)
+    shown = condition_of(snapshot)
+    return Notice(shown.title, shown.message, shown.remedy, details=_details(shown.message))
+
+
+class CardWatch:
+    """Returns the card of each fault once, and says for how long it is true."""
+
+    def __init__(self) -> None:
+        self._known: Set[object] = set()
+
+    def note(self, snapshot: Snapshot) -> Optional[Notice]:
+        """Take what is known now; return the card that a person must see, if it is new."""
+        cards = self._cards(snapshot)
+        new = [card for key, card in cards if key not in self._known]
+        self._known = {key for key, _card in cards}
+        return new[0] if new else None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether every fault is over."""
+        return not self._known
+
+    @staticmethod
+    def _cards(snapshot: Snapshot) -> List[Tuple[object, Notice]]:
+        """Return what must be seen at once, with what is the same while its numbers change."""
+        if snapshot.replay is not None:
+            return []
+        found: List[Tuple[object, Notice]] = []
+        shown, state = urgent(snapshot), snapshot.state
+        concerns = snapshot.running or snapshot.interrupted or bool(snapshot.moving)
+        if shown is not None and shown.level is JobLevel.FAULT and concerns:
+            found.append((shown.title.template, band_notice(snapshot)))
+        if state is not None and state.is_fault:
+            # Without the warnings around it, which may come and go.
+            reason = state.reason
+            key = state.code, state.survey_id, reason.fault_code or reason
+            found.append((key, fault_notice(state)))
+        return found
 
 
 def node_notice(node: NodeHealth) -> Notice:

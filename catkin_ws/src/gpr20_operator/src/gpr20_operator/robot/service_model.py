@@ -18,7 +18,7 @@ from gpr20_operator.robot.service_events import (
     EndstopState,
     HeightTested,
 )
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.results.analyzer_test import AnalyzerTest

@@ -8,9 +8,8 @@ from typing import Dict, Optional
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_operator.robot.events import Answer, AxisReport, AxisStopAnswer, Request
-from gpr20_operator.robot.fault_messages import axis_may_move
 from gpr20_operator.robot.notices import Notice, stop_notice
-from gpr20_operator.robot.survey_model import STALE_S, Snapshot
+from gpr20_operator.robot.snapshot import STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
@@ -118,7 +117,7 @@ class StopConfirmation:
         if state is None or not snapshot.control_alive or state.code is self._state_at_press:
             return False
         reported = any(one.moving for one in snapshot.axes)
-        return state.code in ENDED and not axis_may_move(state) and not reported
+        return state.code in ENDED and not state.axis_may_move and not reported
 
     @staticmethod
     def _rests(report: Optional[AxisReport], since_s: float) -> bool:

@@ -18,7 +18,6 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
-from gpr20_operator.robot.fault_messages import is_fault, reason_of
 from gpr20_operator.words import duration
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_user_interface.terminal.displays import Display
@@ -145,7 +144,7 @@ class SurveySession:
             return
         self._state = state
         self._display.note(Message("{state}: {message}", state=state.title, message=state.message))
-        if is_fault(state):
+        if state.is_fault:
             self._display.note(first_step(state.message))
         if self._progress is not None:
             self._display.show(self._progress, state)
@@ -180,7 +179,7 @@ def _accepted(plan: Accepted) -> Message:
 
 def first_step(message: Message) -> Message:
     """Return what to do first about a fault, with its code."""
-    reason = reason_of(message)
+    reason = message.failure or message
     return Message(
         "Do this first: {remedy}",
         remedy=remedies.first_step(reason) or remedies.CHECK_STATUS,

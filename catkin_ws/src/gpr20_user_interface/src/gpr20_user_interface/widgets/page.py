@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 
 
 class Page:

@@ -29,16 +29,14 @@ from gpr20_user_interface.pages.ground.map_view import MapView
 from gpr20_user_interface.pages.ground.radar_page import RadarBinding
 from gpr20_user_interface.pages.ground.radar_view import RadarView
 from gpr20_user_interface.pages.ground.traces import TracesBinding
-from gpr20_user_interface.pages.job.page import JobBinding
+from gpr20_user_interface.pages.job.alerts import Alerts
+from gpr20_user_interface.pages.job.page import JobPage
 from gpr20_user_interface.pages.plan.page import ControlBinding
 from gpr20_user_interface.pages.plan.start_sheet import StartSheet
 from gpr20_user_interface.pages.plan.view import ControlView
-from gpr20_user_interface.pages.robots.page import RobotsBinding
-from gpr20_user_interface.pages.service.page import ServiceBinding
-from gpr20_user_interface.pages.service.view import ServiceView
+from gpr20_user_interface.pages.robot.page import RobotPage
+from gpr20_user_interface.pages.robots.page import RobotsPage
 from gpr20_user_interface.pages.settings.page import SettingsBinding
-from gpr20_user_interface.pages.status.page import SurveyBinding
-from gpr20_user_interface.pages.status.view import StatusView
 from gpr20_user_interface.pages.surveys.page import (
     ImagingBinding,
     SurveysBinding,
@@ -49,6 +47,7 @@ from gpr20_user_interface.widgets.top_bar import TopBar
 from gpr20_user_interface.window.lock import TouchBinding
 from gpr20_user_interface.window.presenters import Presenters
 from gpr20_user_interface.window.rail import Rail, TabName
+from gpr20_user_interface.window.survey_tab import SurveyTab
 
 # Topics come at up to 50 Hz; figures that change more often cannot be read.
 REFRESH_MS = 100
@@ -93,9 +92,9 @@ class MainWindow(TranslatedWidget):
             *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
         )
-        self.robots = RobotsBinding(
-            self, presenters.robots, self.settings.sheet, self.top_bar, clock
-        )
+        choice = self.settings.sheet.robot_button
+        choice.clicked.connect(self.settings.sheet.hide)
+        self.robots = RobotsPage(self, presenters.robots, choice, self.top_bar.show_robot, clock)
         self._bindings = self._all_bindings(presenters)
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -128,7 +127,7 @@ class MainWindow(TranslatedWidget):
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
-        self.survey_binding.take_refusal(self.survey.on_event(event))
+        self.alerts.take_refusal(self.survey.on_event(event))
         if isinstance(event, Answer):
             self.refresh()
         for binding in self._bindings:
@@ -154,7 +153,7 @@ class MainWindow(TranslatedWidget):
         """Put the parameters of a plan into CONTROL, and bring it to the front."""
         self.control.show_parameters(parameters)
         # The job of the survey before is no longer of interest.
-        self.job_binding.show_plan()
+        self.survey_tab.show_plan(self.survey.snapshot)
         self.show_tab(TabName.SURVEY)
 
     def use_look(self, look: Look) -> None:
@@ -178,7 +177,6 @@ class MainWindow(TranslatedWidget):
         self.top_bar = TopBar()
         self.rail, self.tabs = Rail(), QStackedWidget()
         self.control = ControlView()
-        self.status = StatusView()
         self.additions = AdditionsPresenter(
             traces.source,
             lambda: self.control_binding.next_annotation.value.operator,
@@ -188,34 +186,30 @@ class MainWindow(TranslatedWidget):
         self.radar = RadarView(traces.shown.radar)
         self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = SurveysPage(self, traces.past)
-        self.service = ServiceView()
-        # Planning a survey, or the job while there is one.
-        self.control_pages = QStackedWidget()
-        self.control_pages.addWidget(self.control)
-        self._pages: Dict[TabName, QWidget] = {
-            TabName.SURVEY: self.control_pages,
-            TabName.STATUS: self.status,
-            TabName.MAP: self.map_page,
-            TabName.RADAR: self.radar_page,
-            TabName.SURVEYS: self.past,
-            TabName.SERVICE: self.service,
-        }
+        self.job = JobPage(traces)
+        self.survey_tab = SurveyTab(self.control, self.job)
 
     def _bind_tabs(self, presenters: Presenters, languages: Languages, clock: Clock) -> None:
         """Connect each tab, and what it opens, with its presenters."""
         survey, traces = self.survey, self.traces
         self.start_sheet = StartSheet(self, survey, traces.past)
-        self.survey_binding = SurveyBinding(
-            self, survey, self.top_bar, self.status, self.start_sheet
+        self.alerts = Alerts(
+            *(self, survey, self.top_bar),
+            *(self.start_sheet.ask_resume, self.start_sheet.ask_resume_with, clock),
         )
-        self.job_binding = JobBinding(
-            *(self, survey, traces, self.top_bar, self.control_pages, self.survey_binding),
-            clock,
-        )
-        self.job = self.job_binding.view
+        self.robot = RobotPage(presenters.service, self.alerts.notice.show_notice)
+        self.job.card_pressed.connect(self.alerts.show_condition)
+        self.job.plan_pressed.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
+        self._pages: Dict[TabName, QWidget] = {
+            TabName.SURVEY: self.survey_tab,
+            TabName.MAP: self.map_page,
+            TabName.RADAR: self.radar_page,
+            TabName.SURVEYS: self.past,
+            TabName.ROBOT: self.robot,
+        }
         self.control_binding = ControlBinding(
             *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
-            *(self.survey_binding.show_refusal, self.start_sheet),
+            *(self.alerts.show_refusal, self.start_sheet),
         )
         self.surveys_binding = SurveysBinding(
             self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
@@ -231,7 +225,7 @@ class MainWindow(TranslatedWidget):
             self.additions,
             self.map,
             self._use_parameters,
-            self.survey_binding.show_refusal,
+            self.alerts.show_refusal,
         )
         self.radar_binding = RadarBinding(
             self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
@@ -239,9 +233,9 @@ class MainWindow(TranslatedWidget):
 
     def _name_sheets(self) -> None:
         """Name what lies over the tabs; the bindings open and close it."""
-        self.notice, self.question = self.survey_binding.notice, self.survey_binding.question
+        self.notice, self.question = self.alerts.notice, self.alerts.question
         self.values = self.control_binding.values
-        self.stop_warning = self.job_binding.stop_warning
+        self.stop_warning = self.alerts.stop_warning
         self.profiles = self.control_binding.profiles
         self.annotation = self.control_binding.annotation
         self.candidates = self.surveys_binding.candidates
@@ -260,20 +254,16 @@ class MainWindow(TranslatedWidget):
                 *(self.survey, self.traces, self.map_page, self.radar_page),
                 lambda: self.show_tab(TabName.RADAR),
             ),
-            self.survey_binding,
-            self.job_binding,
+            self.alerts,
+            self.survey_tab,
+            self.job,
             self.map_binding,
             self.control_binding,
             self.surveys_binding,
             self.radar_binding,
             self.settings,
             self.robots,
-            ServiceBinding(
-                self.survey,
-                presenters.service,
-                self.service,
-                lambda: self.tabs.currentWidget() is self.service,
-            ),
+            self.robot,
         )
 
     def _lay_out(self) -> None:
@@ -301,7 +291,7 @@ class MainWindow(TranslatedWidget):
         for request in (
             self.top_bar.stop.pressed,
             self.top_bar.pause_pressed,
-            self.top_bar.replay.pause.clicked,
+            self.top_bar.replay_pressed,
             self.start_sheet.hold.held,
         ):
             request.connect(lambda *_: self.refresh())

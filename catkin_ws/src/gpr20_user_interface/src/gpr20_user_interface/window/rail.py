@@ -25,8 +25,7 @@ class TabName(enum.Enum):
     MAP = "ground"
     RADAR = "replay"
     SURVEYS = "surveys"
-    STATUS = "robot"
-    SERVICE = "warning"
+    ROBOT = "robot"
 
 
 class RailButton(QToolButton):
@@ -101,8 +100,7 @@ class Rail(TranslatedWidget):
             TabName.MAP: self.tr("MAP"),
             TabName.RADAR: self.tr("RADAR"),
             TabName.SURVEYS: self.tr("Stored"),
-            TabName.STATUS: self.tr("STATUS"),
-            TabName.SERVICE: self.tr("SERVICE"),
+            TabName.ROBOT: self.tr("ROBOT"),
         }
         for name, title in titles.items():
             self.tabs[name].setText(title)

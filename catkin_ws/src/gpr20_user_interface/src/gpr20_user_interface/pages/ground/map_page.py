@@ -14,8 +14,8 @@ from gpr20_operator.ground.grid import Cell
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import Snapshot
 from gpr20_survey.plan.annotation import check_text
 from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT, Marker
 from gpr20_survey.plan.survey_cost import survey_cost

@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.jobs.images import FocusedImages
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_user_interface.pages.ground.radar_sheet import RadarSheet
 from gpr20_user_interface.pages.ground.radar_view import RadarView
 from gpr20_user_interface.widgets.page import Page

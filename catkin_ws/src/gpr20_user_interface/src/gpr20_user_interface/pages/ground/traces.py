@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Callable
 
 from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import Snapshot
 from gpr20_user_interface.pages.ground.band import BandPage
 from gpr20_user_interface.pages.ground.map_view import MapView
 from gpr20_user_interface.pages.ground.radar_view import RadarView

@@ -21,8 +21,8 @@ from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.plan.tiles import Tile
 from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
 from gpr20_operator.robot.notices import Refused
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import Snapshot
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet

@@ -14,8 +14,8 @@ from gpr20_operator.plan.hold_question import (
     resume_question,
     start_question,
 )
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import Snapshot
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters

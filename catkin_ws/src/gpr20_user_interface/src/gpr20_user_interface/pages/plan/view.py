@@ -19,7 +19,7 @@ from gpr20_operator.plan.tiles import (
     tile_problem,
 )
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of

@@ -1,55 +1,74 @@
-"""Connects the choice of the robot with the robots on the ROS master."""
+"""The robots of the ROS master: their names where there are several, and the choice of one."""
 
 from __future__ import annotations
 
-from PyQt5.QtWidgets import QWidget
+from functools import partial
+from typing import Callable, List, Tuple
+
+from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_operator.robot.events import Request
-from gpr20_operator.robot.robots import Robots
-from gpr20_operator.robot.survey_model import Snapshot
-from gpr20_user_interface.pages.robots.sheet import RobotsSheet
-from gpr20_user_interface.pages.settings.sheet import SettingsSheet
+from gpr20_operator.robot.robots import ListedRobot, Robots
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.top_bar import TopBar
+from gpr20_user_interface.widgets.widgets import new_button
 
+MARGIN_PX = 24
+ROWS, COLUMNS = 4, 2
+PER_PAGE = ROWS * COLUMNS
+LONGEST_NAME = 14
 # In the top bar.
-LONGEST_NAME = 16
+LONGEST_IN_BAR = 16
 
 
-class RobotsBinding(Page):
-    """Names the robot where there are several, and lets the operator choose another one.
+class RobotsPage(Overlay, Page):
+    """Lists the robots of the ROS master; a touch of one shows it in this window.
 
     Args:
         window: The window.
         robots: The robots of the master.
-        settings: The sheet whose button opens the list.
-        top_bar: Names the robot.
+        open_button: Opens the list; it is seen while there is a choice.
+        show_name: Names the robot in the top bar; empty: there is only one.
         clock: Measures how long the window has been open.
-
-    Attributes:
-        sheet: The list.
     """
 
     def __init__(
         self,
         window: QWidget,
         robots: Robots,
-        settings: SettingsSheet,
-        top_bar: TopBar,
+        open_button: QPushButton,
+        show_name: Callable[[str], None],
         clock: Clock,
     ) -> None:
+        super().__init__(window)
         self._robots = robots
-        self._settings = settings
-        self._top_bar = top_bar
+        self._open_button = open_button
+        self._show_name = show_name
         self._clock = clock
         self._opened_s = clock.now_s()
         self._control_seen = False
         self._proposed = False
-        self.sheet = RobotsSheet(window)
-        settings.robot_button.clicked.connect(lambda: self._open())
-        self.sheet.robot_chosen.connect(robots.show)
-        self.sheet.closed.connect(lambda: robots.watch(False))
+        self._listed: Tuple[ListedRobot, ...] = ()
+        self._page = 0
+        # Whether the window may leave its robot now.
+        self._free = True
+        self.title, self.hint = QLabel(), QLabel()
+        self.title.setObjectName("title")
+        self.hint.setObjectName("quiet")
+        self.hint.setWordWrap(True)
+        self.buttons: List[QPushButton] = [
+            new_button(partial(self._choose, number)) for number in range(PER_PAGE)
+        ]
+        self.next_page = new_button(self._show_next_page)
+        self.close_button = new_button(self._close)
+        open_button.clicked.connect(lambda: self._open())
+        self._lay_out()
+        self.retranslate()
+        self.restyle()
 
     def on_event(self, event: object) -> None:
         """Follow the robots of the master."""
@@ -59,18 +78,72 @@ class RobotsBinding(Page):
         """Show what is known now; propose a choice once if the window has no robot."""
         robots = self._robots
         self._control_seen = self._control_seen or snapshot.control_alive
-        self._settings.robot_button.setVisible(robots.can_choose)
+        self._open_button.setVisible(robots.can_choose)
         several = robots.are_several and snapshot.replay is None
-        self._top_bar.show_robot(robots.shown.short_name(LONGEST_NAME) if several else "")
+        self._show_name(robots.shown.short_name(LONGEST_IN_BAR) if several else "")
         open_s = self._clock.now_s() - self._opened_s
         if not self._proposed and robots.must_choose(self._control_seen, open_s):
             self._proposed = True
             self._open()
-        if self.sheet.isVisible():
-            self.sheet.show_robots(robots.listed, Request.STOP not in snapshot.pending)
+        if self.isVisible():
+            # Not while a STOP is not answered.
+            self._list(Request.STOP not in snapshot.pending)
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.title.setText(self.tr("Which robot does this window show?"))
+        self.hint.setText(
+            self.tr("STOP stops the robot that is shown, and no other. Surveys continue.")
+        )
+        self.next_page.setText(self.tr("MORE"))
+        self.close_button.setText(self.tr("CLOSE"))
+        pages = -(-len(self._listed) // PER_PAGE)
+        self._page = self._page % pages if pages else 0
+        self.next_page.setVisible(pages > 1)
+        first = self._page * PER_PAGE
+        listed = self._listed[first : first + PER_PAGE]
+        for button, robot in zip(self.buttons, listed):
+            button.setText(f"{robot.short_name(LONGEST_NAME)}\n{shown_text(robot.activity)}")
+            button.setEnabled(self._free and not robot.is_shown)
+        for number, button in enumerate(self.buttons):
+            button.setVisible(number < len(listed))
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        look = look_of(self)
+        margin, gap = look.px(MARGIN_PX), look.px(GAP_PX)
+        self._layout.setContentsMargins(margin, gap, margin, gap)
+        self._layout.setSpacing(gap)
+
+    def _list(self, free: bool) -> None:
+        if (self._robots.listed, free) != (self._listed, self._free):
+            self._listed, self._free = self._robots.listed, free
+            self.retranslate()
 
     def _open(self) -> None:
         self._robots.watch(True)
-        self._settings.hide()
-        self.sheet.show_robots(self._robots.listed, True)
-        self.sheet.open()
+        self._list(True)
+        self.open()
+
+    def _choose(self, number: int) -> None:
+        self._robots.show(self._listed[self._page * PER_PAGE + number].namespace)
+
+    def _show_next_page(self) -> None:
+        self._page += 1
+        self.retranslate()
+
+    def _close(self) -> None:
+        self.hide()
+        self._robots.watch(False)
+
+    def _lay_out(self) -> None:
+        layout = self._layout = QGridLayout(self)
+        layout.addWidget(self.title, 0, 0, 1, COLUMNS)
+        for number, button in enumerate(self.buttons):
+            layout.addWidget(button, 1 + number // COLUMNS, number % COLUMNS)
+        layout.addWidget(self.hint, 1 + ROWS, 0, 1, COLUMNS)
+        layout.addWidget(self.next_page, 2 + ROWS, 0)
+        layout.addWidget(self.close_button, 2 + ROWS, 1)
+        layout.setRowStretch(1 + ROWS, 1)
+        for column in range(COLUMNS):
+            layout.setColumnStretch(column, 1)

@@ -1,0 +1,270 @@
+"""What a client shows of the robot on every page: by its motion, its codes and their age.
+
+The state of a survey is the last thing that counts: what moves, who is silent and what stands
+still comes first. No dialog and no request changes the result.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Callable, Dict, Optional, Tuple
+
+from gpr20_common.message import Message, Severity, in_a_row
+from gpr20_common.remedies import first_step
+from gpr20_operator import faults
+from gpr20_operator.robot.events import AxisReport
+from gpr20_operator.robot.job import percent_of, progress_of
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.words import time_left
+from gpr20_survey.plan.survey_state import SurveyState
+
+
+class JobLevel(enum.Enum):
+    """How it is going; each level has a colour, a sign and a pattern of its own."""
+
+    WORKING = "working"
+    PAUSED = "paused"
+    ATTENTION = "attention"
+    FAULT = "fault"
+    DONE = "done"
+    REST = "rest"
+    REPLAY = "replay"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What the band says.
+
+    Attributes:
+        level: How it is going.
+        title: The state in a word or two.
+        message: What the robot does, or what is wrong; with its fault.
+    """
+
+    level: JobLevel
+    title: Message
+    message: Message
+
+    @property
+    def remedy(self) -> Optional[Message]:
+        """What to do first; None: nothing."""
+        return first_step(self.message)
+
+
+MOVES = Message("ROBOT MOVES")
+NO_CONTACT = Message("NO CONTACT")
+# In these the survey moves the robot, and the band says so by its colour.
+_MOVED_BY_SURVEY = (
+    SurveyState.HOMING,
+    SurveyState.SURVEYING,
+    SurveyState.PAUSING,
+    SurveyState.STOPPING,
+)
+_CONTROL = "main_control"
+# The main control reports twice a second; after this time [s] its last word may be out of date.
+CONTROL_LATE_S = 2.5
+# Without a motion, a trace or a new state for so long [s], something is wrong. The main control
+# says much earlier which part it waits for: this finds a main control that waits for nothing.
+STILL_S: Dict[SurveyState, float] = {
+    SurveyState.CHECKING: 20.0,
+    SurveyState.HOMING: 10.0,
+    SurveyState.SURVEYING: 10.0,
+    SurveyState.PAUSING: 10.0,
+    SurveyState.STOPPING: 15.0,
+}
+# Beside it, for the sweep of a slow analyzer: so many times the mean time of a trace.
+STILL_TRACES = 3.0
+_LEVELS: Dict[SurveyState, JobLevel] = {
+    SurveyState.CHECKING: JobLevel.WORKING,
+    SurveyState.HOMING: JobLevel.WORKING,
+    SurveyState.SURVEYING: JobLevel.WORKING,
+    SurveyState.PAUSING: JobLevel.PAUSED,
+    SurveyState.PAUSED: JobLevel.PAUSED,
+    SurveyState.STOPPING: JobLevel.ATTENTION,
+    SurveyState.FINISHED: JobLevel.DONE,
+    SurveyState.FAILED: JobLevel.FAULT,
+}
+# Codes of the main control while it waits for a part.
+WAITS = ("survey.waiting_for_part", "survey.takes_long")
+# Levels of a state that trouble elsewhere does not make better.
+_KEPT = (JobLevel.PAUSED, JobLevel.FAULT)
+
+
+def condition_of(snapshot: Snapshot) -> Condition:
+    """Return what the band shows now: the gravest of what is known."""
+    return urgent(snapshot) or _of_state(snapshot)
+
+
+def urgent(snapshot: Snapshot) -> Optional[Condition]:
+    """Return what comes before the state: motion, no contact, a lost survey; None: nothing."""
+    if snapshot.replay is not None:
+        replay = snapshot.replay
+        return Condition(JobLevel.REPLAY, replay.title, replay.message)
+    return _motion(snapshot) or _no_contact(snapshot) or _interrupted(snapshot)
+
+
+def _motion(snapshot: Snapshot) -> Optional[Condition]:
+    """Return what moves although no survey moves it.
+
+    An axis that fell silent while it moved still counts: nobody knows that it rests.
+    """
+    said = [_axis(one) for one in snapshot.moving if not _is_survey(snapshot, one)]
+    if not said:
+        return None
+    if snapshot.service is not None:
+        said.append(Message("in service: {activity}", activity=snapshot.service))
+    motion = in_a_row(said)
+    lost = _no_contact(snapshot) or _interrupted(snapshot)
+    if lost is not None:
+        motion = Message("{motion}. {alarm}", motion=motion, alarm=lost.message)
+    failed = lost is not None or (snapshot.state is not None and snapshot.state.is_fault)
+    level = JobLevel.FAULT if failed else JobLevel.ATTENTION
+    return Condition(level, MOVES, motion.with_fault(faults.ROBOT_MOVES))
+
+
+def _is_survey(snapshot: Snapshot, axis: AxisReport) -> bool:
+    """Return whether it is the survey in progress that moves an axis."""
+    if snapshot.code not in _MOVED_BY_SURVEY or not snapshot.control_alive or axis.silent:
+        return False
+    return _name(axis) in ("", _CONTROL)
+
+
+def _axis(axis: AxisReport) -> Message:
+    name = axis.axis.value
+    if axis.silent:
+        return Message("{axis} axis: no report since it moved", axis=name)
+    if not axis.owner:
+        return Message("{axis} axis", axis=name)
+    return Message("{axis} axis, by {owner}", axis=name, owner=_name(axis))
+
+
+def _name(axis: AxisReport) -> str:
+    return axis.owner.rpartition("/")[2]
+
+
+def _no_contact(snapshot: Snapshot) -> Optional[Condition]:
+    if not snapshot.master_alive:
+        message = Message(
+            "The ROS master does not answer: the robot may still move. Waiting for it."
+        ).with_fault(faults.MASTER_LOST)
+    elif snapshot.control_silent_s is None:
+        message = Message(
+            "No contact with the main control. Start it with: roslaunch gpr20 survey.launch"
+        ).with_fault(faults.NO_CONTROL)
+    elif not snapshot.control_alive:
+        message = Message(
+            "No contact with the main control for {seconds} s: the robot may still move. "
+            "Waiting for it.",
+            seconds=int(snapshot.control_silent_s),
+        ).with_fault(faults.CONTROL_LOST)
+    else:
+        return None
+    return Condition(JobLevel.FAULT, NO_CONTACT, message)
+
+
+def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
+    if not snapshot.interrupted:
+        return None
+    message = Message(
+        "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEYS."
+    ).with_fault(faults.CONTROL_RESTARTED)
+    return Condition(JobLevel.FAULT, Message("INTERRUPTED"), message)
+
+
+def _of_state(snapshot: Snapshot) -> Condition:
+    """Return what the state says, or what contradicts it."""
+    state, percent = snapshot.state, percent_of(snapshot)
+    if state is None:
+        return Condition(JobLevel.REST, NO_CONTACT, Message("Waiting for the robot."))
+    title = state.code.label
+    if percent is not None:
+        title = Message("{state} {percent} %", state=title, percent=percent)
+    if state.is_fault:
+        level = JobLevel.PAUSED if state.code is SurveyState.PAUSED else JobLevel.FAULT
+        return Condition(level, title, state.reason)
+    if snapshot.service is not None:
+        message = Message("In progress: {activity}", activity=snapshot.service)
+        return Condition(JobLevel.ATTENTION, Message("SERVICE"), message)
+    level = _LEVELS.get(state.code, JobLevel.REST)
+    for doubt in _DOUBTS:
+        message = doubt(snapshot)
+        if message is not None:
+            return Condition(level if level in _KEPT else JobLevel.ATTENTION, title, message)
+    return Condition(level, title, state.message)
+
+
+def _late(snapshot: Snapshot) -> Optional[Message]:
+    if snapshot.control_silent_s is None or snapshot.control_silent_s <= CONTROL_LATE_S:
+        return None
+    return Message(
+        "No message from the main control for {seconds} s.", seconds=int(snapshot.control_silent_s)
+    ).with_fault(faults.CONTROL_LATE)
+
+
+def _part(snapshot: Snapshot) -> Optional[Message]:
+    return snapshot.health.trouble
+
+
+def _warning(snapshot: Snapshot) -> Optional[Message]:
+    """Return what the state warns of, or waits for; a note is neither."""
+    message = None if snapshot.state is None else snapshot.state.message
+    if message is None or all(one.severity is Severity.NOTE for one in message.faults):
+        return None
+    return message
+
+
+def _stands_still(snapshot: Snapshot) -> Optional[Message]:
+    limit_s = None if snapshot.code is None else STILL_S.get(snapshot.code)
+    if limit_s is None:
+        return None
+    if snapshot.still_s <= limit_s + STILL_TRACES * _trace_s(snapshot):
+        return None
+    return Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
+        faults.STANDS_STILL
+    )
+
+
+def _ignored_sender(snapshot: Snapshot) -> Optional[Message]:
+    if not snapshot.ignored_sender:
+        return None
+    return Message(
+        "A recording or another program uses the topics of this robot. It is not shown.",
+        details=snapshot.ignored_sender,
+    ).with_fault(faults.REPLAY_BESIDE)
+
+
+def _trace_s(snapshot: Snapshot) -> float:
+    """Return the mean time of a trace [s]; 0 if it is not known."""
+    progress = progress_of(snapshot)
+    if progress is None or progress.is_complete:
+        return 0.0
+    return progress.remaining_s / (progress.total_points - progress.visited_points)
+
+
+# What makes a state doubtful, the most important first.
+_DOUBTS: Tuple[Callable[[Snapshot], Optional[Message]], ...] = (
+    _late,
+    _part,
+    _warning,
+    _stands_still,
+    _ignored_sender,
+)
+
+
+def left_of(snapshot: Snapshot) -> Optional[Message]:
+    """Return how long the survey still takes; None while something holds it up."""
+    progress = progress_of(snapshot)
+    if progress is None or progress.is_complete or not _time_passes(snapshot):
+        return None
+    return time_left(progress.remaining_s)
+
+
+def _time_passes(snapshot: Snapshot) -> bool:
+    if snapshot.code not in STILL_S or snapshot.code is SurveyState.STOPPING:
+        return False
+    warning = _warning(snapshot)
+    if warning is not None and any(one.code in WAITS for one in warning.faults):
+        return False
+    doubts = (_late, _part, _stands_still, _ignored_sender)
+    return urgent(snapshot) is None and not any(doubt(snapshot) for doubt in doubts)

@@ -1,0 +1,123 @@
+"""Everything that is known of the robot and its survey at one moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import FrozenSet, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_operator.robot.events import (
+    AxisReport,
+    ControlState,
+    CurrentPosition,
+    Progress,
+    Request,
+    RobotDefaults,
+    RobotFigures,
+    TargetPosition,
+)
+from gpr20_operator.robot.health import SIMULATOR, HealthReport
+from gpr20_operator.robot.replay import ReplayView
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_survey.plan.survey_state import SurveyState
+
+# The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
+CONTROL_SILENCE_S = 5.0
+# A coordinate or height that is older than this [s] is not shown.
+STALE_S = 3.0
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What a client shows; None: not known now."""
+
+    control_alive: bool
+    control_silent_s: Optional[float]
+    state: Optional[ControlState]
+    progress: Optional[Progress]
+    current: Optional[CurrentPosition]
+    target: Optional[TargetPosition]
+    height_m: Optional[float]
+    pending: FrozenSet[Request]
+    travel: Optional[RobotTravel]
+    # The parameters of the survey that runs, also of one that another client started.
+    survey_parameters: Optional[SurveyParameters] = None
+    # Those of the survey that runs or ran last.
+    job_parameters: Optional[SurveyParameters] = None
+    figures: Optional[RobotFigures] = None
+    defaults: Optional[RobotDefaults] = None
+    health: HealthReport = field(default_factory=HealthReport)
+    master_alive: bool = True
+    # A survey ran, and the main control does not know it any more.
+    interrupted: bool = False
+    # For how long no axis moved, no trace was counted and the state stayed the same [s].
+    still_s: float = 0.0
+    # What is done for maintenance, outside a survey.
+    service: Optional[Message] = None
+    # The last report of each axis that was heard.
+    axes: Tuple[AxisReport, ...] = ()
+    # A node that is none of the robot's and publishes on its topics, such as a player of
+    # recordings; nothing of that is shown.
+    ignored_sender: str = ""
+    # What is shown is a replay, not a robot.
+    replay: Optional[ReplayView] = None
+
+    @property
+    def code(self) -> Optional[SurveyState]:
+        """The last state of the main control."""
+        return None if self.state is None else self.state.code
+
+    @property
+    def running(self) -> bool:
+        """Whether, by the last status, a survey exists that has not ended."""
+        return self.code is not None and self.code.running
+
+    @property
+    def running_survey(self) -> str:
+        """The id of the survey that has not ended; empty: there is none."""
+        return self.state.survey_id if self.state is not None and self.running else ""
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the robot is simulated, or the survey that is replayed is of a simulated one."""
+        if self.replay is not None and self.health.node(SIMULATOR) is not None:
+            return True  # a recording of an earlier version may come without its status
+        return self.state is not None and self.state.simulated
+
+    @property
+    def fields_locked(self) -> bool:
+        """Whether the parameters are those of a survey in progress."""
+        if self.replay is not None:
+            return True
+        return self.running or Request.START in self.pending
+
+    @property
+    def can_start(self) -> bool:
+        """Whether START makes sense, if the parameters are right."""
+        return self.control_alive and not self.fields_locked and self.service is None
+
+    @property
+    def moving(self) -> Tuple[AxisReport, ...]:
+        """The axes that move by their last report, also if they are silent since."""
+        return tuple(one for one in self.axes if one.moving)
+
+    @property
+    def paused(self) -> bool:
+        """Whether the survey is paused."""
+        return self.code is SurveyState.PAUSED
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether a survey is measuring and no request is pending."""
+        return self.code is SurveyState.SURVEYING and self._takes_requests
+
+    @property
+    def can_resume(self) -> bool:
+        """Whether a survey is paused that can continue, and no request is pending."""
+        if self.state is None or not self.state.message.can_continue:
+            return False
+        return self.paused and self._takes_requests
+
+    @property
+    def _takes_requests(self) -> bool:
+        return self.control_alive and not self.pending and self.replay is None

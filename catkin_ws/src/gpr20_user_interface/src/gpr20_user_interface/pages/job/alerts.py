@@ -1,0 +1,191 @@
+"""Cards, questions and the warning of a STOP: what the operator must see, on every page."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Optional
+
+from PyQt5.QtCore import Qt, QTimer
+from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_operator.robot.notices import (
+    CardWatch,
+    Notice,
+    Refused,
+    analyzer_notice,
+    band_notice,
+    refusal_notice,
+)
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.stop_confirmation import ANSWER_S, StopConfirmation, StopWarning
+from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.robot.survey_model import Refusal
+from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.cards import AnalyzerQuestion, NoticeView
+from gpr20_user_interface.widgets.labels import LinesLabel
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.top_bar import TopBar
+
+
+class StopWarningView(Overlay):
+    """Stays until the stop is confirmed, or the operator closes it by a hold."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setObjectName("stop_warning")
+        self._warning: Optional[StopWarning] = None
+        self.title = QLabel()
+        self.title.setObjectName("motors_off")
+        self.title.setWordWrap(True)
+        self.title.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.text = LinesLabel()
+        self.close_button = HoldButton()
+        self._layout = QVBoxLayout(self)
+        self._layout.addWidget(self.title, 3)
+        self._layout.addWidget(self.text, 1)
+        self._layout.addWidget(self.close_button)
+        self.retranslate()
+
+    def show_warning(self, warning: Optional[StopWarning]) -> None:
+        """Show a warning over everything; None: there is none."""
+        if warning is None:
+            self.hide()
+            return
+        if warning != self._warning:
+            self._warning = warning
+            self.retranslate()
+        if not self.isVisible():
+            self.open()
+        # Another sheet may have opened since.
+        self.raise_()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.close_button.setText(self.tr("Hold to close"))
+        if self._warning is not None:
+            self.title.setText(shown_text(self._warning.title))
+            self.text.show_text(shown_text(self._warning.text))
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        margin_px = 3 * look_of(self).px(GAP_PX)
+        self._layout.setContentsMargins(margin_px, margin_px, margin_px, margin_px)
+
+
+class Alerts(Page):
+    """Passes PAUSE, RESUME and STOP on; opens the card of each fault and of each refusal.
+
+    Args:
+        window: The window that the cards cover.
+        survey: The survey that runs.
+        top_bar: State, PAUSE and STOP.
+        ask_resume: Asks whether to resume the paused survey.
+        ask_resume_with: Asks whether to continue it with another analyzer.
+        clock: Measures how long a STOP is not confirmed.
+
+    Attributes:
+        notice: The card.
+        question: The question about another analyzer.
+        stop_warning: What is shown until a STOP is confirmed.
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        survey: WindowPresenter,
+        top_bar: TopBar,
+        ask_resume: Callable[[], None],
+        ask_resume_with: Callable[[str], None],
+        clock: Clock,
+    ) -> None:
+        self._survey = survey
+        self._top_bar = top_bar
+        self._ask_resume_with = ask_resume_with
+        self._cards = CardWatch()
+        # The card that was opened without a touch, until it is closed.
+        self._opened: Optional[Notice] = None
+        self._stop = StopConfirmation(clock)
+        self.notice = NoticeView(window)
+        self.question = AnalyzerQuestion(window)
+        self.stop_warning = StopWarningView(window)
+        self._answer_due = QTimer(window)
+        self._answer_due.setSingleShot(True)
+        self._answer_due.setTimerType(Qt.TimerType.PreciseTimer)
+        self._answer_due.setInterval(math.ceil(ANSWER_S * 1000.0) + 1)
+        self._answer_due.timeout.connect(self._show_stop)
+        top_bar.stop.pressed.connect(self._on_stop)
+        top_bar.pause_pressed.connect(survey.pause)
+        top_bar.replay_pressed.connect(survey.pause_replay)
+        top_bar.resume_pressed.connect(ask_resume)
+        top_bar.band.touched.connect(self.show_condition)
+        self.notice.resume_pressed.connect(ask_resume)
+        self.stop_warning.close_button.held.connect(self._on_stop_warning_closed)
+
+    def on_event(self, event: object) -> None:
+        """Follow what is known of a STOP."""
+        self._stop.on_event(event)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now."""
+        self._top_bar.refresh(snapshot)
+        card = self._cards.note(snapshot)
+        if card is not None:
+            self._open(card)
+        elif self._cards.is_over and self._opened is not None:
+            if self.notice.notice is self._opened:
+                self.notice.hide()
+            self._opened = None
+        self._show_stop()
+
+    def show_condition(self) -> None:
+        """Show all that the band says, and what to do first."""
+        snapshot = self._survey.snapshot
+        if snapshot.replay is None:
+            self.notice.show_notice(band_notice(snapshot))
+
+    def take_refusal(self, refusal: Optional[Refusal]) -> None:
+        """Show why a request was refused; None: none was."""
+        if refusal is None:
+            return
+        if not refusal.other_analyzer:
+            self.show_refusal(Refused[refusal.request.name], refusal.reason)
+            return
+        # The status of the survey may have opened a notice with the same reason.
+        self.notice.hide()
+        self.question.ask(
+            analyzer_notice(refusal.reason, refusal.other_analyzer),
+            lambda: self._ask_resume_with(refusal.other_analyzer),
+        )
+
+    def show_refusal(self, refused: Refused, reason: Message) -> None:
+        """Show why something did not succeed."""
+        self.notice.show_notice(refusal_notice(refused, reason))
+
+    def _open(self, card: Notice) -> None:
+        """Open the card of a fault, unless a dialog asks about it or says it already."""
+        shown = self.notice.notice if self.notice.isVisible() else None
+        if not self.question.isVisible() and (shown is None or shown.text != card.text):
+            self._opened = card
+            self.notice.show_notice(card)
+
+    def _on_stop(self) -> None:
+        # First: nothing that is shown may delay it.
+        self._survey.stop()
+        self._stop.press(self._survey.snapshot)
+        # Not with the next refresh, which may come later.
+        self._answer_due.start()
+
+    def _show_stop(self) -> None:
+        self.stop_warning.show_warning(self._stop.warning(self._survey.snapshot))
+        outcome, self._stop.outcome = self._stop.outcome, None
+        if outcome is not None:
+            self.notice.show_notice(outcome)
+
+    def _on_stop_warning_closed(self) -> None:
+        self._stop.close()
+        self.stop_warning.show_warning(None)

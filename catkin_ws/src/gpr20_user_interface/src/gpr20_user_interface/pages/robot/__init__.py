@@ -1,0 +1,1 @@
+"""ROBOT: what is wrong with the robot, its parts, and its maintenance."""

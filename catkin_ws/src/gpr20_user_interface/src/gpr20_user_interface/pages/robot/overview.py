@@ -1,0 +1,279 @@
+"""The first screen of ROBOT: what is wrong, the worst first, and a tile for each part."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Dict, List, Tuple
+
+from PyQt5.QtCore import QSize, Qt, pyqtSignal
+from PyQt5.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.titles import node_title
+from gpr20_operator.robot.health import HealthReport
+from gpr20_operator.robot.service_model import ServiceState
+from gpr20_user_interface.look.icons import icon
+from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
+from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
+
+FINDING_LOOKS: Dict[Level, str] = {
+    Level.OK: "good",
+    Level.NOTE: "",
+    Level.UNKNOWN: "",
+    Level.WARNING: "doubtful",
+    Level.FAULT: "bad",
+}
+# The look of a part's tile, its sign, and the colours of both.
+PART_LOOKS: Dict[HealthLevel, Tuple[str, str, TextColours]] = {
+    HealthLevel.OK: ("good", "check", TextColours.ARROW),
+    HealthLevel.WARN: ("doubtful", "warning", TextColours.DOUBTFUL),
+    HealthLevel.ERROR: ("bad", "fault", TextColours.BAD),
+    HealthLevel.STALE: ("bad", "fault", TextColours.BAD),
+}
+COLUMNS = 4
+SIGN_PX = 28
+LEVEL_PX = 100
+
+
+class FindingsList(TranslatedWidget):
+    """One line per finding: its level, its sentence, and the remedy below."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._findings: Tuple[Finding, ...] = ()
+        self._unfolded = False
+        self._rows: List[Tuple[QLabel, QLabel]] = []
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setColumnStretch(1, 1)
+
+    @property
+    def texts(self) -> List[str]:
+        """The lines that are shown."""
+        rows = self._rows[: len(self._shown)]
+        return [f"{level.text()}: {text.text()}" for level, text in rows]
+
+    @property
+    def _shown(self) -> Tuple[Finding, ...]:
+        if self._unfolded:
+            return self._findings
+        return tuple(one for one in self._findings if one.level >= Level.WARNING)
+
+    def show_findings(self, findings: Tuple[Finding, ...]) -> None:
+        """Show findings; most times they are the last ones."""
+        if findings != self._findings:
+            self._findings = findings
+            self.retranslate()
+
+    def fold(self, folded: bool) -> None:
+        """Show only what is wrong, or every check."""
+        self._unfolded = not folded
+        self.retranslate()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self._grid.setSpacing(look_of(self).px(GAP_PX))
+        self._grid.setColumnMinimumWidth(0, look_of(self).px(LEVEL_PX))
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        shown = self._shown
+        while len(self._rows) < len(shown):
+            self._add_row()
+        for number, (level, text) in enumerate(self._rows):
+            used = number < len(shown)
+            level.setVisible(used)
+            text.setVisible(used)
+            if used:
+                self._show(shown[number], level, text)
+
+    def _add_row(self) -> None:
+        level, text = QLabel(), QLabel()
+        level.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        text.setWordWrap(True)
+        row = len(self._rows)
+        self._grid.addWidget(level, row, 0, Qt.AlignmentFlag.AlignTop)
+        self._grid.addWidget(text, row, 1)
+        self._rows.append((level, text))
+
+    @staticmethod
+    def _show(finding: Finding, level: QLabel, text: QLabel) -> None:
+        # First: the width of the text counts with the padding of its look.
+        set_look(level, "level", FINDING_LOOKS[finding.level])
+        level.setText(shown_text(finding.level.title))
+        lines = [finding.text] if finding.remedy is None else [finding.text, finding.remedy]
+        text.setText("\n".join(map(shown_text, lines)))
+
+
+class PartTiles(TranslatedWidget):
+    """A tile for each part of the robot: its name, on the colour and with the sign of its health.
+
+    A gloved finger opens all that the part reports.
+    """
+
+    # Carries the NodeHealth that was touched.
+    part_touched = pyqtSignal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._report = HealthReport()
+        self._tiles: List[QPushButton] = []
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+
+    def tile(self, name: str) -> QPushButton:
+        """Return the tile of a node."""
+        names = [node.name for node in self._report.nodes]
+        return self._tiles[names.index(name)]
+
+    def show_health(self, report: HealthReport) -> None:
+        """Show the health of everything."""
+        shown = [(one.name, one.level) for one in self._report.nodes]
+        self._report = report
+        if shown != [(one.name, one.level) for one in report.nodes]:
+            self.retranslate()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        nodes = self._report.nodes
+        while len(self._tiles) < len(nodes):
+            number = len(self._tiles)
+            tile = new_button(partial(self._touch, number))
+            tile.setObjectName("part")
+            self._tiles.append(tile)
+            self._grid.addWidget(tile, *divmod(number, COLUMNS))
+            self._grid.setColumnStretch(number % COLUMNS, 1)
+        for number, tile in enumerate(self._tiles):
+            tile.setVisible(number < len(nodes))
+        for tile, node in zip(self._tiles, nodes):
+            self._show(tile, node)
+
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look."""
+        self._grid.setSpacing(look_of(self).px(GAP_PX))
+        self.retranslate()
+
+    def _touch(self, number: int) -> None:
+        self.part_touched.emit(self._report.nodes[number])
+
+    def _show(self, tile: QPushButton, node: NodeHealth) -> None:
+        look, name, colours = PART_LOOKS[node.level]
+        set_look(tile, "level", look)
+        size_px = look_of(self).px(SIGN_PX)
+        tile.setIcon(icon(name, look_of(self).text(colours).ink, size_px))
+        tile.setIconSize(QSize(size_px, size_px))
+        room_px = self.width() // COLUMNS - 2 * size_px
+        tile.setText(in_two_lines(shown_text(node_title(node.name)), tile, room_px))
+
+
+class Overview(TranslatedWidget):
+    """What is wrong and the parts; below them the ways to find out more, and to the service."""
+
+    # The operator has held the button that begins the service.
+    entered = pyqtSignal()
+    check_requested = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._findings: Tuple[Finding, ...] = ()
+        self._examining = False
+        self._folded = True
+        self._headline = QLabel()
+        self._headline.setObjectName("title")
+        self.findings, self.parts = FindingsList(), PartTiles()
+        self._parts_title, self.hint = QLabel(), QLabel()
+        self._parts_title.setObjectName("title")
+        self.hint.setObjectName("quiet")
+        self.hint.setWordWrap(True)
+        self.fold_button = new_button(self._on_fold)
+        self.fold_button.setObjectName("choice")
+        self.check_button = new_button(self.check_requested.emit)
+        self.enter_button = HoldButton()
+        self.enter_button.held.connect(self.entered)
+        self._lay_out()
+        self.retranslate()
+
+    def show_findings(self, findings: Tuple[Finding, ...]) -> None:
+        """Show what is wrong with the robot."""
+        self._findings = findings
+        self.findings.show_findings(findings)
+        self._write_counts()
+
+    def show_state(self, state: ServiceState) -> None:
+        """Show whether the robot can be serviced now."""
+        self.enter_button.setEnabled(state.obstacle is None)
+        hint = self.tr(
+            "Service moves single axes and tests the instruments: keep hands and cables clear."
+        )
+        self.hint.setText(hint if state.obstacle is None else shown_text(state.obstacle))
+        self._examining = state.examining
+        self.check_button.setEnabled(not state.examining)
+        self._write_counts()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self._parts_title.setText(self.tr("Parts"))
+        self.enter_button.setText(self.tr("HOLD FOR SERVICE"))
+        self._write_counts()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        gap_px = look_of(self).px(GAP_PX)
+        self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        for layout in (self._layout, self._bottom, self._content):
+            layout.setSpacing(gap_px)
+
+    def _write_counts(self) -> None:
+        levels = [one.level for one in self._findings]
+        wrong = sum(level >= Level.WARNING for level in levels)
+        if not levels:
+            headline = self.tr("The checks have not ended yet.")
+        elif wrong:
+            headline = self.tr("To do: {count}").format(count=wrong)
+        else:
+            headline = self.tr("The checks have found no fault.")
+        self._headline.setText(headline)
+        good = self.tr("{good} checks good").format(good=levels.count(Level.OK))
+        others = sum(level in (Level.NOTE, Level.UNKNOWN) for level in levels)
+        if others:
+            good += "\n" + self.tr("{count} open").format(count=others)
+        self.fold_button.setText(good if self._folded else self.tr("Only what is wrong"))
+        self.check_button.setText(self.tr("CHECKING") if self._examining else self.tr("CHECK ALL"))
+
+    def _on_fold(self) -> None:
+        self._folded = not self._folded
+        self.findings.fold(self._folded)
+        self._write_counts()
+
+    def _lay_out(self) -> None:
+        content = QWidget()
+        self._content = QVBoxLayout(content)
+        self._content.setContentsMargins(0, 0, 0, 0)
+        for widget in (self._headline, self.findings, self._parts_title, self.parts):
+            self._content.addWidget(widget)
+        self._content.addStretch(1)
+        area = QScrollArea()
+        area.setWidget(content)
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._bottom = QHBoxLayout()
+        for button in (self.fold_button, self.check_button, self.enter_button):
+            self._bottom.addWidget(button, 1)
+        self._layout = QVBoxLayout(self)
+        self._layout.addWidget(area, 1)
+        self._layout.addWidget(self.hint)
+        self._layout.addLayout(self._bottom)

@@ -1,0 +1,334 @@
+"""The second screen of ROBOT: single axes, and tests of the instruments; behind a hold."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Dict, List, Optional
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QStackedWidget,
+    QTextEdit,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_operator.robot.service_events import AxisAction, HeightTested
+from gpr20_operator.robot.service_model import (
+    PARTS,
+    STEPS,
+    AxisState,
+    DailyCheckState,
+    ServiceState,
+)
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.widgets import new_button, set_look
+
+UNKNOWN = "—"
+DISTANCES = (*(-step for step in reversed(STEPS)), *STEPS)
+PLACE_PX = 130
+
+# Called with an axis, what it is asked for, and a distance.
+Move = Callable[[AxisId, AxisAction, float], None]
+
+
+class AxisRow:
+    """The line of one axis: where it is, its endstop, and the buttons to move it."""
+
+    def __init__(self, axis: AxisId, move: Move) -> None:
+        self.axis = axis
+        self.place, self.lamp = QLabel(UNKNOWN), QLabel()
+        self.place.setObjectName("figure")
+        self.jogs = [_jog_button(axis, distance, move) for distance in DISTANCES]
+        self.home = HoldButton()
+        self.home.held.connect(lambda: move(axis, AxisAction.HOME, 0.0))
+        # Instead of an endstop.
+        self.set_zero: Optional[HoldButton] = None
+        if axis is AxisId.Z:
+            self.set_zero = HoldButton()
+            self.set_zero.held.connect(lambda: move(axis, AxisAction.SET_ZERO, 0.0))
+
+    @property
+    def buttons(self) -> List[QPushButton]:
+        """All buttons of the line."""
+        zero = [] if self.set_zero is None else [self.set_zero]
+        return [*self.jogs, *zero, self.home]
+
+
+def _jog_button(axis: AxisId, distance: int, move: Move) -> HoldButton:
+    button = HoldButton(f"{distance:+d}")
+    button.setObjectName("jog")
+    button.held.connect(lambda: move(axis, AxisAction.JOG, float(distance)))
+    return button
+
+
+class AxisRows(TranslatedWidget):
+    """X, Y and Z, one below the other; then the zero of Z."""
+
+    def __init__(self, move: Move) -> None:
+        super().__init__()
+        self._state: Optional[ServiceState] = None
+        self.rows = [AxisRow(axis, move) for axis in AxisId]
+        self._zero_title = QLabel()
+        self._zero_title.setWordWrap(True)
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setColumnStretch(0, 1)
+        for line, row in enumerate(self.rows):
+            words = QVBoxLayout()
+            words.setSpacing(0)
+            for label in (row.place, row.lamp):
+                words.addWidget(label)
+            self._grid.addLayout(words, line, 0)
+            for column, button in enumerate([*row.jogs, row.home], 1):
+                self._grid.addWidget(button, line, column)
+            if row.set_zero is not None:
+                self._grid.addWidget(self._zero_title, line + 1, 0, 1, len(DISTANCES) - 1)
+                self._grid.addWidget(row.set_zero, line + 1, len(DISTANCES), 1, 2)
+        self._grid.setRowStretch(1 + len(self.rows), 1)
+        self.restyle()
+        self.retranslate()
+
+    def row(self, axis: AxisId) -> AxisRow:
+        """Return the line of an axis."""
+        return next(row for row in self.rows if row.axis is axis)
+
+    def show_state(self, state: ServiceState) -> None:
+        """Show what is known of the axes."""
+        if state == self._state:
+            return
+        self._state = state
+        for row, axis in zip(self.rows, state.axes):
+            self._show(row, axis)
+            for button in row.buttons:
+                button.setEnabled(state.entered and not state.busy)
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        px = look_of(self).px
+        self._grid.setSpacing(px(GAP_PX))
+        self._grid.setColumnMinimumWidth(0, px(PLACE_PX))
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self._zero_title.setText(self.tr("Turn the antennas to their mark, then set the zero of Z"))
+        for row in self.rows:
+            row.home.setText(self.tr("HOME"))
+            if row.set_zero is not None:
+                row.set_zero.setText(self.tr("SET ZERO"))
+        state, self._state = self._state, None
+        if state is not None:
+            self.show_state(state)
+
+    def _show(self, row: AxisRow, state: AxisState) -> None:
+        place, unit = UNKNOWN, "°" if state.axis is AxisId.Z else " mm"
+        if state.homed is False:
+            place = self.tr("not homed")
+        elif state.coordinate is not None:
+            place = f"{state.coordinate:.{1 if state.axis is AxisId.Z else 2}f}{unit}"
+        row.place.setText(f"{state.axis.value.upper()} {place}")
+        set_look(row.lamp, "lamp", "on" if state.pressed else "off")
+        row.lamp.setText(self._lamp_text(state))
+
+    def _lamp_text(self, state: AxisState) -> str:
+        if state.axis is AxisId.Z:
+            return ""
+        if state.pressed is None:
+            return self.tr("endstop") + f" {UNKNOWN}"
+        return "● " + self.tr("closed") if state.pressed else "○ " + self.tr("open")
+
+
+class Instruments(TranslatedWidget):
+    """A column for the height sensor, the VNA and the daily check: a button, and what came back.
+
+    Attributes:
+        measure: Measures a height.
+        analyzer: Tests the VNA.
+        daily: Takes the next step of the daily check.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._state: Optional[ServiceState] = None
+        self.measure, self.analyzer, self.daily = QPushButton(), QPushButton(), QPushButton()
+        self.answers: Dict[QPushButton, QTextEdit] = {}
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        for column, button in enumerate((self.measure, self.analyzer, self.daily)):
+            self.answers[button] = _text_area()
+            self._grid.addWidget(button, 0, column)
+            self._grid.addWidget(self.answers[button], 1, column)
+            self._grid.setColumnStretch(column, 1)
+        self._grid.setRowStretch(1, 1)
+        self.restyle()
+        self.retranslate()
+
+    def show_state(self, state: ServiceState) -> None:
+        """Show what came back."""
+        if state == self._state:
+            return
+        self._state = state
+        texts = {
+            self.measure: self._height_text(state.height),
+            self.analyzer: self._analyzer_text(state.analyzer),
+            self.daily: self._daily_text(state.daily_check),
+        }
+        for button, text in texts.items():
+            button.setEnabled(state.entered and not state.busy)
+            self.answers[button].setPlainText(text)
+        self._write_daily(state.daily_check.part)
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        self._grid.setSpacing(look_of(self).px(GAP_PX))
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.measure.setText(self.tr("MEASURE HEIGHT"))
+        self.analyzer.setText(self.tr("TEST VNA"))
+        self._write_daily(None)
+        state, self._state = self._state, None
+        if state is not None:
+            self.show_state(state)
+
+    def _write_daily(self, part: Optional[Part]) -> None:
+        text = self.tr("DAILY CHECK")
+        if part is not None:
+            text = self.tr("MEASURE {number}/{total}").format(
+                number=PARTS.index(part) + 1, total=len(PARTS)
+            )
+        self.daily.setText(text)
+
+    def _daily_text(self, check: DailyCheckState) -> str:
+        if check.measuring:
+            return self.tr("Measuring")
+        lines = []
+        if check.answer is not None:
+            message = check.answer.message
+            lines.append(shown_text(message))
+            if message.remedy is not None:
+                lines.append(shown_text(message.remedy))
+        if check.part is not None:
+            lines.append(shown_text(INSTRUCTIONS[check.part]))
+        return "\n".join(lines) or self.tr("Compares the radar with its reference.")
+
+    def _height_text(self, height: Optional[HeightTested]) -> str:
+        if height is None:
+            return self.tr("Measures the height of the antennas once.")
+        lines = []
+        if height.failure is None:
+            lines.append(
+                self.tr("Height {height_m:.3f} m ± {spread_m:.3f} m").format(
+                    height_m=height.height_m, spread_m=height.spread_m
+                )
+            )
+        if math.isfinite(height.voltage_v):
+            lines.append(self.tr("Sensor {voltage_v:.3f} V").format(voltage_v=height.voltage_v))
+        if height.failure is not None:
+            lines.append(shown_text(height.failure))
+        return "\n".join(lines)
+
+    def _analyzer_text(self, test: Optional[AnalyzerTest]) -> str:
+        if test is None:
+            return self.tr("Connects, reads the calibration and takes a sweep.")
+        lines = []
+        if test.identity:
+            lines.append(self.tr("Connected to {address}").format(address=test.address))
+            lines.append(test.identity)
+        calibration = CalibrationStatus.named(test.calibration)
+        if calibration is not None:
+            state = shown_text(calibration.meaning)
+            lines.append(self.tr("Calibration: {state}").format(state=state))
+        if test.points:
+            lines.append(
+                self.tr("Sweep of {points} points: {duration_s:.3f} s, {level_db:.0f} dB").format(
+                    points=test.points,
+                    duration_s=test.sweep_duration_s,
+                    level_db=test.level_db,
+                )
+            )
+        if test.failure is not None:
+            lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
+            if test.failure.remedy is not None:
+                lines.append(shown_text(test.failure.remedy))
+        return "\n".join(lines)
+
+
+def _text_area() -> QTextEdit:
+    """Return a text that scrolls: a failure may be long."""
+    area = QTextEdit(UNKNOWN)
+    area.setReadOnly(True)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    return area
+
+
+class ServiceScreen(TranslatedWidget):
+    """Axes or instruments; below them the last answer, and the way back."""
+
+    # Carries AxisId, AxisAction and the distance.
+    move_requested = pyqtSignal(object, object, float)
+    left = pyqtSignal()
+    # The operator looks at the other page.
+    touched = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.axes, self.instruments = AxisRows(self.move_requested.emit), Instruments()
+        self.outcome = QLabel()
+        self.outcome.setWordWrap(True)
+        self.switch_button = new_button(self._on_switch)
+        self.leave_button = new_button(self.left.emit)
+        self._pages = QStackedWidget()
+        for page in (self.axes, self.instruments):
+            self._pages.addWidget(page)
+        self._bottom = QHBoxLayout()
+        self._bottom.addWidget(self.outcome, 1)
+        self._bottom.addWidget(self.switch_button)
+        self._bottom.addWidget(self.leave_button)
+        self._layout = QVBoxLayout(self)
+        self._layout.addWidget(self._pages, 1)
+        self._layout.addLayout(self._bottom)
+        self.retranslate()
+
+    def begin(self) -> None:
+        """Show the axes first."""
+        self._show(self.axes)
+
+    def show_state(self, state: ServiceState) -> None:
+        """Show what is known now."""
+        self.axes.show_state(state)
+        self.instruments.show_state(state)
+        self.outcome.setText("" if state.outcome is None else shown_text(state.outcome))
+        set_look(self.outcome, "level", "wrong" if state.failed else "")
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        gap_px = look_of(self).px(GAP_PX)
+        self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        for layout in (self._layout, self._bottom):
+            layout.setSpacing(gap_px)
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.leave_button.setText(self.tr("END SERVICE"))
+        on_axes = self._pages.currentWidget() is self.axes
+        self.switch_button.setText(self.tr("INSTRUMENTS") if on_axes else self.tr("AXES"))
+
+    def _on_switch(self) -> None:
+        on_axes = self._pages.currentWidget() is self.axes
+        self._show(self.instruments if on_axes else self.axes)
+        self.touched.emit()
+
+    def _show(self, page: QWidget) -> None:
+        self._pages.setCurrentWidget(page)
+        self.retranslate()

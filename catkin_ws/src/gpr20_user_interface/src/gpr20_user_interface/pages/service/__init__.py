@@ -1,1 +1,0 @@
-"""SERVICE: what is wrong with the robot, and its maintenance."""

@@ -1,1 +1,0 @@
-"""STATUS: the robot and its parts."""
