@@ -118,6 +118,10 @@ class Job(Generic[Result]):
             self._cancel(ticket.request_id)
         self._set(JobState.READY, problem=reason)
 
+    def refuse(self, problem: Message) -> None:
+        """Say why the result cannot be used, as if there were none."""
+        self._set(JobState.FAILED, problem=problem)
+
     def take(
         self,
         ticket: Ticket[Result],

@@ -80,7 +80,9 @@ class ImagingRequests(Protocol):
     def read_survey(self, ticket: Ticket[StoredSurvey], survey: str) -> None:
         """Ask what the storage has of a survey."""
 
-    def note(self, ticket: Ticket[None], survey: str, kind: Kind, values: Mapping[str, Any]) -> None:
+    def note(
+        self, ticket: Ticket[None], survey: str, kind: Kind, values: Mapping[str, Any]
+    ) -> None:
         """Ask to add a fact to the log of a survey, durably."""
 
     def cancel(self, request_id: str) -> None:
@@ -147,14 +149,15 @@ class Imaging:
 
     Attributes:
         pictures: What it has found.
-        permittivities: Of the ground of surveys, by their ids, as their plans or people say.
+        permittivities: Of the ground of surveys, by their ids, as people entered them here; None:
+            they are not known.
     """
 
     def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
         self.requests = requests
         self.now_s = now_s
         self.pictures = Pictures()
-        self.permittivities: Dict[str, float] = {}
+        self.permittivities: Dict[str, Optional[float]] = {}
         self._shown: Job[FocusedImage] = Job(requests.cancel, now_s, self.pictures.add_image)
         self._others: Job[FocusedImage] = Job(requests.cancel, now_s, self.pictures.add_image)
         self._asked: Optional[Wanted] = None

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Callable, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.pictures import ExportOrder, ImagingRequests, Sticks
 from gpr20_operator.jobs.job import Job, JobState
+from gpr20_operator.jobs.pictures import ExportOrder, ImagingRequests, Sticks
 from gpr20_survey.results.volume import Volume
 
 # A stick that is plugged in shows within this time [s].

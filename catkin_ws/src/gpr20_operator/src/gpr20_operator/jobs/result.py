@@ -1,0 +1,335 @@
+"""The result of one survey: its places, where a mine could hide, what was found, and its report."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import Callable, Optional, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
+from gpr20_operator.jobs.job import Job, JobState
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, ImagingRequests, StoredSurvey
+from gpr20_operator.jobs.stick import StickExport
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import Candidate, CandidateList
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
+from gpr20_survey.results.found import Found, What, found_of, present
+from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.soil_note import KIND as SOIL_KIND
+from gpr20_survey.results.soil_note import noted_permittivity, soil_values
+from gpr20_survey.trace import utc_time
+
+PLACES_SHOWN = 5
+CANCELLED = Message("The search was cancelled.")
+SURVEY_RUNS = Message("A survey is running. The search begins when it has ended.")
+OTHER_SURVEY = Message("The answer is that of another survey.")
+
+
+@dataclass(frozen=True)
+class Record:
+    """What the storage says of a survey.
+
+    Attributes:
+        grid: Where its traces are, its id, and whether it is simulated.
+        stored: How many traces are stored.
+        outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
+        name: What people call it; empty: nothing.
+        operator: Who measured; empty: it is not known.
+        permittivity: Of the ground, as people entered it; None: they did not.
+        found: What people found at its candidates.
+    """
+
+    grid: SurveyGrid
+    stored: int
+    outcome: str = ""
+    name: str = ""
+    operator: str = ""
+    permittivity: Optional[float] = None
+    found: Tuple[Found, ...] = ()
+
+    @property
+    def survey_id(self) -> str:
+        """UUID of the survey."""
+        return self.grid.survey_id
+
+
+def record_of(stored: StoredSurvey) -> Record:
+    """Return what the storage says of a survey.
+
+    Raises:
+        SurveyNotReadableError: It says nothing that is readable.
+        InvalidValueError: Its annotation, or what was found, is not as it should be.
+    """
+    grid = grid_from_description(stored.text)
+    values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
+    log = values.get("log") or []
+    noted = [one["values"] for one in log if one.get("kind") == Kind.FOUND.value]
+    annotation = annotation_of(values)
+    return Record(
+        grid,
+        stored.stored_traces,
+        str(values.get("outcome") or ""),
+        annotation.name or annotation.site,
+        annotation.operator,
+        noted_permittivity(log),
+        tuple(present(found_of(one) for one in noted if one.get("format") == FOUND_FORMAT)),
+    )
+
+
+def list_sum(found: CandidateList) -> str:
+    """Return the SHA-256 of the file that `gpr20 candidates` writes of a list."""
+    return hashlib.sha256((json_text(found) + "\n").encode()).hexdigest()
+
+
+class SurveyResult:
+    """Reads a survey, then searches it, and asks about it with one permittivity.
+
+    Nothing is asked of the imaging node while a survey runs. Belongs to one thread.
+
+    Args:
+        imaging: The imaging node and the storage, and the pictures that all pages share.
+        time_us: The time of day [us since 1970].
+
+    Attributes:
+        survey: Id or folder of the survey in question; empty: none.
+        record: What the storage says of it; None: that is not known yet.
+        reading: The request for it.
+        search: The request for image and candidates.
+        hiding: The request for where the target could hide.
+        noting: The request to store what was found, or the permittivity.
+        export: The export to a stick.
+        target: The target that could hide.
+        first: Number of the first place that is shown, from 0.
+        chosen: The place in question; None: none.
+    """
+
+    def __init__(self, imaging: Imaging, time_us: Callable[[], int] = time_of_day_us) -> None:
+        requests, now_s = imaging.requests, imaging.now_s
+        self._imaging = imaging
+        self._time_us = time_us
+        self._survey_runs = False
+        self._wanted = False
+        self.survey = ""
+        self.record: Optional[Record] = None
+        self.reading: Job[StoredSurvey] = Job(_leave, now_s, self._take_record)
+        self.search: Job[FocusedImage] = Job(requests.cancel, now_s, self._take_image)
+        self.hiding: Job[HidingMap] = Job(requests.cancel, now_s, self._take_hiding)
+        self.noting: Job[None] = Job(_leave, now_s, lambda _none: self._read_again())
+        self._soil: Job[None] = Job(_leave, now_s)
+        self.export = StickExport(requests, now_s)
+        self._list_sum = ""
+        self.target = Targets.TYPE_72.value
+        self.first = 0
+        self.chosen: Optional[Candidate] = None
+
+    @property
+    def revision(self) -> Tuple[object, ...]:
+        """Changes with everything that a view shows of this."""
+        jobs = (self.reading, self.search, self.hiding, self.noting)
+        return (
+            *(self.survey, self._survey_runs, self.first, self.chosen, self.export.revision),
+            *(one.revision for one in jobs),
+            *(int(one.running_s) for one in jobs),
+            *(self.permittivity, self.target, self._imaging.pictures.revision),
+        )
+
+    @property
+    def permittivity(self) -> Optional[float]:
+        """Of the ground, from the plan to the export; None: nobody entered one."""
+        record = self.record
+        if record is None:
+            return None
+        return self._imaging.permittivities.get(record.survey_id, record.permittivity)
+
+    @property
+    def image(self) -> Optional[FocusedImage]:
+        """The image that the places are in; None: the search is not done."""
+        return self.search.result
+
+    @property
+    def places(self) -> Tuple[Candidate, ...]:
+        """The places of the list, in its order."""
+        return () if self.image is None else self.image.found.candidates
+
+    @property
+    def shown(self) -> Tuple[Candidate, ...]:
+        """At most five of the places."""
+        return self.places[self.first : self.first + PLACES_SHOWN]
+
+    @property
+    def waits(self) -> bool:
+        """Whether the search begins when the survey that runs has ended."""
+        return self._survey_runs and self.image is None
+
+    def open(self, survey: str) -> None:
+        """Show the result of a survey, by its id or folder; of the present one, what is known."""
+        if survey != self.survey:
+            self.survey = survey
+            self._forget()
+
+    def end(self) -> None:
+        """End everything but an export, which continues with its survey."""
+        for job in (self.reading, self.search, self.hiding, self.noting):
+            job.end()
+
+    def _forget(self) -> None:
+        self.end()
+        if self.record is not None:
+            self._imaging.pictures.drop_hiding(self.record.survey_id)
+        self.record, self.chosen, self.first = None, None, 0
+        self._wanted = bool(self.survey)
+
+    def note_running(self, runs: bool) -> None:
+        """Note whether a survey is running: what searches ends when one begins."""
+        if runs and not self._survey_runs:
+            # It may be this one that is resumed.
+            self._forget()
+        self._survey_runs = runs
+
+    def keep(self) -> None:
+        """Ask for what is lacking; while somebody looks at the result."""
+        if not self.survey or self._survey_runs or not self._wanted:
+            return
+        if self.record is None:
+            if self.reading.state is JobState.READY:
+                self.reading.ask(lambda ticket: self._requests.read_survey(ticket, self.survey))
+            return
+        self._wanted = False
+        record, permittivity = self.record, self.permittivity
+        known = self._imaging.pictures.image(record.survey_id)
+        if known is not None and self._is_whole(known):
+            image = known
+            self.search.ask(lambda ticket: ticket.done(image))
+        else:
+            value = permittivity or NOT_KNOWN
+            self.search.ask(lambda ticket: self._requests.focus(ticket, record.survey_id, value))
+
+    def cancel(self) -> None:
+        """End the search."""
+        self._wanted = False
+        self.reading.end()
+        self.search.end(CANCELLED)
+
+    def try_again(self) -> None:
+        """Read and search again."""
+        self._forget()
+
+    def set_permittivity(self, permittivity: Optional[float]) -> None:
+        """Use another permittivity from now on, and search with it.
+
+        Args:
+            permittivity: None: it is not known.
+        """
+        if self.record is None or permittivity == self.permittivity:
+            return
+        survey_id = self.record.survey_id
+        self.search.end()
+        self.hiding.end()
+        self._imaging.pictures.drop_hiding(survey_id)
+        self.note_plan(survey_id, permittivity)
+        self.first, self.chosen, self._wanted = 0, None, True
+
+    def note_plan(self, survey_id: str, permittivity: Optional[float]) -> None:
+        """Keep the permittivity of the plan with its survey, durably."""
+        self._imaging.permittivities[survey_id] = permittivity
+        values = soil_values(permittivity, self._time_us())
+        self._soil.ask(lambda ticket: self._requests.note(ticket, survey_id, SOIL_KIND, values))
+
+    def choose_target(self, target: Targets) -> None:
+        """Ask where a target could hide."""
+        if self.record is None or self._survey_runs:
+            return
+        self.target = target.value
+        survey, permittivity = self.record.survey_id, self.permittivity or NOT_KNOWN
+        name = self.target.name
+        self.hiding.ask(
+            lambda ticket: self._requests.map_hidden(ticket, survey, permittivity, name)
+        )
+
+    def begin_export(self, language: str) -> None:
+        """Write the report to a stick."""
+        if self.record is not None and not self._survey_runs:
+            self.export.begin(self.record.survey_id, self.permittivity or NOT_KNOWN, language)
+
+    def turn_page(self) -> None:
+        """Show the next five places; after the last ones the first ones again."""
+        self.first += PLACES_SHOWN
+        if self.first >= len(self.places):
+            self.first = 0
+        self.chosen = None
+
+    def find_at(self, place: Candidate) -> Optional[Found]:
+        """Return what people found at a place of this list; None: nobody has looked there."""
+        if self.record is None or self.image is None:
+            return None
+        key = place.id, self._list_sum
+        records = self.record.found
+        return next((one for one in records if (one.candidate, one.list_sha256) == key), None)
+
+    def note_found(self, place: Candidate, what: What, depth_mm: Optional[float], who: str) -> None:
+        """Store durably what people found at a place.
+
+        Raises:
+            InvalidValueError: A value is not allowed.
+        """
+        if self.record is None or self.noting.running:
+            return
+        found = Found(
+            *(what, place.id, self._list_sum, place.x_mm, place.y_mm, who),
+            *(utc_time.iso_text(self._time_us()), depth_mm),
+        )
+        survey_id, values = self.record.survey_id, found.values()
+        self.noting.ask(lambda ticket: self._requests.note(ticket, survey_id, Kind.FOUND, values))
+
+    def _read_again(self) -> None:
+        if self.record is not None:
+            self.reading.ask(lambda ticket: self._requests.read_survey(ticket, self.survey))
+
+    def _take_record(self, stored: StoredSurvey) -> None:
+        try:
+            self.record = record_of(stored)
+        except (SurveyNotReadableError, InvalidValueError) as error:
+            self.reading.refuse(error.message)
+            return
+        known = self.permittivity
+        if known != self.record.permittivity and not self._soil.running:
+            # The storage could not keep it when the survey began.
+            self.note_plan(self.record.survey_id, known)
+
+    def _take_image(self, image: FocusedImage) -> None:
+        if self._is_other(image.survey_id):
+            self.search.refuse(OTHER_SURVEY)
+            return
+        self._list_sum = list_sum(image.found)
+        self._imaging.pictures.add_image(image)
+
+    def _take_hiding(self, found: HidingMap) -> None:
+        if self._is_other(found.survey_id):
+            self.hiding.refuse(OTHER_SURVEY)
+            return
+        self._imaging.pictures.add_hiding(found)
+
+    def _is_whole(self, image: FocusedImage) -> bool:
+        """Return whether a page has asked for just this image."""
+        whole = self.record is not None and image.traces == self.record.stored
+        return whole and image.found.permittivity == self.permittivity
+
+    def _is_other(self, survey_id: str) -> bool:
+        return self.record is None or survey_id != self.record.survey_id
+
+    @property
+    def _requests(self) -> ImagingRequests:
+        return self._imaging.requests
+
+
+def _leave(_request_id: str) -> None:
+    """Let the storage end a request by itself: none takes long."""

@@ -1,0 +1,143 @@
+"""What a result says: how many places there are, why each is one, and what that does not mean."""
+
+from __future__ import annotations
+
+import math
+from typing import Dict, List, Optional, Tuple, Union
+
+from gpr20_common.message import Message, in_a_row
+from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
+from gpr20_survey.plan.imported import IMPORTED
+from gpr20_survey.radar.soils import ANY_SOIL, soil_of
+from gpr20_survey.results.candidates import Candidate, CandidateList, Flag, UnknownFlag
+from gpr20_survey.results.found import Found, What
+
+FROM_MARK = Message("X and Y in mm from the frame's mark")
+NOTHING_FOUND = Message("No place stands out.")
+NOT_SAFE = Message(
+    "That does not mean that no mine is there: one that echoes no more than this ground is not "
+    "seen. “Where could a mine hide?” shows where."
+)
+SEARCHING = Message("Searching for places")
+READING = Message("Reading the survey")
+FINDS: Dict[What, Message] = {
+    What.NOTHING: Message("nothing"),
+    What.SCRAP: Message("scrap"),
+    What.DEVICE: Message("a mine or other device"),
+}
+OUTCOMES: Dict[str, Message] = {
+    "finished": Message("INCOMPLETE: {stored} of {planned} traces"),
+    "stopped": Message("STOPPED: {stored} of {planned} traces"),
+    "failed": Message("FAILED: {stored} of {planned} traces"),
+    "interrupted": Message("INTERRUPTED: {stored} of {planned} traces"),
+}
+MEANINGS: Dict[Flag, Message] = {
+    Flag.SURFACE_RESIDUE: Message("Surface residue: so shallow that it may be the surface."),
+    Flag.EDGE: Message("Edge: it may lie outside of the measured area."),
+    Flag.ONE_POLARIZATION: Message("One polarization: seen with one rotation of the antennas."),
+    Flag.CLUTTER: Message("Clutter: no stronger than this ground often is."),
+    Flag.SIDELOBE: Message("Sidelobe: it may be left from a much stronger place near it."),
+    Flag.UNRATED: Message("Not rated: the clutter of this ground could not be measured."),
+}
+
+
+def headline(found: CandidateList, first: int = 0) -> Message:
+    """Return how many places there are, and what of them is not shown now.
+
+    Args:
+        found: The list.
+        first: Number of the first place that is shown, from 0.
+    """
+    shown = len(found.candidates[first : first + PLACES_SHOWN])
+    more, unlisted = len(found.candidates) - shown, found.omitted
+    parts = [
+        Message("{shown} of {total} places", shown=shown, total=found.total),
+        *([Message("doubtful: {count}", count=found.total - found.primary)] if found.total else []),
+        *([Message("{count} more in the list", count=more)] if more else []),
+    ]
+    if unlisted:
+        parts.append(
+            Message(
+                "{count} not listed, {primary} of them not doubtful",
+                count=unlisted,
+                primary=found.omitted_primary,
+            )
+        )
+    return in_a_row(parts)
+
+
+def place_line(place: Candidate) -> Message:
+    """Return where a place is."""
+    x, y, depth = place.place_texts
+    return Message("X {x}  Y {y}  depth {depth} mm", x=x, y=y, depth=depth)
+
+
+def why_line(place: Candidate) -> Message:
+    """Return in one line why a place is on the list."""
+    level = Message("{level:.0f} dB above clutter", level=place.above_clutter_db)
+    labels = place.labels
+    if place.is_doubtful:
+        labels = (Message("DOUBTFUL"), *labels)
+    return Message("{level}: {labels}", level=level, labels=in_a_row(labels)) if labels else level
+
+
+def why_lines(place: Candidate) -> List[Message]:
+    """Return all that is known about why a place is on the list."""
+    lines = [Message("{level:.0f} dB above the clutter around it", level=place.above_clutter_db)]
+    if place.false_alarms_text:
+        lines.append(
+            Message(
+                "Echoes of this ground alone that are as strong: {alarms} per m2",
+                alarms=place.false_alarms_text,
+            )
+        )
+    rotations = [f"{one:g}" for one in place.rotations_deg if not math.isnan(one)]
+    if rotations:
+        lines.append(
+            Message("Seen with the antennas at {rotations} deg", rotations=", ".join(rotations))
+        )
+    return [*lines, *map(_meaning, place.flags)]
+
+
+def _meaning(flag: Union[Flag, UnknownFlag]) -> Message:
+    return MEANINGS[flag] if isinstance(flag, Flag) else flag.label
+
+
+def measured(result: SurveyResult) -> Optional[Message]:
+    """Return how much of a survey was measured; None: all of it, or that is not known."""
+    record, image = result.record, result.image
+    if record is None or record.outcome == IMPORTED:
+        return None
+    stored, planned = record.stored, record.grid.planned
+    if stored < planned:
+        part = OUTCOMES.get(record.outcome, OUTCOMES["interrupted"])
+        return Message(part.template, stored=stored, planned=planned)
+    if image is not None and image.traces < stored:
+        return Message("{count} of {stored} traces could not be read", count=stored - image.traces,
+                       stored=stored)  # fmt: skip
+    return None
+
+
+def soil_lines(result: SurveyResult) -> Tuple[Message, Message]:
+    """Return the permittivity that everything is made with, and what is known of it."""
+    value = result.permittivity
+    if value is None:
+        assumed = result.image.found.permittivity if result.image else ANY_SOIL.permittivity
+        return Message("Permittivity {value:.3g}", value=assumed), Message("ASSUMED")
+    soil = soil_of(value)
+    known = Message("as entered") if soil is None else soil.value.name
+    return Message("Permittivity {value:.3g}", value=value), known
+
+
+def found_line(found: Found) -> Message:
+    """Return what people found at a place."""
+    what = Message("Found here: {what}", what=FINDS[found.what])
+    if found.depth_mm is None:
+        return Message("{what} ({who}, {date})", what=what, who=found.who, date=found.time[:10])
+    return Message(
+        "{what}, {depth:.0f} mm deep ({who}, {date})",
+        what=what,
+        depth=found.depth_mm,
+        who=found.who,
+        date=found.time[:10],
+    )

@@ -1,0 +1,478 @@
+"""What opens over the result: one place, what was found there, the soil, hiding places, a stick."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, List, Optional, Sequence
+
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_common import remedies
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.job import Job, JobState
+from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.jobs.stick import ExportPart
+from gpr20_operator.plan.spec import Keys
+from gpr20_operator.words import number_from_text
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.found import MAX_DEPTH_MM, What
+from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import ONLY_THIS
+from gpr20_survey.results.volume import Volume
+from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import sentence_text, shown_text
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.keys import Judge, Pad
+from gpr20_user_interface.widgets.labels import PulledText
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.widgets import new_button
+
+MOST_STICKS = 3
+LONGEST_NAME = 12
+BYTES_PER_MB, BYTES_PER_GB = 1e6, 1e9
+PERMITTIVITIES = Message(
+    "{lowest:g} to {highest:g}", lowest=MIN_PERMITTIVITY, highest=LARGEST_PERMITTIVITY
+)
+DEPTHS = Message("depth of its top in mm, 0 to {deepest:g}; empty: not known", deepest=MAX_DEPTH_MM)
+
+
+def with_remedy(problem: Message) -> str:
+    """Return a problem, and what to do first."""
+    first = remedies.first_step(problem)
+    return "\n".join(sentence_text(one) for one in (problem, first) if one is not None)
+
+
+class ResultSheet(Overlay):
+    """A title, rows of keys, a text, a bar while something runs, and keys below.
+
+    Args:
+        window: The window that it covers.
+        result: The result.
+    """
+
+    def __init__(self, window: QWidget, result: SurveyResult) -> None:
+        super().__init__(window)
+        self.result = result
+        self._drawn: object = None
+        self.title, self.text, self.progress = QLabel(), PulledText(), QProgressBar()
+        self.title.setObjectName("title")
+        self.progress.setRange(0, 0)  # it is not known how long it takes
+        self.close_button = new_button(self.hide)
+        self._rows: List[QHBoxLayout] = []
+        self._page = QVBoxLayout(self)
+        self._page.addWidget(self.title)
+
+    def refresh(self) -> None:
+        """Show what has changed, while it is open."""
+        revision = self.result.revision
+        if self.isVisible() and revision != self._drawn:
+            self._drawn = revision
+            self.show_now()
+
+    def show_now(self) -> None:
+        """Show what is known now."""
+
+    def open_now(self) -> None:
+        """Open with what is known now."""
+        self.show_now()
+        self.open()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.close_button.setText(self.tr("CLOSE"))
+        self.show_now()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        gap_px = look_of(self).px(GAP_PX)
+        self._page.setContentsMargins(2 * gap_px, gap_px, 2 * gap_px, gap_px)
+        for layout in (self._page, *self._rows):
+            layout.setSpacing(gap_px)
+
+    def add_row(self, widgets: Sequence[QWidget]) -> None:
+        """Add a row of keys."""
+        row = QHBoxLayout()
+        for widget in widgets:
+            row.addWidget(widget, 1)
+        self._rows.append(row)
+        self._page.addLayout(row)
+
+    def add_text(self, *keys: QWidget) -> None:
+        """Add the text, the bar and the keys below them."""
+        self._page.addWidget(self.text, 1)
+        self._page.addWidget(self.progress)
+        self.add_row([*keys, self.close_button])
+
+    def choice(self, act: Callable[[], None]) -> QPushButton:
+        """Return a key that is chosen or not."""
+        key = new_button(act)
+        key.setCheckable(True)
+        key.setObjectName("choice")
+        return key
+
+    def show_choice(self, key: QPushButton, text: str, chosen: bool) -> None:
+        """Show whether a key is chosen, not by the colour alone."""
+        key.setChecked(chosen)
+        key.setText(f"\N{CHECK MARK} {text}" if chosen else text)
+
+    def show_job(self, job: Job, rest: str) -> None:
+        """Show how a job is going, or what its page says otherwise."""
+        self.progress.setVisible(job.running)
+        if job.problem is not None:
+            self.text.setText(with_remedy(job.problem))
+        else:
+            self.text.setText(rest)
+
+
+class PlaceSheet(ResultSheet):
+    """One place: why it is on the list, and what to do about it."""
+
+    finer_wanted = pyqtSignal(object)
+    found_wanted = pyqtSignal(object)
+    show_wanted = pyqtSignal(object)
+
+    def __init__(self, window: QWidget, result: SurveyResult) -> None:
+        super().__init__(window, result)
+        self.finer = new_button(lambda: self._leave(self.finer_wanted))
+        self.found = new_button(lambda: self._leave(self.found_wanted))
+        self.view = new_button(lambda: self._leave(self.show_wanted))
+        self.add_text(self.finer, self.found, self.view)
+        self.progress.hide()
+        self.retranslate()
+
+    def show_now(self) -> None:
+        """Show the chosen place."""
+        self.finer.setText(self.tr("Measure\nfiner"))
+        self.found.setText(self.tr("Found\nthere"))
+        self.view.setText(self.tr("Show in\nGROUND"))
+        place, record = self.result.chosen, self.result.record
+        if place is None:
+            self.hide()
+            return
+        self.finer.setEnabled(record is not None and record.grid.plan is not None)
+        self.title.setText(f"{place.number}   {shown_text(texts.place_line(place))}")
+        found = self.result.find_at(place)
+        lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
+        hidden = self.result.hiding.result
+        if hidden is not None:
+            lines.append(hidden.at(place.x_m, place.y_m))
+        self.text.setText("\n".join(sentence_text(one) for one in [*lines, texts.FROM_MARK]))
+
+    def _leave(self, wanted: Any) -> None:
+        self.hide()
+        if self.result.chosen is not None:
+            wanted.emit(self.result.chosen)
+
+
+class FoundSheet(ResultSheet):
+    """Records what a person found at a place; a hold stores it.
+
+    Args:
+        window: The window that it covers.
+        result: The result.
+        operator: Returns who operates the robot now.
+    """
+
+    def __init__(self, window: QWidget, result: SurveyResult, operator: Callable[[], str]) -> None:
+        super().__init__(window, result)
+        self._operator = operator
+        self._place: Optional[Candidate] = None
+        self._what: Optional[What] = None
+        self._depth, self._who = "", ""
+        self._problem: Optional[Message] = None
+        self.pad = Pad(window)
+        self.whats: Dict[What, QPushButton] = {one: self._key(one) for one in What}
+        self.deep = new_button(self._on_depth)
+        self.who = new_button(self._on_who)
+        self.store = HoldButton()
+        self.store.held.connect(self._on_store)
+        self.add_row(list(self.whats.values()))
+        self.add_row([self.deep, self.who])
+        self.add_text(self.store)
+        self.retranslate()
+
+    def ask(self, place: Candidate) -> None:
+        """Open for a place."""
+        record = self.result.record
+        self._place, self._what, self._depth, self._problem = place, None, "", None
+        self._who = self._operator() or (record.operator if record is not None else "")
+        self.result.noting.end()
+        self.open_now()
+
+    def show_now(self) -> None:
+        """Show what is entered."""
+        noting = self.result.noting
+        for what, key in self.whats.items():
+            self.show_choice(key, sentence_text(texts.FINDS[what]), what is self._what)
+        self.deep.setText(f"{self.tr('Depth')}\n{self._depth or '—'} mm")
+        self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or '—'}")
+        self.store.setText(self.tr("Hold to store"))
+        self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
+        if self._place is not None:
+            place = shown_text(texts.place_line(self._place))
+            self.title.setText(self.tr("Found at {place}").format(place=place))
+        stored = self.tr("It is stored with the survey.")
+        asked = self.tr("Choose what was found and say who found it. A later entry replaces this.")
+        if self._problem is not None:
+            self.text.setText(sentence_text(self._problem))
+        else:
+            self.show_job(noting, stored if noting.state is JobState.DONE else asked)
+        self.progress.setVisible(noting.running)
+
+    def _key(self, what: What) -> QPushButton:
+        def act() -> None:
+            self._what = what
+            self.show_now()
+
+        return self.choice(act)
+
+    def _on_depth(self) -> None:
+        def take(text: str) -> None:
+            self._depth = text.strip()
+            self.show_now()
+
+        judge = _judge(0.0, MAX_DEPTH_MM, DEPTHS)
+        title, hint = self.tr("Depth"), shown_text(DEPTHS)
+        self.pad.ask(take, title, hint, self._depth, judge, Keys.NUMBER)
+
+    def _on_who(self) -> None:
+        def take(text: str) -> None:
+            self._who = text.strip()
+            self.show_now()
+
+        self.pad.ask(take, self.tr("Who"), "", self._who, lambda _text: "", Keys.LETTERS)
+
+    def _on_store(self) -> None:
+        if self._place is None or self._what is None:
+            return
+        try:
+            depth_mm = number_from_text(self._depth) if self._depth else None
+            self.result.note_found(self._place, self._what, depth_mm, self._who)
+            self._problem = None
+        except InvalidValueError as error:
+            self._problem = error.message
+        self.show_now()
+
+
+class SoilSheet(ResultSheet):
+    """Changes the permittivity, and with it everything that is made with it, by a hold."""
+
+    def __init__(self, window: QWidget, result: SurveyResult) -> None:
+        super().__init__(window, result)
+        self._value: Optional[float] = None
+        self.pad = Pad(window)
+        self.soils = {one: self._key(one.value.permittivity) for one in Soils}
+        self.unknown, self.other = self._key(None), new_button(self._on_other)
+        self.use = HoldButton()
+        self.use.held.connect(self._on_use)
+        self.add_row([*self.soils.values()])
+        self.add_row([self.unknown, self.other])
+        self.add_text(self.use)
+        self.progress.hide()
+        self.retranslate()
+
+    def ask(self) -> None:
+        """Open with the present value."""
+        self._value = self.result.permittivity
+        self.open_now()
+
+    def show_now(self) -> None:
+        """Show what is chosen."""
+        self.title.setText(self.tr("Soil of this survey"))
+        known = [one.value.permittivity for one in Soils]
+        for soil, key in self.soils.items():
+            value = soil.value.permittivity
+            self.show_choice(key, f"{shown_text(soil.value.name)}\n{value:g}", value == self._value)
+        own = self._value is not None and self._value not in known
+        self.show_choice(self.unknown, self.tr("Not known"), self._value is None)
+        number = f"\n{self._value:g}" if own else ""
+        self.other.setText(f"{self.tr('Other value')}{number}")
+        self.use.setText(self.tr("Hold to use it"))
+        self.use.setEnabled(self._value != self.result.permittivity)
+        self.text.setText(
+            self.tr(
+                "Depths, places, hiding places and reports use this permittivity. The search "
+                "begins again with it."
+            )
+        )
+
+    def _key(self, value: Optional[float]) -> QPushButton:
+        return self.choice(lambda: self._choose(value))
+
+    def _choose(self, value: Optional[float]) -> None:
+        self._value = value
+        self.show_now()
+
+    def _on_other(self) -> None:
+        self.pad.ask(
+            lambda text: self._choose(number_from_text(text)),
+            *(self.tr("Permittivity"), shown_text(PERMITTIVITIES)),
+            "" if self._value is None else f"{self._value:g}",
+            _judge(MIN_PERMITTIVITY, LARGEST_PERMITTIVITY, PERMITTIVITIES, may_be_empty=False),
+            Keys.NUMBER,
+        )
+
+    def _on_use(self) -> None:
+        self.hide()
+        self.result.set_permittivity(self._value)
+
+
+class HidingSheet(ResultSheet):
+    """Asks where a mine of a size could hide, and says what the answer means."""
+
+    def __init__(self, window: QWidget, result: SurveyResult) -> None:
+        super().__init__(window, result)
+        self.targets = {one: self._key(one) for one in Targets}
+        self.cancel = new_button(lambda: self.result.hiding.end())
+        self.add_row(list(self.targets.values()))
+        self.add_text(self.cancel)
+        self.retranslate()
+
+    def show_now(self) -> None:
+        """Show the targets, and the answer for the last one."""
+        job = self.result.hiding
+        self.title.setText(self.tr("Where could a mine hide?"))
+        self.cancel.setText(self.tr("CANCEL"))
+        self.cancel.setVisible(job.running)
+        for target, key in self.targets.items():
+            size = f"{1e3 * target.value.diameter_m:g} mm"
+            chosen = target.value == self.result.target and job.state is not JobState.READY
+            self.show_choice(key, f"{target.value.name}\n{size}", chosen)
+            key.setEnabled(not job.running)
+        rest = self.tr("Choose a size. The search takes up to some minutes.")
+        if job.running:
+            rest = self.tr("Searching for {seconds} s.").format(seconds=int(job.running_s))
+        elif job.result is not None:
+            lines = [ONLY_THIS, *job.result.details]
+            hatched = self.tr("Hatched on the image: where it could hide.")
+            rest = "\n".join([hatched, *map(sentence_text, lines)])
+        self.show_job(job, rest)
+
+    def _key(self, target: Targets) -> QPushButton:
+        return self.choice(lambda: self.result.choose_target(target))
+
+
+class StickSheet(ResultSheet):
+    """The report on a stick: where, how far it is, and when the stick can be removed.
+
+    Args:
+        window: The window that it covers.
+        result: The result.
+        language: Returns the code of the window's language.
+    """
+
+    def __init__(self, window: QWidget, result: SurveyResult, language: Callable[[], str]) -> None:
+        super().__init__(window, result)
+        self._language = language
+        self.parts = {one: self._part(one) for one in ExportPart}
+        self.sticks = [self._stick(number) for number in range(MOST_STICKS)]
+        self.other = new_button(lambda: self.result.export.choose_parts())
+        self.cancel = new_button(lambda: self.result.export.cancel())
+        self.add_row(list(self.parts.values()))
+        self.add_row(self.sticks)
+        self.add_text(self.other, self.cancel)
+        self.text.setObjectName("large")
+        self.retranslate()
+
+    def ask(self) -> None:
+        """Open, and write the report if there is one stick."""
+        self.result.begin_export(self._language())
+        self.open_now()
+
+    def refresh(self) -> None:
+        """Look for sticks while it is open."""
+        if self.isVisible():
+            self.result.export.look_for_sticks()
+        super().refresh()
+
+    def show_now(self) -> None:
+        """Show what is written where."""
+        export = self.result.export
+        running = export.job.running
+        self.title.setText(self.tr("Report to stick"))
+        self.other.setText(self.tr("Other files"))
+        self.other.setVisible(not running and not export.choosing)
+        self.cancel.setText(self.tr("CANCEL"))
+        self.cancel.setVisible(running)
+        names = {
+            ExportPart.REPORT_PDF: self.tr("Report\nPDF"),
+            ExportPart.REPORT_HTML: self.tr("Report\nHTML"),
+            ExportPart.CANDIDATES_CSV: self.tr("Places\nCSV"),
+            ExportPart.CANDIDATES_GEOJSON: self.tr("Places\nGeoJSON"),
+            ExportPart.SURVEY_ZIP: self.tr("All data\nZIP"),
+        }
+        for part, key in self.parts.items():
+            self.show_choice(key, names[part], part in export.parts)
+            key.setVisible(export.choosing)
+        several = export.job.state is JobState.READY or export.choosing
+        for key, volume in zip(self.sticks, export.sticks.volumes):
+            key.setText(f"{volume.name[:LONGEST_NAME]}\n{self._room(volume)}")
+            key.setEnabled(volume.writable and bool(export.parts))
+        for number, key in enumerate(self.sticks):
+            key.setVisible(several and number < len(export.sticks.volumes))
+        self.show_job(export.job, self._sentence())
+
+    def _sentence(self) -> str:
+        export = self.result.export
+        computer = export.sticks.computer
+        if export.job.running:
+            stage = export.job.stage
+            waiting = self.tr("Waiting for the computer of the storage.")
+            shown = waiting if stage is None else sentence_text(stage)
+            return self.tr("Do not remove the stick.\n{stage}").format(stage=shown)
+        files = export.job.result
+        if files:
+            return self.tr(
+                "Done. Remove the stick.\n{count} files are in its folder {folder}."
+            ).format(count=len(files), folder=files[0].split("/")[0])
+        if export.listing.problem is not None:
+            return with_remedy(export.listing.problem)
+        if not computer:
+            return self.tr("Looking for USB sticks.")
+        if not export.writable:
+            text = self.tr("Plug a USB stick into the computer {computer}.")
+            return text.format(computer=computer)
+        return self.tr("Touch the stick that it is written to.")
+
+    def _room(self, volume: Volume) -> str:
+        if not volume.writable:
+            return self.tr("write-protected")
+        if volume.free_bytes < BYTES_PER_GB:
+            return self.tr("{free:.0f} MB free").format(free=volume.free_bytes / BYTES_PER_MB)
+        return self.tr("{free:.1f} GB free").format(free=volume.free_bytes / BYTES_PER_GB)
+
+    def _part(self, part: ExportPart) -> QPushButton:
+        return self.choice(lambda: self.result.export.toggle(part))
+
+    def _stick(self, number: int) -> QPushButton:
+        def act() -> None:
+            export = self.result.export
+            if number < len(export.sticks.volumes):
+                export.write(export.sticks.volumes[number].path)
+
+        key = new_button(act)
+        key.setObjectName("choice")
+        return key
+
+
+def _judge(lowest: float, highest: float, allowed: Message, may_be_empty: bool = True) -> Judge:
+    def judge(text: str) -> str:
+        if not text.strip() and may_be_empty:
+            return ""
+        try:
+            right = lowest <= number_from_text(text) <= highest
+        except InvalidValueError:
+            right = False
+        return "" if right else shown_text(allowed)
+
+    return judge

@@ -1,0 +1,288 @@
+"""One focused image, at most five ranked places beside it, and what can be done next."""
+
+from __future__ import annotations
+
+from typing import List, Optional
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QProgressBar,
+    QPushButton,
+    QSizePolicy,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gpr20_common import remedies
+from gpr20_common.message import Message
+from gpr20_operator.ground.records import Colours
+from gpr20_operator.ground.sources import FocusedSource
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.results.candidates import Candidate
+from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
+from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
+from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
+from gpr20_user_interface.widgets.widgets import new_button, set_look
+
+PANEL_PX = 330
+RANK_PX = 36
+
+
+class PlaceRow(QPushButton):
+    """Rank and place; below, where there is room, why it is on the list."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("tile")
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+        self.rank, self.place, self.why = QLabel(), QLabel(), ElidedLabel()
+        self.rank.setObjectName("tile_title")
+        self.place.setObjectName("place")
+        self.rank.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        grid = QGridLayout(self)
+        grid.setSpacing(0)
+        grid.setContentsMargins(2, 2, 2, 2)
+        grid.addWidget(self.rank, 0, 0, 2, 1)
+        grid.addWidget(self.place, 0, 1)
+        grid.addWidget(self.why, 1, 1)
+        grid.setColumnStretch(1, 1)
+        for label in (self.rank, self.place, self.why):
+            label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+
+    def show_place(self, place: Candidate, found: Optional[Message]) -> None:
+        """Show a place, and what people found there."""
+        self.rank.setText(str(place.number))
+        self.rank.setFixedWidth(look_of(self).px(RANK_PX))
+        self.place.setText(shown_text(texts.place_line(place)))
+        self.why.show_text(shown_text(found or texts.why_line(place)))
+        set_look(self, "level", "locked" if place.is_doubtful else "")
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: there is more or less room."""
+        super().resizeEvent(event)
+        lines_px = self.place.fontMetrics().height() + self.why.fontMetrics().height()
+        self.why.setVisible(self.height() >= lines_px + 4)
+
+
+class ResultView(TranslatedWidget):
+    """Shows a SurveyResult and emits the operator's wishes."""
+
+    # A Candidate, or None: a place beside all of them.
+    place_touched = pyqtSignal(object)
+    stick_wanted = pyqtSignal()
+    hiding_wanted = pyqtSignal()
+    soil_wanted = pyqtSignal()
+    plan_wanted = pyqtSignal()
+
+    def __init__(self, result: SurveyResult) -> None:
+        super().__init__()
+        self.result = result
+        self._drawn: object = None
+        self._drawn_image: object = None
+        self.title = QLabel()
+        self.title.setObjectName("title")
+        self.simulated = QLabel()
+        self.simulated.setObjectName("simulated")
+        self.no_clearance = QLabel()
+        self.no_clearance.setObjectName("alarm")
+        self.no_clearance.setWordWrap(True)
+        self.picture = GroundPicture()
+        self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
+        self.nothing = PulledText()
+        self.nothing.setObjectName("large")
+        self.state = QLabel()
+        self.state.setObjectName("large")
+        self.details = PulledText()
+        self.progress = QProgressBar()
+        self.progress.setRange(0, 0)  # it is not known how long it takes
+        self.cancel = new_button(self._on_cancel)
+        self.again = new_button(self._on_again)
+        self.stick = new_button(self.stick_wanted.emit)
+        self.hiding = new_button(self.hiding_wanted.emit)
+        self.soil = new_button(self.soil_wanted.emit)
+        self.more = new_button(self._on_more)
+        self.plan = new_button(self.plan_wanted.emit)
+        self.keys = (self.stick, self.hiding, self.soil, self.more, self.plan)
+        self.picture.mark_touched.connect(self.place_touched)
+        self._lay_out()
+        self.retranslate()
+
+    def refresh(self) -> None:
+        """Show the result if it has changed and is looked at."""
+        revision = self.result.revision
+        if self.isVisible() and revision != self._drawn:
+            self._drawn = revision
+            self._show()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.simulated.setText(self.tr("SIMULATED"))
+        self.no_clearance.setText(shown_text(NO_CLEARANCE))
+        self.cancel.setText(self.tr("CANCEL"))
+        self.stick.setText(self.tr("Report\nto stick"))
+        self.hiding.setText(self.tr("Where could\na mine hide?"))
+        self.more.setText(self.tr("More\nplaces"))
+        self.plan.setText(self.tr("Plan the\nnext survey"))
+        self._drawn = None
+        self._show()
+
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look."""
+        look = look_of(self)
+        gap_px = look.px(GAP_PX)
+        self._panel.setFixedWidth(look.px(PANEL_PX))
+        self._page.setContentsMargins(gap_px // 2, gap_px // 2, gap_px // 2, gap_px // 2)
+        for layout in (self._page, self._keys, self._places):
+            layout.setSpacing(gap_px)
+        self._list.setSpacing(look.px(2))
+        self._drawn_image = self._drawn = None
+
+    def _show(self) -> None:
+        result = self.result
+        done = result.image is not None
+        record = result.record
+        self.simulated.setVisible(record is not None and record.grid.simulated)
+        self._stack.setCurrentIndex(int(done))
+        self.stick.setEnabled(record is not None)
+        self.hiding.setEnabled(done)
+        self.soil.setEnabled(record is not None)
+        self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
+        set_look(self.soil, "level", "" if result.permittivity is not None else "doubtful")
+        self.more.setVisible(len(result.places) > PLACES_SHOWN)
+        if done:
+            self._show_places()
+        else:
+            self._show_state()
+
+    def _show_state(self) -> None:
+        result = self.result
+        record, reading, search = result.record, result.reading, result.search
+        running = reading.running or search.running
+        failed = search.problem or (reading.problem if record is None else None)
+        part = texts.measured(result)
+        self.title.setText(
+            "" if record is None else record.name if part is None else shown_text(part)
+        )
+        lines: List[str] = []
+        if result.waits:
+            headline = SURVEY_RUNS
+        elif running:
+            headline = texts.SEARCHING if search.running else texts.READING
+            lines = [f"{int(search.running_s or reading.running_s)} s"]
+        elif failed is not None:
+            headline = failed
+            first = remedies.first_step(failed)
+            lines = [] if first is None else [shown_text(first)]
+        else:
+            headline = texts.READING
+        self.state.setText(sentence_text(headline))
+        self.details.setText("\n".join(lines))
+        self.progress.setVisible(running)
+        self.cancel.setVisible(running)
+        self.again.setVisible(failed is not None and not running and not result.waits)
+        cancelled = failed == CANCELLED
+        self.again.setText(self.tr("SEARCH") if cancelled else self.tr("TRY AGAIN"))
+
+    def _show_places(self) -> None:
+        result, image = self.result, self.result.image
+        if image is None:
+            return
+        self.title.setText(shown_text(texts.headline(image.found, result.first)))
+        if image is not self._drawn_image:
+            self._drawn_image = image
+            self.picture.show_picture(FocusedSource(image).from_above(), Colours.ENVELOPE)
+        self.picture.hiding = result.hiding.result
+        self.picture.set_marks(
+            [
+                GroundMark(
+                    *(one.x_mm, one.y_mm, str(one.number)),
+                    doubtful=one.is_doubtful,
+                    chosen=one == result.chosen,
+                    about=one,
+                )
+                for one in reversed(result.shown)
+            ]
+        )
+        part = texts.measured(result)
+        notice = [part, texts.FROM_MARK] if part is not None else [texts.FROM_MARK]
+        self.picture.set_notice("\n".join(shown_text(one) for one in notice))
+        self._right.setCurrentIndex(int(not result.places))
+        for row, place in zip(self.rows, result.shown):
+            found = result.find_at(place)
+            row.show_place(place, None if found is None else texts.found_line(found))
+        for number, row in enumerate(self.rows):
+            row.setVisible(number < len(result.shown))
+        sentences = (texts.NOTHING_FOUND, texts.NOT_SAFE)
+        self.nothing.setText("\n\n".join(shown_text(one) for one in sentences))
+
+    def _row(self, number: int) -> PlaceRow:
+        row = PlaceRow()
+        row.clicked.connect(lambda: self.place_touched.emit(self.result.shown[number]))
+        return row
+
+    def _on_cancel(self) -> None:
+        self.result.cancel()
+        self.refresh()
+
+    def _on_again(self) -> None:
+        self.result.try_again()
+        self.refresh()
+
+    def _on_more(self) -> None:
+        self.result.turn_page()
+        self.refresh()
+
+    def _lay_out(self) -> None:
+        self.state.setWordWrap(True)
+        self.state.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        card = QVBoxLayout()
+        card.addStretch(1)
+        card.addWidget(self.state)
+        card.addWidget(self.details, 1)
+        card.addWidget(self.progress)
+        asked = QHBoxLayout()
+        for button in (self.cancel, self.again):
+            asked.addWidget(button)
+        card.addLayout(asked)
+        card.addStretch(1)
+        self._list = QVBoxLayout()
+        self._list.setContentsMargins(0, 0, 0, 0)
+        for row in self.rows:
+            self._list.addWidget(row, 1)
+        self._right = QStackedWidget()
+        self._right.addWidget(_holding(self._list))
+        self._right.addWidget(self.nothing)
+        self._panel = self._right
+        self._places = QHBoxLayout()
+        self._places.setContentsMargins(0, 0, 0, 0)
+        self._places.addWidget(self.picture, 1)
+        self._places.addWidget(self._panel)
+        self._stack = QStackedWidget()
+        self._stack.addWidget(_holding(card))
+        self._stack.addWidget(_holding(self._places))
+        top = QHBoxLayout()
+        top.addWidget(self.title, 1)
+        top.addWidget(self.simulated)
+        self._keys = QHBoxLayout()
+        for key in self.keys:
+            self._keys.addWidget(key)
+        self._page = QVBoxLayout(self)
+        self._page.addLayout(top)
+        self._page.addWidget(self._stack, 1)
+        self._page.addLayout(self._keys)
+        self._page.addWidget(self.no_clearance)
+
+
+def _holding(layout: QLayout) -> QWidget:
+    held = QWidget()
+    held.setLayout(layout)
+    return held
