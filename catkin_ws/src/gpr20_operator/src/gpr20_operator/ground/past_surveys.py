@@ -52,9 +52,8 @@ def searchable(text: str) -> str:
 
 
 def searched_text(survey: SurveySummary) -> str:
-    """Return what a survey is searched for by: name, site, operator, local time and folder."""
-    written = (survey.name, survey.site, survey.operator, survey.local_time(), survey.folder)
-    return searchable("\n".join(written))
+    """Return what a survey is searched by: name, site, operator and local time."""
+    return searchable("\n".join((survey.name, survey.site, survey.operator, survey.local_time())))
 
 
 class PastSurveys:

@@ -30,7 +30,13 @@ from gpr20_user_interface.look.translation import Languages, TranslatedWidget, s
 from gpr20_user_interface.pages.plan.start_sheet import StartSheet
 from gpr20_user_interface.pages.surveys.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.pages.surveys.export_sheet import ExportSheet
-from gpr20_user_interface.pages.surveys.survey_list import SURVEY, SurveyRow, SurveysModel, title_of
+from gpr20_user_interface.pages.surveys.survey_list import (
+    ROW_PX,
+    SURVEY,
+    SurveyRow,
+    SurveysModel,
+    title_of,
+)
 from gpr20_user_interface.touch.scrolling import FingerList
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
@@ -87,16 +93,18 @@ class SurveysPage(TranslatedWidget, Page):
         self._lay_out()
         self.retranslate()
 
+    def on_event(self, _event: object) -> None:
+        """Show what the storage reports."""
+        self._show()
+
     def refresh(self, _snapshot: Snapshot) -> None:
+        """Show what is known now."""
+        self._show()
+
+    def _show(self) -> None:
         """Show the list if it has changed; request it again if it is visible and outdated."""
         if self._surveys.outdated and self.isVisible():
             self._ask_again()
-        if self._surveys.revision != self._revision:
-            self._revision = self._surveys.revision
-            self._show_list()
-
-    def on_event(self, _event: object) -> None:
-        """Show what the storage reports."""
         if self._surveys.revision != self._revision:
             self._revision = self._surveys.revision
             self._show_list()
@@ -148,8 +156,10 @@ class SurveysPage(TranslatedWidget, Page):
 
     def _read_older(self) -> None:
         """Request the next page when the end of the rows that fit comes near."""
-        bar, before = self.list.verticalScrollBar(), self._surveys.next_before
-        near = self.list.isHidden() or bar.value() >= bar.maximum() - bar.pageStep()
+        before = self._surveys.next_before
+        # By the rows: the scroll bar knows of new ones only later.
+        seen_px = self.list.verticalScrollBar().value() + 2 * self.list.viewport().height()
+        near = seen_px >= self.model.rowCount() * look_of(self).px(ROW_PX)
         wanted = near and self._surveys.more and not self._surveys.replay
         if wanted and self.isVisible() and before != self._asked_before:
             self._asked_before = before

@@ -1,0 +1,292 @@
+"""SURVEYS: a finger finds, scrolls and chooses; and the list follows surveys that begin and end."""
+
+import dataclasses
+import datetime
+from collections import Counter
+
+import pytest
+from finger import Finger
+from hypothesis import given
+from hypothesis import strategies as st
+from PyQt5.QtCore import QPoint
+from PyQt5.QtTest import QTest
+from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
+from window_helpers import click, close, new_window, show
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import verbatim
+from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable
+from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.survey_summary import Thumbnail
+from gpr20_user_interface.look.look import Look, Theme
+from gpr20_user_interface.look.translation import Languages, shown_text
+from gpr20_user_interface.pages.surveys.survey_list import ROW_PX, thumbnail_picture
+from gpr20_user_interface.window.rail import TabName
+
+RUNS, ENDED = (
+    snapshot(state=state_of(code, survey_id=SURVEY))
+    for code in (SurveyState.SURVEYING, SurveyState.FINISHED)
+)
+WORDS = st.sampled_from(["Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", ""])
+TEXTS = st.lists(WORDS, max_size=3).map(" ".join)
+
+
+def many(count, **changes):
+    """Return surveys with names of their own, the newest first."""
+    base = past_survey(**changes)
+    return tuple(
+        dataclasses.replace(base, folder=f"20261121T{one:06d}_7c9e6679", name=f"Lane {one}")
+        for one in reversed(range(count))
+    )
+
+
+@pytest.fixture
+def listed(window, storage):
+    """One survey that was cut off, chosen."""
+    window.show_tab(TabName.SURVEYS)
+    survey = past_survey(survey_id=SURVEY, outcome="", verdict=None)
+    window.on_event(SurveysListed("", (survey,), False))
+    window.past.choose(survey)
+    storage.asked.clear()
+    return window.past
+
+
+def test_a_survey_that_begins_is_shown_and_cannot_be_resumed_any_more(window, listed):
+    for shown, resumable in ((ENDED, True), (RUNS, False), (ENDED, True)):
+        show(window, shown)
+        words = "Running" if shown is RUNS else "33 of 40 traces missing"
+        assert words in listed.details.text()
+        assert listed.resume.isEnabled() == resumable
+
+
+def test_the_list_is_read_again_when_a_survey_begins_is_described_and_ends(window, listed, storage):
+    asked = []
+    for act in (
+        lambda: show(window, RUNS),
+        lambda: window.on_event(SurveyDescribed(description())),
+        lambda: show(window, RUNS),
+        lambda: show(window, ENDED),
+    ):
+        act()
+        asked.append(sum(one[0] == "list" for one in storage.asked))
+    assert asked == [1, 2, 2, 3]
+
+
+def test_a_list_that_nobody_sees_is_not_read(window, listed, storage):
+    window.show_tab(TabName.SURVEY)
+    show(window, RUNS)
+    assert storage.asked == []
+
+
+def test_the_choice_stays_with_its_survey_when_a_newer_one_is_listed(window, listed):
+    chosen = listed.chosen
+    newer = dataclasses.replace(chosen, folder="20261122T051000_0f8fad5b")
+    window.on_event(SurveysListed("", (newer, chosen), False))
+    assert listed.chosen == chosen
+    window.on_event(SurveysListed("", (newer,), False))
+    assert listed.chosen is None and not listed.open.isEnabled()
+
+
+def test_times_are_local(listed):
+    bogota = datetime.timezone(datetime.timedelta(hours=-5))
+    assert listed.chosen.local_time(bogota) == "2026-11-21 00:10"
+    unknown = dataclasses.replace(listed.chosen, started="")
+    assert unknown.local_time(bogota) == "2026-11-21 00:10"
+    assert dataclasses.replace(unknown, folder="odd").local_time(bogota) == "odd"
+
+
+def test_what_is_wrong_with_an_incomplete_survey_is_said():
+    """Never "INCOMPLETE" of a survey whose traces are all stored."""
+    surveys = PastSurveys()
+    whole = past_survey(stored_traces=25000, planned_traces=25000)
+    endings = {
+        dataclasses.replace(whole, complete=True): "complete",
+        dataclasses.replace(whole, outcome="stopped"): "stopped; all traces stored",
+        dataclasses.replace(whole, outcome=""): "not ended; all traces stored",
+        dataclasses.replace(whole, outcome="finished"): "not confirmed; all traces stored",
+        dataclasses.replace(whole, stored_traces=24999): "1 of 25000 traces missing",
+        dataclasses.replace(whole, planned_traces=0): "its plan cannot be read",
+        dataclasses.replace(whole, outcome="imported"): "imported",
+        dataclasses.replace(whole, problem=verbatim("damaged")): "cannot be read",
+    }
+    assert {one: shown_text(surveys.ending(one)) for one in endings} == endings
+
+
+def test_the_thumbnail_shows_what_is_stored_with_y_upwards(window):
+    part = Thumbnail(300.0, 200.0, 2, 2, bytes((100, 50, 0, 0)))
+    picture = thumbnail_picture(part, 56, Look()).toImage()
+    empty = dataclasses.replace(part, percent=bytes(4))
+    assert thumbnail_picture(empty, 56, Look()).toImage() != picture
+    assert picture.pixelColor(14, 38) != picture.pixelColor(14, 18)
+    assert thumbnail_picture(part, 56, Look(Theme.NIGHT)).toImage() != picture
+
+
+def test_older_surveys_are_read_as_the_list_is_scrolled(window, listed, storage):
+    pages = [many(150)[start : start + 50] for start in (0, 50, 100)]
+    window.on_event(SurveysListed("", pages[0], True))
+    for page in (1, 2):
+        QTest.qWait(1)
+        assert storage.asked == []
+        bar = listed.list.verticalScrollBar()
+        before = pages[page - 1][-1].folder
+        bar.setValue(bar.maximum())
+        assert storage.asked == [("list", before)]
+        at = bar.value()
+        window.on_event(SurveysListed(before, pages[page], page < 2))
+        assert bar.value() == at
+        storage.asked.clear()
+    assert listed.model.rowCount() == 150
+
+
+def test_a_search_reads_on_until_the_list_is_full_or_ends(window, listed, storage):
+    surveys = many(150)
+    window.on_event(SurveysListed("", surveys[:50], True))
+    QTest.qWait(1)
+    assert storage.asked == []
+    listed.search_for("lane 77")
+    assert storage.asked == [("list", surveys[49].folder)]
+    window.on_event(SurveysListed(surveys[49].folder, surveys[50:100], True))
+    assert storage.asked[1:] == [("list", surveys[99].folder)]
+    window.on_event(SurveysListed(surveys[99].folder, surveys[100:], False))
+    assert listed.search.text() == "lane 77 · 1"
+    listed.search_for("no such survey")
+    assert listed.empty.isVisible() and listed.empty.sentence.text()
+    click(listed.empty.button)
+    assert listed.list.isVisible() and listed.model.rowCount() == 150
+
+
+SURVEYS = st.builds(
+    dataclasses.replace,
+    st.just(past_survey()),
+    name=TEXTS,
+    site=TEXTS,
+    operator=TEXTS,
+    complete=st.booleans(),
+    outcome=st.sampled_from(["", "stopped", "finished", "imported"]),
+    problem=st.sampled_from([None, None, verbatim("damaged")]),
+)
+
+
+@given(st.lists(SURVEYS, max_size=12), TEXTS, st.sampled_from(Listed), st.integers(0, 12))
+def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
+    numbered = tuple(
+        dataclasses.replace(one, folder=f"20261121T{99 - number:06d}_7c9e6679")
+        for number, one in enumerate(surveys)
+    )
+    past = PastSurveys()
+    past.take("", numbered[:split], True)
+    past.take(past.next_before, numbered[split:], False)
+
+    def wanted(survey):
+        texts = (survey.name, survey.site, survey.operator, survey.local_time())
+        written = searchable(" ".join(texts))
+        good = survey.complete and survey.outcome != "imported"
+        kept = {
+            Listed.ALL: True,
+            Listed.IMPORTED: survey.outcome == "imported" and survey.problem is None,
+            Listed.NOT_COMPLETE: survey.problem is not None
+            or not (good or survey.outcome == "imported"),
+        }
+        return kept[listed] and all(searchable(word) in written for word in text.split())
+
+    assert past.found(listed, text) == tuple(one for one in numbered if wanted(one))
+
+
+@given(st.text(max_size=20))
+def test_every_text_is_found_by_itself_in_capitals_and_small_letters(text):
+    past = PastSurveys()
+    past.take("", (past_survey(name=text),), False)
+    assert past.found(Listed.ALL, text)
+    if text.lower().upper() == text.upper() and text.isascii():
+        assert past.found(Listed.ALL, text.upper())
+
+
+@pytest.fixture(scope="module")
+def touched(application, tmp_path_factory):
+    """A window with 300 surveys, touched through its screen by a finger of its own clock."""
+    from fake_clock import FakeClock
+    from window_helpers import Storage
+
+    clock = FakeClock()
+    window = new_window(
+        Languages(application, Language.ENGLISH),
+        storage=Storage(),
+        profiles=tmp_path_factory.mktemp("profiles"),
+        clock=clock,
+    )
+    window.show()
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", many(300), False))
+    QTest.qWait(1)
+    yield window, Finger(window, clock)
+    close(window)
+
+
+def pull(finger, start, moves):
+    """Press, move by steps and release."""
+    place = QPoint(start)
+    finger.press(place)
+    for dx, dy in moves:
+        place += QPoint(dx, dy)
+        finger.move(place)
+    finger.release(place)
+
+
+def row_place(window, x, y):
+    """Return a place of the window's that lies on the list."""
+    viewport = window.past.list.viewport()
+    at = QPoint(x * viewport.width() // 100, y * viewport.height() // 100)
+    return viewport.mapTo(window, at)
+
+
+STEPS = st.lists(st.tuples(st.integers(-40, 40), st.integers(-90, 90)), min_size=1, max_size=12)
+
+
+@given(st.integers(2, 90), st.integers(2, 98), STEPS)
+def test_a_pull_never_chooses_a_survey_even_if_it_comes_back(touched, x, y, moves):
+    window, finger = touched
+    window.past.choose(None)
+    # Farther than a finger that shakes.
+    far = [(0, 60), (0, -60)]
+    pull(finger, row_place(window, x, y), [*far, *moves])
+    QTest.qWait(1)
+    assert window.past.chosen is None
+
+
+@given(st.integers(2, 90), st.integers(2, 98), st.integers(-4, 4), st.integers(-4, 4))
+def test_a_tap_of_a_shaking_finger_chooses_the_survey_below_it(touched, x, y, dx, dy):
+    window, finger = touched
+    page = window.past
+    page.choose(None)
+    QTest.qWait(1)
+    place = row_place(window, x, y)
+    row = page.list.indexAt(page.list.viewport().mapFrom(window, place + QPoint(dx, dy))).row()
+    pull(finger, place, [(dx, dy)])
+    assert page.chosen == page.model.surveys[row]
+
+
+def test_a_pull_scrolls_the_list(touched):
+    window, finger = touched
+    bar = window.past.list.verticalScrollBar()
+    bar.setValue(0)
+    pull(finger, row_place(window, 50, 90), [(0, -20)] * 8)
+    # It follows in Qt's own time.
+    for _ in range(1000):
+        if bar.value() >= window.look.px(ROW_PX):
+            return
+        QTest.qWait(10)
+    pytest.fail(f"the list is at {bar.value()}")
+
+
+def test_each_action_names_the_chosen_survey(window, listed):
+    asked = Counter()
+    listed.open_requested.connect(lambda folder: asked.update([("open", folder)]))
+    listed.notes_requested.connect(lambda folder: asked.update([("notes", folder)]))
+    listed.resume_requested.connect(lambda folder: asked.update([("resume", folder)]))
+    show(window, ENDED)
+    for button in (listed.open, listed.notes, listed.resume):
+        click(button)
+        for sheet in (window.start_sheet, window.annotation):
+            sheet.hide()
+    assert asked == {("open", FOLDER): 1, ("notes", FOLDER): 1, ("resume", FOLDER): 1}
