@@ -6,19 +6,23 @@ import pytest
 
 pytest.importorskip("gpr20_msgs.msg")
 
+from view_kit import moving, snapshot
+
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.robot.events import ControlState, Request
-from gpr20_operator.robot.fault_messages import (
-    FaultWatch,
-    axis_may_move,
-    is_fault,
-    is_notice,
+from gpr20_operator.robot.condition import JobLevel, condition_of
+from gpr20_operator.robot.notices import (
+    CardWatch,
+    Refused,
+    band_notice,
+    fault_notice,
+    refusal_notice,
 )
-from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice, state_notice
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.high.control_client import _answer_from
 from gpr20_user_interface.high.conversions import control_state
@@ -54,7 +58,7 @@ def warned(status):
 
 def test_what_is_reported_while_a_survey_runs_is_no_card():
     for code in set(SurveyState) - {SurveyState.PAUSED, *ENDED}:
-        assert not is_fault(state(code, FULL)), code
+        assert not state(code, FULL).is_fault, code
 
 
 def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for():
@@ -72,7 +76,7 @@ def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for():
         (SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL]), True),
         (SurveyState.FINISHED, warned(verbatim("x")), False),
     ):
-        assert is_fault(state(code, message)) is fault, (code, message)
+        assert state(code, message).is_fault is fault, (code, message)
 
 
 def test_a_stop_is_confirmed_only_by_a_status_that_says_so():
@@ -86,7 +90,7 @@ def test_a_stop_is_confirmed_only_by_a_status_that_says_so():
         (SurveyState.FAILED, FULL, True),
         (SurveyState.FINISHED, verbatim("x"), False),
     ):
-        assert axis_may_move(state(code, message)) is may_move, (code, message)
+        assert state(code, message).axis_may_move is may_move, (code, message)
 
 
 def test_an_axis_that_moves_comes_before_everything():
@@ -136,48 +140,73 @@ def test_resume_is_not_offered_for_a_survey_that_cannot_continue():
     assert refusal_notice(Refused.START, LOST).then is not None
 
 
-def test_a_warning_or_what_is_waited_for_is_a_notice():
-    assert is_notice(state(SurveyState.SURVEYING, warned(verbatim("x"))))
-    assert is_notice(state(SurveyState.CHECKING, Message("{reason} ...", reason=FULL)))
-    assert not is_notice(state(SurveyState.SURVEYING, verbatim("Warning: x")))
-    touched = state_notice(state(SurveyState.SURVEYING, warned(verbatim("x"))))
-    assert touched.first == remedies.SET_CLOCK
+def test_what_a_survey_warns_of_is_shown_with_its_remedy():
+    for message, remedy in (
+        (warned(verbatim("x")), remedies.SET_CLOCK),
+        (Message("{reason} ...", reason=FULL), remedies.MAKE_SPACE),
+    ):
+        now = snapshot(state=state(SurveyState.SURVEYING, message))
+        assert condition_of(now).level is JobLevel.ATTENTION
+        assert band_notice(now).first == remedy
 
 
-def test_each_fault_is_reported_once():
-    watch = FaultWatch()
-    fault = paused(FULL)
-    assert watch.note(fault) == fault
-    assert watch.note(fault) is None
-    assert watch.note(state(SurveyState.PAUSED, warned(fault.message))) is None
-    other = paused(MOVING)
-    assert watch.note(other) == other
+def watched(watch, state, **known):
+    return watch.note(snapshot(state=state, **known))
+
+
+def test_each_fault_opens_its_card_once():
+    watch = CardWatch()
+    fault, other = paused(FULL), paused(MOVING)
     same_words = paused(MOVING.with_fault(Fault("axis.stuck", remedies.HOME_AXIS)))
-    assert watch.note(same_words) == same_words
-    assert watch.note(other) == other
-    assert watch.note(state(SurveyState.SURVEYING, verbatim("on"))) is None
-    assert watch.note(other) == other
+    on = state(SurveyState.SURVEYING, verbatim("on"))
+    again = state(SurveyState.PAUSED, warned(fault.message))
+    for now, is_new in (
+        *((fault, True), (fault, False), (again, False), (other, True), (same_words, True)),
+        *((other, True), (on, False), (other, True)),
+    ):
+        card = watched(watch, now)
+        assert (card is not None) is is_new, now
+        assert watch.is_over is (now is on)
+        assert card is None or card == fault_notice(now)
 
 
 def test_a_number_that_changes_is_no_new_fault():
-    watch = FaultWatch()
+    watch = CardWatch()
     low, lower = (
         Message("{free_mb} MB are free", free_mb=free_mb).with_fault(FULL.fault)
         for free_mb in (7, 3)
     )
-    assert watch.note(paused(low)) is not None
-    assert watch.note(paused(lower)) is None
-    assert watch.note(state(SurveyState.FAILED, lower)) is not None
-    assert watch.note(state(SurveyState.CHECKING, lower)) is None
-    assert watch.note(paused(lower)) is not None
+    for now, is_new in (
+        *((paused(low), True), (paused(lower), False)),
+        *((state(SurveyState.FAILED, lower), True), (state(SurveyState.CHECKING, lower), False)),
+        (paused(lower), True),
+    ):
+        assert (watched(watch, now) is not None) is is_new, now
+    on = state(SurveyState.SURVEYING, verbatim("on"))
+    for silent_s, is_new in ((6.0, True), (7.0, False), (0.1, False), (6.0, True)):
+        card = watched(watch, on, alive=silent_s < 5.0, control_silent_s=silent_s)
+        assert (card is not None) is is_new, silent_s
 
 
 def test_words_without_a_code_are_told_apart_by_the_words():
-    watch = FaultWatch()
+    watch = CardWatch()
     one, other = paused(verbatim("no power")), paused(verbatim("no height"))
-    assert watch.note(one) is not None
-    assert watch.note(one) is None
-    assert watch.note(other) is not None
+    assert watched(watch, one) is not None
+    assert watched(watch, one) is None
+    assert watched(watch, other) is not None
+
+
+def test_a_lost_contact_opens_a_card_only_where_something_may_move():
+    on, rest = state(SurveyState.SURVEYING, ASKED_PAUSE), state(SurveyState.IDLE, ASKED_STOP)
+    for known, opens in (
+        ({"state": on, "alive": False}, True),
+        ({"state": rest, "alive": False, "axes": moving(AxisId.X)}, True),
+        ({"state": rest, "interrupted": True}, True),
+        ({"state": rest, "alive": False}, False),
+        # In service.
+        ({"state": rest, "axes": moving(AxisId.X)}, False),
+    ):
+        assert (CardWatch().note(snapshot(**known)) is not None) is opens, known
 
 
 # What a later version may send: a sentence, a code, a severity and a remedy that are not known.
@@ -209,7 +238,7 @@ def received(code, fault=None, **fields):
 def test_a_fault_that_this_version_does_not_know_has_the_remedy_that_travelled_with_it():
     now = received(SurveyState.PAUSED)
     notice = fault_notice(now)
-    assert is_fault(now) and notice.resumable
+    assert now.is_fault and notice.resumable
     assert str(notice.text) == "the mast is warped"
     assert str(notice.first) == "Straighten the mast."
     assert "mast.warped" in notice.details
@@ -218,29 +247,29 @@ def test_a_fault_that_this_version_does_not_know_has_the_remedy_that_travelled_w
 def test_what_an_unknown_fault_allows_is_known():
     for one in (True, False):
         assert fault_notice(received(SurveyState.PAUSED, {"can_continue": one})).resumable is one
-        assert axis_may_move(received(SurveyState.STOPPED, {"may_move": one})) is one
+        assert received(SurveyState.STOPPED, {"may_move": one}).axis_may_move is one
 
 
 def test_a_code_without_a_readable_message_is_a_fault_with_its_text():
     for message_json in ("", "{", "[]", "x" * 20_000, '{"template": 1}'):
         now = received(SurveyState.PAUSED, message_json=message_json)
         notice = fault_notice(now)
-        assert is_fault(now) and notice.resumable, message_json
+        assert now.is_fault and notice.resumable, message_json
         assert str(notice.text) == "Paused: the mast is warped."
         assert notice.first == remedies.CHECK_STATUS
         assert "mast.warped" in notice.details
         ended = received(SurveyState.STOPPED, message_json=message_json)
-        assert is_fault(ended) and axis_may_move(ended), message_json
+        assert ended.is_fault and ended.axis_may_move, message_json
 
 
 def test_a_status_of_a_version_without_faults_is_a_fault_with_its_text():
     before = json.dumps({"template": PAUSED, "values": {"reason": "the disk is full"}})
     now = received(SurveyState.PAUSED, message_json=before, fault_code="")
     notice = fault_notice(now)
-    assert is_fault(now) and notice.resumable
+    assert now.is_fault and notice.resumable
     assert "the disk is full" in str(notice.text)
     assert notice.first == remedies.CHECK_STATUS
-    assert axis_may_move(received(SurveyState.STOPPED, message_json=before, fault_code=""))
+    assert received(SurveyState.STOPPED, message_json=before, fault_code="").axis_may_move
 
 
 def test_a_refusal_of_another_version_is_shown_with_its_text():

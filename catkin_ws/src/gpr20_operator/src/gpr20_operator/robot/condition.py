@@ -66,7 +66,7 @@ _CONTROL = "main_control"
 CONTROL_LATE_S = 2.5
 # Without a motion, a trace or a new state for so long [s], something is wrong. The main control
 # says much earlier which part it waits for: this finds a main control that waits for nothing.
-STILL_S: Dict[SurveyState, float] = {
+STILL_S: Dict[Optional[SurveyState], float] = {
     SurveyState.CHECKING: 20.0,
     SurveyState.HOMING: 10.0,
     SurveyState.SURVEYING: 10.0,
@@ -75,7 +75,7 @@ STILL_S: Dict[SurveyState, float] = {
 }
 # Beside it, for the sweep of a slow analyzer: so many times the mean time of a trace.
 STILL_TRACES = 3.0
-_LEVELS: Dict[SurveyState, JobLevel] = {
+_LEVELS: Dict[Optional[SurveyState], JobLevel] = {
     SurveyState.CHECKING: JobLevel.WORKING,
     SurveyState.HOMING: JobLevel.WORKING,
     SurveyState.SURVEYING: JobLevel.WORKING,
@@ -175,23 +175,23 @@ def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
 def _of_state(snapshot: Snapshot) -> Condition:
     """Return what the state says, or what contradicts it."""
     state, percent = snapshot.state, percent_of(snapshot)
-    if state is None:
-        return Condition(JobLevel.REST, NO_CONTACT, Message("Waiting for the robot."))
-    title = state.code.label
+    level = _LEVELS.get(snapshot.code, JobLevel.REST)
+    title, message = NO_CONTACT, Message("Waiting for the robot.")
+    if state is not None:
+        title, message = state.code.label, state.message
     if percent is not None:
         title = Message("{state} {percent} %", state=title, percent=percent)
-    if state.is_fault:
+    if state is not None and state.is_fault:
         level = JobLevel.PAUSED if state.code is SurveyState.PAUSED else JobLevel.FAULT
         return Condition(level, title, state.reason)
     if snapshot.service is not None:
         message = Message("In progress: {activity}", activity=snapshot.service)
         return Condition(JobLevel.ATTENTION, Message("SERVICE"), message)
-    level = _LEVELS.get(state.code, JobLevel.REST)
-    for doubt in _DOUBTS:
-        message = doubt(snapshot)
-        if message is not None:
-            return Condition(level if level in _KEPT else JobLevel.ATTENTION, title, message)
-    return Condition(level, title, state.message)
+    doubts = (doubt(snapshot) for doubt in _DOUBTS)
+    doubtful = next((one for one in doubts if one is not None), None)
+    if doubtful is None:
+        return Condition(level, title, message)
+    return Condition(level if level in _KEPT else JobLevel.ATTENTION, title, doubtful)
 
 
 def _late(snapshot: Snapshot) -> Optional[Message]:
@@ -215,7 +215,7 @@ def _warning(snapshot: Snapshot) -> Optional[Message]:
 
 
 def _stands_still(snapshot: Snapshot) -> Optional[Message]:
-    limit_s = None if snapshot.code is None else STILL_S.get(snapshot.code)
+    limit_s = STILL_S.get(snapshot.code)
     if limit_s is None:
         return None
     if snapshot.still_s <= limit_s + STILL_TRACES * _trace_s(snapshot):

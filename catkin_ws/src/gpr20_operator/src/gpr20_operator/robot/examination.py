@@ -1,9 +1,10 @@
-"""What SERVICE lists: findings about the robot and about the window's computer."""
+"""What ROBOT lists: findings about the robot and about the window's computer."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from functools import singledispatchmethod
 from typing import Deque, Dict, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.low.clock import Clock
@@ -69,24 +70,47 @@ class RobotExamination:
         """Whether answers of an examination are awaited."""
         return self._awaited > 0
 
-    def on_event(self, content: object) -> None:
-        """Take an event."""
-        if isinstance(content, EndstopState):
-            seen = self._endstops.get(content.axis, EndstopSeen(content.pressed))
-            changes = seen.changes + int(seen.pressed != content.pressed)
-            self._endstops[content.axis] = EndstopSeen(content.pressed, changes)
-        elif isinstance(content, AxisMeasured):
-            self._axes[content.axis] = content.position
-        elif isinstance(content, MeasuredHeight):
-            self._height_m = content.height_m
-        elif isinstance(content, ClockOffset):
-            offsets_s = self._offsets_s.setdefault(content.node, deque(maxlen=OFFSETS))
-            offsets_s.append(content.offset_s)
-        elif isinstance(content, AxisLimits):
-            if content.master_alive:
-                self._problem, self._nodes = content.reason, content.nodes
-        elif isinstance(content, (MachineExamined, AnalyzerTest, HeightTested)):
-            self._note_answer(content)
+    @singledispatchmethod
+    def take(self, _event: object) -> None:
+        """Take an event; most are about something else."""
+
+    @take.register
+    def _(self, event: EndstopState) -> None:
+        seen = self._endstops.get(event.axis, EndstopSeen(event.pressed))
+        changes = seen.changes + int(seen.pressed != event.pressed)
+        self._endstops[event.axis] = EndstopSeen(event.pressed, changes)
+
+    @take.register
+    def _(self, event: AxisMeasured) -> None:
+        self._axes[event.axis] = event.position
+
+    @take.register
+    def _(self, event: MeasuredHeight) -> None:
+        self._height_m = event.height_m
+
+    @take.register
+    def _(self, event: ClockOffset) -> None:
+        offsets_s = self._offsets_s.setdefault(event.node, deque(maxlen=OFFSETS))
+        offsets_s.append(event.offset_s)
+
+    @take.register
+    def _(self, event: AxisLimits) -> None:
+        if event.master_alive:
+            self._problem, self._nodes = event.reason, event.nodes
+
+    @take.register
+    def _(self, event: MachineExamined) -> None:
+        self._note_answer()
+        self._machine = event.machine
+
+    @take.register
+    def _(self, event: AnalyzerTest) -> None:
+        self._note_answer()
+        self._analyzer, self._analyzer_s = event, self._clock.now_s()
+
+    @take.register
+    def _(self, _event: HeightTested) -> None:
+        self._note_answer()
 
     def begin(self, surveying: bool) -> None:
         """Begin to watch; look at what can be seen at once."""
@@ -136,10 +160,5 @@ class RobotExamination:
         )
         return findings(robot, self._machine)
 
-    def _note_answer(self, answer: object) -> None:
+    def _note_answer(self) -> None:
         self._awaited = max(0, self._awaited - 1)
-        if isinstance(answer, MachineExamined):
-            self._machine = answer.machine
-        elif isinstance(answer, AnalyzerTest):
-            self._analyzer_s = self._clock.now_s()
-            self._analyzer = answer

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import singledispatchmethod
 from typing import Callable, Dict, FrozenSet, Iterable, Optional, Tuple
 
 from gpr20_common.message import Message
@@ -98,15 +99,17 @@ class Robots:
     def __post_init__(self) -> None:
         self.own = "/" + self.own.strip("/")
 
-    def take(self, event: object) -> bool:
-        """Take an event; return whether it was about the robots of the master."""
-        if isinstance(event, RobotsFound):
-            self._found = event.namespaces
-        elif isinstance(event, RobotReported):
-            self._states[event.namespace] = event.state
-        else:
-            return False
-        return True
+    @singledispatchmethod
+    def take(self, _event: object) -> None:
+        """Take an event; most are about something else."""
+
+    @take.register
+    def _(self, event: RobotsFound) -> None:
+        self._found = event.namespaces
+
+    @take.register
+    def _(self, event: RobotReported) -> None:
+        self._states[event.namespace] = event.state
 
     @property
     def shown(self) -> ListedRobot:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import singledispatchmethod
 from typing import Dict, Optional, Protocol, Tuple
 
 from gpr20_common.low.clock import Clock
@@ -141,14 +142,36 @@ class ServiceModel:
 
     def on_event(self, event: object) -> None:
         """Take an event."""
-        self._examination.on_event(event)
-        if isinstance(event, EndstopState):
-            lamp = self._endstops.setdefault(event.axis, _Lamp(self._clock))
-            lamp.note(event.pressed)
-        elif isinstance(event, AxisMeasured):
-            self._homed[event.axis] = event.position.homed, self._clock.now_s()
-        elif isinstance(event, (AxisMoved, HeightTested, AnalyzerTest, CheckStepTaken)):
-            self._note_answer(event)
+        self._examination.take(event)
+        self._take(event)
+
+    @singledispatchmethod
+    def _take(self, _event: object) -> None:
+        """Take an event; most are about something else."""
+
+    @_take.register
+    def _(self, event: EndstopState) -> None:
+        self._endstops.setdefault(event.axis, _Lamp(self._clock)).note(event.pressed)
+
+    @_take.register
+    def _(self, event: AxisMeasured) -> None:
+        self._homed[event.axis] = event.position.homed, self._clock.now_s()
+
+    @_take.register
+    def _(self, event: AxisMoved) -> None:
+        self._pending, self._answer = False, event
+
+    @_take.register
+    def _(self, event: HeightTested) -> None:
+        self._pending, self._height = False, event
+
+    @_take.register
+    def _(self, event: AnalyzerTest) -> None:
+        self._pending, self._analyzer = False, event
+
+    @_take.register
+    def _(self, event: CheckStepTaken) -> None:
+        self._pending, self._daily_check = False, self._daily_check.after(event)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
@@ -175,15 +198,13 @@ class ServiceModel:
     def state(self) -> ServiceState:
         """What to show now."""
         activity = None if self._snapshot is None else self._snapshot.service
-        answer = self._answer
+        answer, outcome = self._answer, None
         failed = activity is None and answer is not None and not answer.success
-        outcome: Optional[Message] = None
         if activity is not None:
             outcome = Message("In progress: {activity}", activity=activity)
         elif answer is not None:
-            outcome = answer.message
-            if failed:
-                outcome = Message("Not done: {reason}", reason=answer.message)
+            reason = answer.message
+            outcome = Message("Not done: {reason}", reason=reason) if failed else reason
         return ServiceState(
             entered=self._entered,
             obstacle=self.obstacle,
@@ -272,17 +293,6 @@ class ServiceModel:
         self._answer = None
         return True
 
-    def _note_answer(self, answer: object) -> None:
-        self._pending = False
-        if isinstance(answer, AxisMoved):
-            self._answer = answer
-        elif isinstance(answer, HeightTested):
-            self._height = answer
-        elif isinstance(answer, AnalyzerTest):
-            self._analyzer = answer
-        elif isinstance(answer, CheckStepTaken):
-            self._daily_check = self._daily_check.after(answer)
-
     def _axis(self, axis: AxisId) -> AxisState:
         lamp = self._endstops.get(axis)
         pressed = None if lamp is None else lamp.pressed
@@ -319,8 +329,5 @@ class _Lamp:
 def _coordinate(position: Optional[Position], axis: AxisId) -> Optional[float]:
     if position is None:
         return None
-    return {
-        AxisId.X: position.x_mm,
-        AxisId.Y: position.y_mm,
-        AxisId.Z: position.z_deg,
-    }[axis]
+    places = {AxisId.X: position.x_mm, AxisId.Y: position.y_mm, AxisId.Z: position.z_deg}
+    return places[axis]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import singledispatchmethod
 from typing import Dict, Optional
 
 from gpr20_common.low.clock import Clock
@@ -64,15 +65,20 @@ class StopConfirmation:
         self._silent = len(heard) < len(AxisId)
         self._axes, self._control, self.outcome = {}, None, None
 
-    def on_event(self, event: object) -> None:
-        """Take an event."""
-        if isinstance(event, AxisStopAnswer):
-            self._axes[event.axis] = event.answered
-        elif isinstance(event, Answer) and event.request is Request.STOP:
-            self._control = event
-        else:
-            return
+    @singledispatchmethod
+    def on_event(self, _event: object) -> None:
+        """Take an event; most are about something else."""
+
+    @on_event.register
+    def _(self, event: AxisStopAnswer) -> None:
+        self._axes[event.axis] = event.answered
         self._answered_s = self._clock.now_s()
+
+    @on_event.register
+    def _(self, event: Answer) -> None:
+        if event.request is Request.STOP:
+            self._control = event
+            self._answered_s = self._clock.now_s()
 
     def close(self) -> None:
         """Note that the operator has read the warning, or that it is over."""
