@@ -13,9 +13,9 @@ from window_kit import Operator
 from gpr20_common.low import catalogue_file
 from gpr20_common.message import verbatim
 from gpr20_msgs.msg import ControlStatus
+from gpr20_operator.palette import Theme
 from gpr20_operator.plan.tiles import VALUE_TILES
 from gpr20_operator.robot.notices import Refused, refusal_notice
-from gpr20_user_interface.look.settings import Theme
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.main_window import MainWindow, TabName
 from pictures.kit import Shown, save, shown_window, wait

@@ -5,7 +5,6 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 
 from gpr20_user_interface.look.look import (
-    PALETTES,
     TOUCH_PX,
     Look,
     Mark,
@@ -39,19 +38,17 @@ def test_contrast_is_computed_as_wcag_says():
 
 
 def test_every_text_and_every_mark_is_seen():
-    for palette in PALETTES.values():
+    for theme in Theme:
         for colours in TextColours:
-            assert contrast(*palette.texts[colours]) >= TEXT_CONTRAST, colours
+            assert contrast(*colours.of(theme)) >= TEXT_CONTRAST, colours
         for mark in set(Mark) - {Mark.PAPER}:
-            seen = contrast(palette.marks[mark], palette.marks[Mark.PAPER])
-            assert seen >= MARK_CONTRAST, mark
+            assert contrast(mark.of(theme), Mark.PAPER.of(theme)) >= MARK_CONTRAST, mark
 
 
 def test_style_sheet_has_no_colour_beside_the_palette():
     for theme in Theme:
-        palette = set(PALETTES[theme].marks.values())
-        for pair in PALETTES[theme].texts.values():
-            palette.update(pair)
+        palette = {mark.of(theme) for mark in Mark}
+        palette.update(colour for colours in TextColours for colour in colours.of(theme))
         sheet = style_sheet(Look(theme))
         assert set(re.findall(r"#[0-9a-fA-F]{6}\b", sheet)) <= palette
         assert not re.search(r"(color|background):\s*[a-z]", sheet)
@@ -80,5 +77,5 @@ def test_theme_changes_while_the_window_is_open(window):
     window.use_look(Look(Theme.NIGHT, window.look.scale))
     QTest.qWait(1)
     paper = window.grab().toImage().pixelColor(window.width() // 2, window.height() - 3)
-    assert paper.name() == PALETTES[Theme.NIGHT].marks[Mark.PAPER]
+    assert paper.name() == Mark.PAPER.of(Theme.NIGHT)
     assert Qt.GlobalColor.white != paper

@@ -6,7 +6,7 @@ import pytest
 from test_look import contrast
 
 from gpr20_operator.ground.coverage import StopState
-from gpr20_user_interface.look.look import PALETTES, Mark, Theme
+from gpr20_user_interface.look.look import Mark, Theme
 from gpr20_user_interface.pages.ground.map_canvas import INKS
 from gpr20_user_interface.pages.ground.map_patterns import Ink, StopPattern
 
@@ -31,7 +31,7 @@ def test_two_states_differ_by_their_pattern_alone():
 
 @pytest.mark.parametrize("theme", list(Theme))
 def test_neighbouring_inks_differ_by_three_to_one(theme):
-    marks = PALETTES[theme].marks
+    marks = {mark: mark.of(theme) for mark in Mark}
     for state in (StopState.MISSING, StopState.PARTLY, StopState.FAILED):
         inks = {Ink(one) for one in np.unique(inks_of(state, 24))} - {Ink.GRID}
         assert len(inks) == 2, state

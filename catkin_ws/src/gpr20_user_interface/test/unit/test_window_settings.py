@@ -10,9 +10,9 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
 from gpr20_operator import faults
 from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.palette import Theme
 from gpr20_user_interface.look.settings import (
     DIM_CHOICES_MIN,
-    Theme,
     WindowMemory,
     WindowSettings,
     settings_from,

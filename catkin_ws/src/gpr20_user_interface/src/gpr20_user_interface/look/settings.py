@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import threading
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Dict, Mapping, Optional, Protocol
@@ -11,21 +10,10 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
+from gpr20_operator.palette import Theme
 
 DIM_CHOICES_MIN = (0, 2, 5, 10)
 LANGUAGE, THEME, DIM_AFTER = "language", "theme", "dim_after_min"
-
-
-class Theme(enum.Enum):
-    """Where the window is read: in sunlight, or in the dark without dazzling."""
-
-    SUN = "sun"
-    NIGHT = "night"
-
-    @property
-    def next(self) -> Theme:
-        """The other theme."""
-        return Theme.NIGHT if self is Theme.SUN else Theme.SUN
 
 
 class Settings(Protocol):

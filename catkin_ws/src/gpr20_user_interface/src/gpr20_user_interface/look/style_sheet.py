@@ -37,7 +37,7 @@ def _tiles(look: Look) -> str:
     # Properties, not :pressed and :disabled, which Qt ignores before a descendant.
     states = {
         "QPushButton#tile": TextColours.ARROW,
-        "QPushButton#start": TextColours.START,
+        "QPushButton#start": TextColours.GOOD,
         'QPushButton#tile[level="doubtful"]': TextColours.DOUBTFUL,
         'QPushButton#tile[level="wrong"]': TextColours.WRONG,
         'QPushButton#tile[level="locked"]': TextColours.LOCKED,
@@ -90,7 +90,7 @@ STOP_WIDTH_PX = 140
 PAUSE_WIDTH_PX = 110
 SLIDER_PX = 8
 # So that two lines have room below the title of the band.
-BAND_TEXT_PX = 16
+BAND_TITLE_PX, BAND_TEXT_PX = 20, 16
 
 
 def style_sheet(look: Look) -> str:
@@ -143,9 +143,9 @@ def _buttons(look: Look) -> str:
 QPushButton {{ {css(TextColours.BUTTON)} min-height: {touch}px; min-width: {touch}px;
     border: {frame}px solid {border}; border-radius: {px(6)}px; font-weight: bold;
     padding: 0 {px(6)}px; }}
-QPushButton#start {{ {css(TextColours.START)} font-size: {px(TITLE_PX)}px;
+QPushButton#start {{ {css(TextColours.GOOD)} font-size: {px(TITLE_PX)}px;
     min-height: {px(COMMAND_PX) - 2 * frame}px; }}
-QPushButton#stop {{ {css(TextColours.STOP)} font-size: {px(28)}px;
+QPushButton#stop {{ {css(TextColours.BAD)} font-size: {px(28)}px;
     min-width: {px(STOP_WIDTH_PX)}px; }}
 QPushButton#key {{ {css(TextColours.ARROW)} font-size: {px(24)}px; }}
 QPushButton#jog {{ padding: 0; }}
@@ -223,10 +223,15 @@ QFrame#band[job="{level.value}"], QLabel[job="{level.value}"] {{
         for level, colours in LEVEL_COLOURS.items()
     )
     return f"""{bands}
-QFrame#band QLabel#simulated {{ {_css(look, TextColours.SIMULATED)} padding: 0 {px(6)}px; }}
-QFrame#band QLabel#band_message {{ font-size: {px(BAND_TEXT_PX)}px; }}
-QFrame#band QLabel#what_to_do {{ font-weight: bold; padding: 0 {px(6)}px;
+QFrame#band QLabel {{ font-size: {px(BAND_TEXT_PX)}px; }}
+QFrame#band QLabel#title {{ font-size: {px(BAND_TITLE_PX)}px; }}
+QFrame#band QLabel#simulated {{ {_css(look, TextColours.SIMULATED)} padding: 0 {px(4)}px; }}
+QFrame#band QLabel#what_to_do {{ font-weight: bold; padding: 0 {px(4)}px;
     border: {px(BORDER_PX)}px solid; border-radius: {px(4)}px; }}
+QPushButton#part {{ {_css(look, TextColours.ARROW)} font-weight: normal; padding: 0 {px(2)}px; }}
+QPushButton#part[level="doubtful"] {{ {_css(look, TextColours.DOUBTFUL)} font-weight: bold; }}
+QPushButton#part[level="bad"] {{ {_css(look, TextColours.BAD)} font-weight: bold; }}
+QPushButton#part:pressed {{ {_css(look, TextColours.PRESSED)} }}
 QPushButton#pause {{ min-width: {px(PAUSE_WIDTH_PX)}px; font-size: {px(TITLE_PX)}px; }}
 QLabel#job_title {{ font-size: {px(30)}px; font-weight: bold; }}
 QLabel#percent {{ font-size: {px(64)}px; font-weight: bold; }}

@@ -10,10 +10,11 @@ from PyQt5.QtWidgets import QPushButton, QWidget
 from gpr20_common.catalogue import Language
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
+from gpr20_operator.palette import Theme
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.settings import Theme, WindowMemory
+from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.pages.settings.sheet import SettingsSheet
 from gpr20_user_interface.touch.dimming import DimCover, Dimming

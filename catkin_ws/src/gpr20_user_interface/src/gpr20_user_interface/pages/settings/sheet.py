@@ -10,8 +10,9 @@ from PyQt5.QtWidgets import QButtonGroup, QGridLayout, QHBoxLayout, QLabel, QPus
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
+from gpr20_operator.palette import Theme
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.settings import DIM_CHOICES_MIN, Theme, WindowSettings
+from gpr20_user_interface.look.settings import DIM_CHOICES_MIN, WindowSettings
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
 
