@@ -50,17 +50,17 @@ class StateBand(QFrame):
         self.simulated, self.more = QLabel(), QLabel()
         self.simulated.setObjectName("simulated")
         self.more.setObjectName("what_to_do")
-        first = QHBoxLayout()
-        first.addWidget(self.title, 1)
-        first.addWidget(self.more)
-        first.addWidget(self.simulated)
-        words = QVBoxLayout()
+        words, chips = QVBoxLayout(), QVBoxLayout()
         words.setSpacing(0)
-        words.addLayout(first)
+        words.addWidget(self.title)
         words.addWidget(self.message, 1)
+        for chip in (self.simulated, self.more):
+            chip.setAlignment(Qt.AlignmentFlag.AlignCenter)
+            chips.addWidget(chip)
         self._layout = QHBoxLayout(self)
         self._layout.addWidget(self.sign)
         self._layout.addLayout(words, 1)
+        self._layout.addLayout(chips)
 
     def show_condition(self, condition: Condition, left: str, robot: str) -> None:
         """Show how it is.
@@ -85,7 +85,7 @@ class StateBand(QFrame):
     def restyle(self) -> None:
         """Take the sizes and colours of the look."""
         look = look_of(self)
-        gap_px, edge_px = look.px(GAP_PX), look.px(2)
+        gap_px, edge_px = look.px(GAP_PX), look.px(1)
         self._layout.setSpacing(gap_px)
         self._layout.setContentsMargins(gap_px, edge_px, gap_px, edge_px)
         ink = look.text(LEVEL_COLOURS[self.level]).ink

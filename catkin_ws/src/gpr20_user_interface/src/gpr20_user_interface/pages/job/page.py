@@ -16,7 +16,7 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.pages.ground.map_canvas import MapCanvas
-from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
+from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import ASKING
 from gpr20_user_interface.widgets.widgets import new_button
@@ -48,7 +48,7 @@ class JobPage(TranslatedWidget, Page):
         self.percent.setObjectName("percent")
         self.left.setObjectName("job_title")
         self.line.setObjectName("figure")
-        self.area, self.message = ElidedLabel(), LinesLabel()
+        self.area, self.message = ElidedLabel(), PulledText()
         self.remedy = QLabel()
         self.remedy.setObjectName("first")
         self.remedy.setWordWrap(True)
@@ -65,7 +65,7 @@ class JobPage(TranslatedWidget, Page):
         """Write the texts in the language of the application."""
         self.plan.setText(self.tr("Plan the next survey"))
         self.notes.setText(self.tr("NOTES"))
-        self.card.setText(self.tr("WHAT TO DO"))
+        self.card.setText(self.tr("DETAILS"))
         if self._snapshot is not None:
             self.refresh(self._snapshot)
 
@@ -97,7 +97,7 @@ class JobPage(TranslatedWidget, Page):
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.show_text(", ".join(text for text in (name if known else "", area) if text))
-        self.message.show_text(sentence_text(condition.message))
+        self.message.setText(sentence_text(condition.message))
         asks = condition.remedy is not None and condition.level in ASKING
         self.remedy.setText("" if condition.remedy is None else shown_text(condition.remedy))
         self.remedy.setVisible(asks)

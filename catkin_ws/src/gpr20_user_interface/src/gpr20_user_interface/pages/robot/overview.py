@@ -26,6 +26,7 @@ from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.touch.scrolling import scroll_by_finger
 from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
 
 FINDING_LOOKS: Dict[Level, str] = {
@@ -42,8 +43,8 @@ PART_LOOKS: Dict[HealthLevel, Tuple[str, str, TextColours]] = {
     HealthLevel.ERROR: ("bad", "fault", TextColours.BAD),
     HealthLevel.STALE: ("bad", "fault", TextColours.BAD),
 }
-COLUMNS = 4
-SIGN_PX = 28
+COLUMNS = 5
+SIGN_PX = 22
 LEVEL_PX = 100
 
 
@@ -269,7 +270,8 @@ class Overview(TranslatedWidget):
         area.setWidgetResizable(True)
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll_by_finger(area)
         self._bottom = QHBoxLayout()
         for button in (self.fold_button, self.check_button, self.enter_button):
             self._bottom.addWidget(button, 1)

@@ -121,7 +121,7 @@ class AxisRows(TranslatedWidget):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self._zero_title.setText(self.tr("Turn the antennas to their mark, then set the zero of Z"))
+        self._zero_title.setText(self.tr("Z: turn the antennas to their mark first"))
         for row in self.rows:
             row.home.setText(self.tr("HOME"))
             if row.set_zero is not None:
