@@ -21,13 +21,13 @@ from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, Verdict
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.images import ImagingPresenter, Wanted
+from gpr20_operator.plan.spec import Keys
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import Languages, TranslatedWidget, sentence_text
-from gpr20_user_interface.pages.plan.start_sheet import StartSheet
 from gpr20_user_interface.pages.surveys.candidates_sheet import CandidatesSheet
 from gpr20_user_interface.pages.surveys.export_sheet import ExportSheet
 from gpr20_user_interface.pages.surveys.survey_list import (
@@ -39,9 +39,10 @@ from gpr20_user_interface.pages.surveys.survey_list import (
 )
 from gpr20_user_interface.touch.scrolling import FingerList
 from gpr20_user_interface.widgets.empty_state import EmptyState
+from gpr20_user_interface.widgets.hold_sheet import StartSheet
+from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.text_pad import TextPad
 from gpr20_user_interface.widgets.widgets import new_button
 
 PANEL_PX = 216
@@ -75,7 +76,7 @@ class SurveysPage(TranslatedWidget, Page):
         self._asked_before: Optional[str] = None
         self._text, self._listed = "", Listed.ALL
         self.chosen: Optional[SurveySummary] = None
-        self.pad = TextPad(window)
+        self.pad = Pad(window)
         self.search = new_button(self._ask_text)
         self.clear = new_button(lambda: self.search_for(""), "✕")
         self.filters: Dict[Listed, QPushButton] = {}
@@ -146,7 +147,8 @@ class SurveysPage(TranslatedWidget, Page):
 
     def _ask_text(self) -> None:
         hint = self.tr("Name, site, operator, date")
-        self.pad.ask(self.search_for, self.tr("Search"), hint, self._text, lambda _: "", False)
+        asked = (self.search_for, self.tr("Search"), hint, self._text)
+        self.pad.ask(*asked, lambda _text: "", Keys.LETTERS)
 
     def _ask_again(self) -> None:
         self._surveys.outdated = False
