@@ -11,8 +11,9 @@ from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag, UnknownFlag
 from gpr20_survey.results.found import Found, What
+from gpr20_survey.results.hidden_target import Targets
 
-FROM_MARK = Message("X and Y in mm from the frame's mark")
+FROM_MARK = Message("X, Y: mm from the frame's mark")
 NOTHING_FOUND = Message("No place stands out.")
 NOT_SAFE = Message(
     "That does not mean that no mine is there: one that echoes no more than this ground is not "
@@ -20,16 +21,21 @@ NOT_SAFE = Message(
 )
 SEARCHING = Message("Searching for places")
 READING = Message("Reading the survey")
+TARGETS: Dict[Targets, Message] = {
+    Targets.PMN: Message("Mine PMN"),
+    Targets.TYPE_72: Message("Mine Type 72"),
+    Targets.FRAGMENT: Message("Metal fragment"),
+}
 FINDS: Dict[What, Message] = {
     What.NOTHING: Message("nothing"),
     What.SCRAP: Message("scrap"),
-    What.DEVICE: Message("a mine or other device"),
+    What.DEVICE: Message("mine or device"),
 }
+INCOMPLETE = Message("INCOMPLETE")
 OUTCOMES: Dict[str, Message] = {
-    "finished": Message("INCOMPLETE: {stored} of {planned} traces"),
-    "stopped": Message("STOPPED: {stored} of {planned} traces"),
-    "failed": Message("FAILED: {stored} of {planned} traces"),
-    "interrupted": Message("INTERRUPTED: {stored} of {planned} traces"),
+    "stopped": Message("STOPPED"),
+    "failed": Message("FAILED"),
+    "interrupted": Message("INTERRUPTED"),
 }
 MEANINGS: Dict[Flag, Message] = {
     Flag.SURFACE_RESIDUE: Message("Surface residue: so shallow that it may be the surface."),
@@ -50,9 +56,11 @@ def headline(found: CandidateList, first: int = 0) -> Message:
     """
     shown = len(found.candidates[first : first + PLACES_SHOWN])
     more, unlisted = len(found.candidates) - shown, found.omitted
+    if not found.total:
+        return NOTHING_FOUND
     parts = [
         Message("{shown} of {total} places", shown=shown, total=found.total),
-        *([Message("doubtful: {count}", count=found.total - found.primary)] if found.total else []),
+        Message("doubtful: {count}", count=found.total - found.primary),
         *([Message("{count} more in the list", count=more)] if more else []),
     ]
     if unlisted:
@@ -68,17 +76,24 @@ def headline(found: CandidateList, first: int = 0) -> Message:
 
 def place_line(place: Candidate) -> Message:
     """Return where a place is."""
-    x, y, depth = place.place_texts
-    return Message("X {x}  Y {y}  depth {depth} mm", x=x, y=y, depth=depth)
+    x, y, _ = place.place_texts
+    return Message("X {x}  Y {y}", x=x, y=y)
+
+
+def whole_place(place: Candidate) -> Message:
+    """Return where a place is, and how deep."""
+    across, deep = place_line(place), place.place_texts[2]
+    return Message("{across} mm, {deep} mm deep", across=across, deep=deep)
 
 
 def why_line(place: Candidate) -> Message:
-    """Return in one line why a place is on the list."""
-    level = Message("{level:.0f} dB above clutter", level=place.above_clutter_db)
-    labels = place.labels
+    """Return in one line how deep a place is, and why it is on the list."""
+    line = Message(
+        "{deep} deep, {level:.0f} dB", deep=place.place_texts[2], level=place.above_clutter_db
+    )
     if place.is_doubtful:
-        labels = (Message("DOUBTFUL"), *labels)
-    return Message("{level}: {labels}", level=level, labels=in_a_row(labels)) if labels else level
+        line = Message("doubtful: {line}", line=line)
+    return in_a_row([line, *place.labels])
 
 
 def why_lines(place: Candidate) -> List[Message]:
@@ -110,8 +125,10 @@ def measured(result: SurveyResult) -> Optional[Message]:
         return None
     stored, planned = record.stored, record.grid.planned
     if stored < planned:
-        part = OUTCOMES.get(record.outcome, OUTCOMES["interrupted"])
-        return Message(part.template, stored=stored, planned=planned)
+        ended = OUTCOMES.get(record.outcome, INCOMPLETE)
+        return Message(
+            "{ended}: {stored} of {planned} traces", ended=ended, stored=stored, planned=planned
+        )
     if image is not None and image.traces < stored:
         return Message("{count} of {stored} traces could not be read", count=stored - image.traces,
                        stored=stored)  # fmt: skip

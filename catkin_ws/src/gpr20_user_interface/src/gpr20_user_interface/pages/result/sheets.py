@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import (
@@ -23,11 +23,12 @@ from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.jobs.stick import ExportPart
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.words import number_from_text
+from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_survey.results.hidden_target import Targets
-from gpr20_survey.results.hiding_map import ONLY_THIS
+from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS
 from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
@@ -68,6 +69,9 @@ class ResultSheet(Overlay):
         self.title.setObjectName("title")
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.close_button = new_button(self.hide)
+        self.no_clearance = QLabel()
+        self.no_clearance.setObjectName("alarm")
+        self.no_clearance.setWordWrap(True)
         self._rows: List[QHBoxLayout] = []
         self._page = QVBoxLayout(self)
         self._page.addWidget(self.title)
@@ -90,6 +94,7 @@ class ResultSheet(Overlay):
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
         self.close_button.setText(self.tr("CLOSE"))
+        self.no_clearance.setText(shown_text(NO_CLEARANCE))
         self.show_now()
 
     def restyle(self) -> None:
@@ -112,6 +117,7 @@ class ResultSheet(Overlay):
         self._page.addWidget(self.text, 1)
         self._page.addWidget(self.progress)
         self.add_row([*keys, self.close_button])
+        self._page.addWidget(self.no_clearance)
 
     def choice(self, act: Callable[[], None]) -> QPushButton:
         """Return a key that is chosen or not."""
@@ -160,7 +166,7 @@ class PlaceSheet(ResultSheet):
             self.hide()
             return
         self.finer.setEnabled(record is not None and record.grid.plan is not None)
-        self.title.setText(f"{place.number}   {shown_text(texts.place_line(place))}")
+        self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
         found = self.result.find_at(place)
         lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
         hidden = self.result.hiding.result
@@ -219,7 +225,7 @@ class FoundSheet(ResultSheet):
         self.store.setText(self.tr("Hold to store"))
         self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
         if self._place is not None:
-            place = shown_text(texts.place_line(self._place))
+            place = shown_text(texts.whole_place(self._place))
             self.title.setText(self.tr("Found at {place}").format(place=place))
         stored = self.tr("It is stored with the survey.")
         asked = self.tr("Choose what was found and say who found it. A later entry replaces this.")
@@ -345,9 +351,9 @@ class HidingSheet(ResultSheet):
         self.cancel.setText(self.tr("CANCEL"))
         self.cancel.setVisible(job.running)
         for target, key in self.targets.items():
-            size = f"{1e3 * target.value.diameter_m:g} mm"
+            size = f"{MM_PER_M * target.value.diameter_m:g} mm"
             chosen = target.value == self.result.target and job.state is not JobState.READY
-            self.show_choice(key, f"{target.value.name}\n{size}", chosen)
+            self.show_choice(key, f"{shown_text(texts.TARGETS[target])}\n{size}", chosen)
             key.setEnabled(not job.running)
         rest = self.tr("Choose a size. The search takes up to some minutes.")
         if job.running:
@@ -381,7 +387,6 @@ class StickSheet(ResultSheet):
         self.add_row(list(self.parts.values()))
         self.add_row(self.sticks)
         self.add_text(self.other, self.cancel)
-        self.text.setObjectName("large")
         self.retranslate()
 
     def ask(self) -> None:
@@ -399,7 +404,6 @@ class StickSheet(ResultSheet):
         """Show what is written where."""
         export = self.result.export
         running = export.job.running
-        self.title.setText(self.tr("Report to stick"))
         self.other.setText(self.tr("Other files"))
         self.other.setVisible(not running and not export.choosing)
         self.cancel.setText(self.tr("CANCEL"))
@@ -420,29 +424,33 @@ class StickSheet(ResultSheet):
             key.setEnabled(volume.writable and bool(export.parts))
         for number, key in enumerate(self.sticks):
             key.setVisible(several and number < len(export.sticks.volumes))
-        self.show_job(export.job, self._sentence())
+        title, text = self._sentences()
+        self.title.setText(title)
+        self.show_job(export.job, text)
 
-    def _sentence(self) -> str:
+    def _sentences(self) -> Tuple[str, str]:
+        """Return what to do with the stick, and what happens."""
         export = self.result.export
-        computer = export.sticks.computer
+        computer, listing = export.sticks.computer, export.listing
         if export.job.running:
             stage = export.job.stage
             waiting = self.tr("Waiting for the computer of the storage.")
-            shown = waiting if stage is None else sentence_text(stage)
-            return self.tr("Do not remove the stick.\n{stage}").format(stage=shown)
+            text = waiting if stage is None else sentence_text(stage)
+            return self.tr("Do not remove the stick."), text
         files = export.job.result
         if files:
-            return self.tr(
-                "Done. Remove the stick.\n{count} files are in its folder {folder}."
-            ).format(count=len(files), folder=files[0].split("/")[0])
-        if export.listing.problem is not None:
-            return with_remedy(export.listing.problem)
+            text = self.tr("Files: {count}, in its folder {folder}.")
+            where = text.format(count=len(files), folder=files[0].split("/")[0])
+            return self.tr("Done. Remove the stick."), where
+        if listing.problem is not None or export.job.problem is not None:
+            problem = listing.problem or export.job.problem
+            return self.tr("Nothing was written."), "" if problem is None else with_remedy(problem)
         if not computer:
-            return self.tr("Looking for USB sticks.")
+            return self.tr("Looking for USB sticks."), ""
         if not export.writable:
             text = self.tr("Plug a USB stick into the computer {computer}.")
-            return text.format(computer=computer)
-        return self.tr("Touch the stick that it is written to.")
+            return text.format(computer=computer), ""
+        return self.tr("Touch the stick that it is written to."), ""
 
     def _room(self, volume: Volume) -> str:
         if not volume.writable:

@@ -33,7 +33,7 @@ from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPictur
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
-PANEL_PX = 330
+PANEL_PX = 280
 RANK_PX = 36
 
 
@@ -64,13 +64,18 @@ class PlaceRow(QPushButton):
         self.rank.setFixedWidth(look_of(self).px(RANK_PX))
         self.place.setText(shown_text(texts.place_line(place)))
         self.why.show_text(shown_text(found or texts.why_line(place)))
-        set_look(self, "level", "locked" if place.is_doubtful else "")
+        for widget in (self, self.rank, self.place, self.why):
+            set_look(widget, "level", "locked" if place.is_doubtful else "")
+        self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Qt: there is more or less room."""
         super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
         lines_px = self.place.fontMetrics().height() + self.why.fontMetrics().height()
-        self.why.setVisible(self.height() >= lines_px + 4)
+        self.why.setVisible(self.height() >= lines_px)
 
 
 class ResultView(TranslatedWidget):
@@ -97,16 +102,17 @@ class ResultView(TranslatedWidget):
         self.no_clearance.setWordWrap(True)
         self.picture = GroundPicture()
         self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
-        self.nothing = PulledText()
-        self.nothing.setObjectName("large")
-        self.state = QLabel()
-        self.state.setObjectName("large")
+        self.nothing, self.state = QLabel(), QLabel()
+        for label in (self.nothing, self.state):
+            label.setObjectName("title")
+            label.setWordWrap(True)
         self.details = PulledText()
         self.progress = QProgressBar()
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.cancel = new_button(self._on_cancel)
         self.again = new_button(self._on_again)
         self.stick = new_button(self.stick_wanted.emit)
+        self.stick.setObjectName("primary")
         self.hiding = new_button(self.hiding_wanted.emit)
         self.soil = new_button(self.soil_wanted.emit)
         self.more = new_button(self._on_more)
@@ -177,14 +183,14 @@ class ResultView(TranslatedWidget):
             headline = SURVEY_RUNS
         elif running:
             headline = texts.SEARCHING if search.running else texts.READING
-            lines = [f"{int(search.running_s or reading.running_s)} s"]
         elif failed is not None:
             headline = failed
             first = remedies.first_step(failed)
             lines = [] if first is None else [shown_text(first)]
         else:
             headline = texts.READING
-        self.state.setText(sentence_text(headline))
+        seconds = f" {int(search.running_s or reading.running_s)} s" if running else ""
+        self.state.setText(sentence_text(headline) + seconds)
         self.details.setText("\n".join(lines))
         self.progress.setVisible(running)
         self.cancel.setVisible(running)
@@ -200,7 +206,7 @@ class ResultView(TranslatedWidget):
         if image is not self._drawn_image:
             self._drawn_image = image
             self.picture.show_picture(FocusedSource(image).from_above(), Colours.ENVELOPE)
-        self.picture.hiding = result.hiding.result
+        self.picture.set_hiding(result.hiding.result)
         self.picture.set_marks(
             [
                 GroundMark(
@@ -221,8 +227,7 @@ class ResultView(TranslatedWidget):
             row.show_place(place, None if found is None else texts.found_line(found))
         for number, row in enumerate(self.rows):
             row.setVisible(number < len(result.shown))
-        sentences = (texts.NOTHING_FOUND, texts.NOT_SAFE)
-        self.nothing.setText("\n\n".join(shown_text(one) for one in sentences))
+        self.nothing.setText(shown_text(texts.NOT_SAFE))
 
     def _row(self, number: int) -> PlaceRow:
         row = PlaceRow()
@@ -242,7 +247,6 @@ class ResultView(TranslatedWidget):
         self.refresh()
 
     def _lay_out(self) -> None:
-        self.state.setWordWrap(True)
         self.state.setAlignment(Qt.AlignmentFlag.AlignCenter)
         card = QVBoxLayout()
         card.addStretch(1)
@@ -262,6 +266,8 @@ class ResultView(TranslatedWidget):
         self._right.addWidget(_holding(self._list))
         self._right.addWidget(self.nothing)
         self._panel = self._right
+        # Five rows in the height of an image; each is as high as a finger needs.
+        self._panel.setStyleSheet("QPushButton#tile { min-height: 1px; }")
         self._places = QHBoxLayout()
         self._places.setContentsMargins(0, 0, 0, 0)
         self._places.addWidget(self.picture, 1)

@@ -1,0 +1,89 @@
+"""A result without ROS: what the storage and the imaging node are asked, and their answers."""
+
+import json
+
+import numpy as np
+from candidate_examples import candidate, candidate_list
+from view_kit import SURVEY, description
+
+from gpr20_operator.jobs.pictures import Imaging, Sticks, StoredSurvey
+from gpr20_operator.jobs.result import SurveyResult
+from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.volume import Volume
+
+BLUE = Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True)
+RED = Volume("/media/gpr/RED", "RED STICK WITH A LONG NAME", 123_000_000, True)
+LOCKED = Volume("/media/gpr/LOCKED", "LOCKED", 10**9, False)
+TIME_US = 1_795_000_000_000_000
+PLANNED = 40
+ELEVEN = [
+    candidate(1, 125.0, 90.0, 85.0, 31.0, [Flag.EDGE]),
+    *(candidate(number, 174.0, 62.0, 60.0, 14.0, [Flag.CLUTTER]) for number in range(2, 12)),
+]
+
+
+class Requests:
+    """In place of the clients: keeps the tickets, which a test answers."""
+
+    def __init__(self):
+        self.asked = []
+        self.cancelled = []
+
+    def __getattr__(self, name):
+        return lambda *request: self.asked.append((name, *request))
+
+    def cancel(self, request_id):
+        self.cancelled.append(request_id)
+
+    def of(self, name):
+        """Return the requests of a kind, without their tickets."""
+        return [one[2:] for one in self.asked if one[0] == name]
+
+    def ticket(self, name):
+        """Return the ticket of the last request of a kind."""
+        return [one[1] for one in self.asked if one[0] == name][-1]
+
+
+class Now:
+    s = 100.0
+
+    def __call__(self):
+        return self.s
+
+
+def new_result(requests, now=None):
+    return SurveyResult(Imaging(requests, now or Now()), lambda: TIME_US)
+
+
+def image_of(found, traces=PLANNED):
+    """Return an image with a list of candidates."""
+    x_mm, y_mm, depth_mm = np.linspace(100, 200, 5), np.linspace(50, 110, 4), np.arange(4.0)
+    return FocusedImage(traces, x_mm, y_mm, depth_mm, np.zeros((4, 4, 5), np.float32), found)
+
+
+def stored(count=PLANNED, log=(), **changes):
+    """Return what the storage says of a survey."""
+    values = {"outcome": "finished", "log": list(log), **changes}
+    return StoredSurvey(description(**values), count)
+
+
+def noted(kind, values):
+    """Return a record of the log."""
+    return {"kind": kind, "values": json.loads(json.dumps(values))}
+
+
+def search(result, requests, candidates=ELEVEN, record=None, **changes):
+    """Open the survey, and answer until its places are known."""
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(record or stored())
+    result.keep()
+    found = candidate_list(candidates, survey_id=SURVEY, **changes)
+    requests.ticket("focus").done(image_of(found))
+    return found
+
+
+def plug_in(requests, *volumes):
+    """Answer the question for sticks."""
+    requests.ticket("list_volumes").done(Sticks("gpr20-server", volumes))

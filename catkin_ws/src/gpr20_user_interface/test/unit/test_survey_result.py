@@ -1,0 +1,366 @@
+"""The result of a survey without its widgets: order, counts, one permittivity, records."""
+
+import dataclasses
+
+import pytest
+from candidate_examples import candidate_list, candidate_lists
+from hiding_kit import a_map
+from hypothesis import given
+from hypothesis import strategies as st
+from result_kit import (
+    BLUE,
+    ELEVEN,
+    LOCKED,
+    PLANNED,
+    RED,
+    TIME_US,
+    Now,
+    Requests,
+    image_of,
+    new_result,
+    noted,
+    plug_in,
+    search,
+    stored,
+)
+from view_kit import PAST, SURVEY
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import verbatim
+from gpr20_operator.jobs.job import JobState
+from gpr20_operator.jobs.result import CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
+from gpr20_operator.jobs.result_texts import (
+    headline,
+    measured,
+    soil_lines,
+    why_line,
+    why_lines,
+)
+from gpr20_operator.jobs.stick import LIST_PERIOD_S, ExportPart
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.radar.soils import ANY_SOIL
+from gpr20_survey.results.candidate_json import json_text, list_from
+from gpr20_survey.results.found import What, found_of
+from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.soil_note import noted_permittivity, soil_values
+
+
+@pytest.fixture
+def requests():
+    return Requests()
+
+
+@pytest.fixture
+def now():
+    return Now()
+
+
+@pytest.fixture
+def result(requests, now):
+    return new_result(requests, now)
+
+
+@given(candidate_lists())
+def test_places_come_in_the_order_of_the_list_and_the_headline_counts_all(found):
+    requests = Requests()
+    result = new_result(requests)
+    found = dataclasses.replace(found, survey_id=SURVEY)
+    search(result, requests, found.candidates, omitted=found.omitted,
+           omitted_primary=found.omitted_primary)  # fmt: skip
+    pages = []
+    for _ in range(0, max(len(found.candidates), 1), PLACES_SHOWN):
+        pages.append(result.shown)
+        parts = headline(result.image.found, result.first).values.get("sentences", ())
+        counted = {name: one for part in parts for name, one in part.values.items()}
+        if found.total:
+            assert counted["shown"] == len(result.shown) <= PLACES_SHOWN
+            assert counted["total"] == found.total
+            more = len(found.candidates) - counted["shown"]
+            assert more + counted["shown"] + found.omitted == found.total
+        result.turn_page()
+    assert [one for page in pages for one in page] == list(found.candidates)
+    assert result.first == 0
+
+
+def test_what_is_doubtful_is_counted_and_marked_and_never_hidden(result, requests):
+    found = search(result, requests)
+    assert str(headline(found)) == "5 of 11 places; doubtful: 10; 6 more in the list"
+    assert [one.number for one in result.shown] == [1, 2, 3, 4, 5]
+    assert "doubtful" in str(why_line(result.shown[1]))
+    assert "doubtful" not in str(why_line(result.shown[0]))
+    assert len(why_lines(result.shown[0])) == 4
+
+
+def test_nothing_found_is_not_said_to_be_a_count(result, requests):
+    found = search(result, requests, [])
+    assert not any(character.isdigit() for character in str(headline(found)))
+
+
+@given(st.one_of(st.none(), st.floats(1.0, 81.0)), st.one_of(st.none(), st.floats(1.0, 81.0)))
+def test_one_permittivity_is_in_all_requests(planned, entered):
+    requests = Requests()
+    result = new_result(requests)
+    log = [noted("decision", soil_values(planned, TIME_US))] if planned is not None else []
+    search(result, requests, record=stored(log=log))
+    values = [planned]
+    result.set_permittivity(entered)
+    if entered != planned:
+        values.append(entered)
+        result.keep()
+        requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
+    assert result.permittivity == entered
+    assert [one[1] for one in requests.of("focus")] == [one or 0.0 for one in values]
+    result.choose_target(Targets.PMN)
+    assert requests.of("map_hidden") == [(SURVEY, entered or 0.0, "pmn")]
+    result.begin_export("es")
+    plug_in(requests, BLUE)
+    ((order,),) = requests.of("export")
+    assert (order.permittivity, order.language) == (entered or 0.0, "es")
+
+
+def test_a_permittivity_that_is_changed_is_noted_and_a_stored_survey_opens_with_it(requests):
+    first = new_result(requests)
+    search(first, requests)
+    first.set_permittivity(8.0)
+    ((survey, kind, values),) = requests.of("note")
+    assert (survey, kind) == (SURVEY, Kind.DECISION)
+    another = new_result(Requests())
+    search(another, another._imaging.requests, record=stored(log=[noted(kind.value, values)]))
+    assert another.permittivity == 8.0
+    assert [str(one) for one in soil_lines(another)] == ["Permittivity 8", "Moist sand"]
+
+
+def test_the_permittivity_of_the_plan_is_noted_at_the_start_and_again_if_that_failed(
+    result, requests
+):
+    result.note_plan(SURVEY, 4.0)
+    requests.ticket("note").fail(verbatim("the storage does not answer"))
+    search(result, requests)
+    assert requests.of("focus") == [(SURVEY, 4.0)]
+    assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0, 4.0]
+
+
+def test_without_a_permittivity_the_assumed_one_is_said_to_be_assumed(result, requests):
+    search(result, requests, permittivity=ANY_SOIL.permittivity)
+    assert [str(one) for one in soil_lines(result)] == ["Permittivity 5", "ASSUMED"]
+    assert requests.of("focus") == [(SURVEY, 0.0)]
+
+
+@pytest.mark.parametrize("value", [None, True, "4", 0.5, 101.0, float("nan"), [4.0]])
+def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
+    values = {**soil_values(4.0, TIME_US), "permittivity": value}
+    assert noted_permittivity([noted("decision", soil_values(4.0, TIME_US))]) == 4.0
+    assert noted_permittivity([{"kind": "decision", "values": values}]) is None
+    assert noted_permittivity([{"kind": "decision", "values": None}]) is None
+
+
+def test_an_image_that_another_page_has_is_not_asked_for_again(result, requests):
+    found = candidate_list(ELEVEN, survey_id=SURVEY)
+    result._imaging.pictures.add_image(image_of(found))
+    result.note_plan(SURVEY, found.permittivity)
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(stored())
+    result.keep()
+    assert requests.of("focus") == [] and result.places == tuple(ELEVEN)
+
+
+def test_nothing_is_searched_while_a_survey_runs_and_the_search_begins_when_it_has_ended(
+    result, requests
+):
+    result.note_running(True)
+    result.open(SURVEY)
+    result.keep()
+    assert requests.asked == [] and result.waits
+    result.note_running(False)
+    search(result, requests)
+    result.note_running(True)
+    assert result.image is None
+    result.choose_target(Targets.PMN)
+    result.begin_export("en")
+    assert not requests.of("map_hidden") and not requests.of("list_volumes")
+
+
+def test_a_survey_that_begins_ends_the_search_and_late_answers_change_nothing(result, requests):
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(stored())
+    result.keep()
+    late = requests.ticket("focus")
+    result.note_running(True)
+    assert requests.cancelled == [late.request_id]
+    late.done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
+    assert result.image is None and result.places == ()
+
+
+def test_a_search_that_is_cancelled_rests_until_it_is_wanted_again(result, requests):
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(stored())
+    result.keep()
+    result.cancel()
+    result.keep()
+    assert result.search.problem == CANCELLED and len(requests.of("focus")) == 1
+    result.try_again()
+    search(result, requests)
+    assert result.image is not None
+
+
+def test_a_failure_is_kept_with_its_reason_until_it_is_tried_again(result, requests):
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").fail(verbatim("the storage does not answer"))
+    result.keep()
+    assert result.reading.state is JobState.FAILED and len(requests.of("read_survey")) == 1
+    result.try_again()
+    search(result, requests)
+    assert len(result.places) == 11
+
+
+def test_a_survey_whose_description_is_damaged_is_not_searched(result, requests):
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(stored()._replace(text="{"))
+    result.keep()
+    assert result.reading.problem is not None and requests.of("focus") == []
+
+
+def test_the_answer_for_another_survey_is_refused(result, requests):
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(stored())
+    result.keep()
+    requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
+    assert result.search.problem == OTHER_SURVEY and result.places == ()
+    search(new := new_result(requests), requests)
+    new.choose_target(Targets.PMN)
+    requests.ticket("map_hidden").done(a_map([[[6]]], [[[6]]], survey_id=PAST))
+    assert new.hiding.problem == OTHER_SURVEY
+
+
+def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_changes(
+    result, requests
+):
+    search(result, requests)
+    result.choose_target(Targets.FRAGMENT)
+    found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
+    requests.ticket("map_hidden").done(found)
+    assert result._imaging.pictures.hiding(SURVEY) is found is result.hiding.result
+    result.set_permittivity(8.0)
+    assert result.hiding.result is None and result._imaging.pictures.hiding(SURVEY) is None
+
+
+@pytest.mark.parametrize(
+    ("count", "outcome", "text"),
+    [
+        (7, "stopped", "STOPPED: 7 of 40 traces"),
+        (7, "failed", "FAILED: 7 of 40 traces"),
+        (7, "interrupted", "INTERRUPTED: 7 of 40 traces"),
+        (7, "", "INCOMPLETE: 7 of 40 traces"),
+        (39, "finished", "INCOMPLETE: 39 of 40 traces"),
+        (40, "finished", None),
+        (40, "", None),
+    ],
+)
+def test_how_much_was_measured_is_said_unless_it_is_all(result, requests, count, outcome, text):
+    search(result, requests, record=stored(count, outcome=outcome))
+    said = measured(result)
+    assert text == (None if said is None else str(said))
+
+
+def test_traces_that_cannot_be_read_are_counted(result, requests):
+    result.open(SURVEY)
+    result.keep()
+    requests.ticket("read_survey").done(stored())
+    result.keep()
+    found = candidate_list(ELEVEN, survey_id=SURVEY)
+    requests.ticket("focus").done(image_of(found, traces=PLANNED - 3))
+    assert "3 of 40" in str(measured(result))
+
+
+def test_what_was_found_is_stored_with_the_sum_of_its_list_and_read_again(result, requests):
+    found = search(result, requests)
+    place = result.places[0]
+    assert result.find_at(place) is None
+    result.note_found(place, What.SCRAP, 35.0, "Ana")
+    ((survey, kind, values),) = requests.of("note")
+    assert (survey, kind) == (SURVEY, Kind.FOUND)
+    record = found_of(values)
+    assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
+    assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
+    requests.ticket("note").done(None)
+    requests.ticket("read_survey").done(stored(log=[noted("found", values)]))
+    assert result.find_at(place) == record
+    assert result.find_at(result.places[1]) is None
+    assert len(requests.of("focus")) == 1
+
+
+@pytest.mark.parametrize(("depth_mm", "who"), [(-1.0, "Ana"), (1e6, "Ana"), (None, "")])
+def test_a_record_that_is_not_allowed_is_refused(result, requests, depth_mm, who):
+    search(result, requests)
+    with pytest.raises(InvalidValueError):
+        result.note_found(result.places[0], What.DEVICE, depth_mm, who)
+    assert requests.of("note") == []
+
+
+def test_the_report_is_written_at_once_to_the_only_stick(result, requests):
+    search(result, requests)
+    result.begin_export("en")
+    plug_in(requests, LOCKED, BLUE)
+    ((order,),) = requests.of("export")
+    assert (order.survey, order.kinds, order.volume) == (SURVEY, ["report-pdf"], BLUE.path)
+
+
+def test_a_stick_that_is_plugged_in_later_is_written_too(result, requests, now):
+    search(result, requests)
+    result.begin_export("en")
+    plug_in(requests)
+    result.export.look_for_sticks()
+    assert len(requests.of("list_volumes")) == 1
+    now.s += LIST_PERIOD_S
+    result.export.look_for_sticks()
+    plug_in(requests, BLUE)
+    assert len(requests.of("export")) == 1
+
+
+def test_of_several_sticks_one_is_chosen(result, requests):
+    search(result, requests)
+    result.begin_export("en")
+    plug_in(requests, BLUE, RED)
+    assert requests.of("export") == []
+    result.export.write(RED.path)
+    assert requests.of("export")[0][0].volume == RED.path
+    result.export.write(BLUE.path)
+    assert len(requests.of("export")) == 1
+
+
+def test_other_files_are_written_only_after_a_choice(result, requests, now):
+    search(result, requests)
+    result.begin_export("en")
+    plug_in(requests, BLUE)
+    requests.ticket("export").done(("GPR20/a.pdf",))
+    result.export.choose_parts()
+    result.export.toggle(ExportPart.SURVEY_ZIP)
+    now.s += LIST_PERIOD_S
+    result.export.look_for_sticks()
+    plug_in(requests, BLUE)
+    assert len(requests.of("export")) == 1
+    result.export.write(BLUE.path)
+    assert requests.of("export")[-1][0].kinds == ["report-pdf", "survey-zip"]
+    result.export.cancel()
+    result.export.toggle(ExportPart.SURVEY_ZIP)
+    result.export.toggle(ExportPart.REPORT_PDF)
+    result.export.write(BLUE.path)
+    assert len(requests.of("export")) == 2
+
+
+def test_an_export_that_is_cancelled_does_not_begin_again_by_itself(result, requests, now):
+    search(result, requests)
+    result.begin_export("en")
+    plug_in(requests, BLUE)
+    result.export.cancel()
+    assert requests.cancelled == [requests.ticket("export").request_id]
+    now.s += LIST_PERIOD_S
+    result.export.look_for_sticks()
+    plug_in(requests, BLUE)
+    assert len(requests.of("export")) == 1
