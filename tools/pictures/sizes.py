@@ -14,7 +14,7 @@ from gpr20_common.low import catalogue_file
 from gpr20_common.message import verbatim
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.palette import Theme
-from gpr20_operator.plan.tiles import VALUE_TILES
+from gpr20_operator.plan.fields import VALUE_TILES
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.main_window import MainWindow, TabName
@@ -80,7 +80,7 @@ def sheets(window: MainWindow) -> Dict[str, Callable[[], None]]:
         "figures": window.control.figures.click,
         "profiles": window.control.profiles.click,
         "start": window.control.start.click,
-        "settings": window.settings.button.click,
+        "settings": window.rail.settings.click,
         "refused": lambda: window.notice.show_notice(
             refusal_notice(Refused.RESUME, verbatim(REASON))
         ),

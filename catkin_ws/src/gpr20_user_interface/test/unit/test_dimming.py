@@ -55,7 +55,7 @@ def test_what_must_be_seen_wakes_it_and_keeps_it_awake(clock):
 @pytest.fixture
 def window(application, clock):
     window = opened_window(application, clock=clock)
-    window.settings.sheet.dimming_chosen.emit(2)
+    window.settings.dim_choices[2].click()
     show(window, snapshot(SurveyState.SURVEYING))
     yield window
     close(window)
@@ -76,11 +76,11 @@ def touch(window, widget):
 def test_the_first_touch_only_wakes_and_the_next_one_acts(window, clock):
     window.show_tab(TabName.STATUS)
     assert dim(window, clock)
-    touch(window, window.settings.button)
+    touch(window, window.rail.settings)
     assert not window.settings.cover.isVisible()
-    assert not window.settings.sheet.isVisible()
-    touch(window, window.settings.button)
-    assert window.settings.sheet.isVisible()
+    assert not window.settings.isVisible()
+    touch(window, window.rail.settings)
+    assert window.settings.isVisible()
 
 
 def test_stop_is_seen_and_acts_on_a_dimmed_screen(window, clock):

@@ -175,14 +175,14 @@ def test_neither_the_settings_nor_the_list_of_robots_is_cut_off(spoken):
             show(spoken, now)
             assert spoken.top_bar.message.whole.startswith("/: ")
             spoken.rail.settings.click()
-            assert_fits(spoken, spoken.top_bar, spoken.settings.sheet)
-            spoken.settings.sheet.robot_button.click()
+            assert_fits(spoken, spoken.top_bar, spoken.settings)
+            spoken.settings.robot_button.click()
             show(spoken, now)
             assert_fits(spoken, spoken.top_bar, spoken.robots.sheet)
             spoken.robots.sheet.hide()
     finally:
         spoken.on_event(RobotsFound(frozenset()))
-    sheet = spoken.settings.sheet
+    sheet = spoken.settings
     for buttons in (sheet.languages, sheet.themes, sheet.dim_choices):
         for button in buttons.values():
             assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX)

@@ -71,13 +71,13 @@ def test_the_window_offers_and_uses_it_and_remembers_it(application, folder, tmp
     window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
     window.resize(800, 480)
     window.show()
-    click(window.settings.button)
-    sheet = window.settings.sheet
+    click(window.rail.settings)
+    sheet = window.settings
     assert sheet.languages[PSEUDO].text() == PSEUDO.own_name
     click(sheet.languages[PSEUDO])
     QTest.qWait(1)  # the change of language is an event
     assert sheet.title.text().startswith("Séttîñgš")
-    assert sheet.theme_label.text() == LEFT_OUT
+    assert sheet.labels[1].text() == LEFT_OUT
     assert memory.close(10.0)
     close(window)
     assert WindowMemory(SettingsFile(tmp_path / "window.yaml")).settings.language == PSEUDO
@@ -88,8 +88,8 @@ def test_a_damaged_catalogue_is_named_and_the_window_keeps_its_language(applicat
     memory = WindowMemory()
     window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
     window.show()
-    click(window.settings.button)
-    sheet = window.settings.sheet
+    click(window.rail.settings)
+    sheet = window.settings
     click(next(button for one, button in sheet.languages.items() if one.value == "pt"))
     assert f"{folder}/pt.po" in sheet.hint.text()
     assert sheet.languages[Language.ENGLISH].isChecked()

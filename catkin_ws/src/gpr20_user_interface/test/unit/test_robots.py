@@ -60,7 +60,7 @@ def test_a_robot_alone_is_neither_named_nor_offered(opened):
     found(opened, "/robot1")
     assert not opened.top_bar.message.whole.startswith("robot1")
     opened.rail.settings.click()
-    assert not opened.settings.sheet.robot_button.isVisible()
+    assert not opened.settings.robot_button.isVisible()
 
 
 def test_one_of_several_robots_is_named_beside_its_state(opened):
@@ -73,7 +73,7 @@ def test_one_of_several_robots_is_named_beside_its_state(opened):
 def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
     found(opened, "/robot1", "/robot2", "/robot3")
     opened.rail.settings.click()
-    opened.settings.sheet.robot_button.click()
+    opened.settings.robot_button.click()
     sheet = opened.robots.sheet
     assert sheet.isVisible() and choice.watched == [True]
     opened.on_event(RobotReported("/robot2", MEASURING))
@@ -87,14 +87,14 @@ def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
 
 def test_closing_the_list_ends_to_listen_to_the_other_robots(opened, choice):
     found(opened, "/robot1", "/robot2")
-    opened.settings.sheet.robot_button.click()
+    opened.settings.robot_button.click()
     opened.robots.sheet.close_button.click()
     assert choice.watched == [True, False] and not opened.robots.sheet.isVisible()
 
 
 def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(opened):
     found(opened, "/robot1", "/robot2")
-    opened.settings.sheet.robot_button.click()
+    opened.settings.robot_button.click()
     show(opened, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
     assert not any(button.isEnabled() for button in opened.robots.sheet.buttons[:2])
     show(opened, snapshot(SurveyState.STOPPED))
@@ -104,7 +104,7 @@ def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(opened):
 def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
     names = [f"/robot{number:02d}" for number in range(1, 30)]
     found(opened, "/robot1", *names)
-    opened.settings.sheet.robot_button.click()
+    opened.settings.robot_button.click()
     sheet, seen = opened.robots.sheet, set()
     for _ in range(4):
         for button in sheet.buttons:
@@ -138,7 +138,7 @@ def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
         show(window, snapshot(alive=False))
         assert not window.robots.sheet.isVisible()
         window.rail.settings.click()
-        assert not window.settings.sheet.robot_button.isVisible()
+        assert not window.settings.robot_button.isVisible()
         assert window.top_bar.message.whole.startswith("/: ")
     finally:
         close(window)

@@ -76,7 +76,7 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     languages = Languages(application, memory.settings.language)
     window = new_window(languages, profiles=tmp_path, memory=memory)
     window.show()
-    sheet = window.settings.sheet
+    sheet = window.settings
     click(window.rail.settings)
     assert sheet.isVisible()
     assert sheet.languages[Language.ENGLISH].isChecked()
@@ -98,7 +98,7 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     window.show()
     click(window.rail.settings)
     assert window.look.theme is Theme.NIGHT
-    sheet = window.settings.sheet
+    sheet = window.settings
     assert sheet.languages[Language.SPANISH].isChecked()
     assert sheet.themes[Theme.NIGHT].isChecked()
     assert sheet.dim_choices[10].isChecked()

@@ -23,25 +23,19 @@ from gpr20_user_interface.look.look import (
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.style_sheet import style_sheet
 from gpr20_user_interface.look.translation import Languages, TranslatedWidget
-from gpr20_user_interface.pages.ground.band import BandPage
-from gpr20_user_interface.pages.ground.map_page import MapBinding
-from gpr20_user_interface.pages.ground.map_view import MapView
-from gpr20_user_interface.pages.ground.radar_page import RadarBinding
-from gpr20_user_interface.pages.ground.radar_view import RadarView
-from gpr20_user_interface.pages.ground.traces import TracesBinding
+from gpr20_user_interface.pages.ground.page import GroundPage
 from gpr20_user_interface.pages.job.alerts import Alerts
 from gpr20_user_interface.pages.job.page import JobPage
-from gpr20_user_interface.pages.plan.page import ControlBinding
-from gpr20_user_interface.pages.plan.start_sheet import StartSheet
-from gpr20_user_interface.pages.plan.view import ControlView
+from gpr20_user_interface.pages.plan.page import PlanPage
 from gpr20_user_interface.pages.robot.page import RobotPage
 from gpr20_user_interface.pages.robots.page import RobotsPage
-from gpr20_user_interface.pages.settings.page import SettingsBinding
+from gpr20_user_interface.pages.settings.page import SettingsPage
 from gpr20_user_interface.pages.surveys.page import (
     ImagingBinding,
     SurveysBinding,
     SurveysPage,
 )
+from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
 from gpr20_user_interface.window.lock import TouchBinding
@@ -84,16 +78,16 @@ class MainWindow(TranslatedWidget):
         self.survey, self.traces = presenters.survey, presenters.traces
         self.plans = presenters.plans
         self._imaging = presenters.imaging
-        self._make_tabs()
+        self._make_tabs(presenters)
         self._bind_tabs(presenters, languages, clock)
         self._name_sheets()
         seen = (self.notice, self.question, self.stop_warning)
-        self.settings = SettingsBinding(
+        self.settings = SettingsPage(
             *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
         )
-        choice = self.settings.sheet.robot_button
-        choice.clicked.connect(self.settings.sheet.hide)
+        choice = self.settings.robot_button
+        choice.clicked.connect(self.settings.hide)
         self.robots = RobotsPage(self, presenters.robots, choice, self.top_bar.show_robot, clock)
         self._bindings = self._all_bindings(presenters)
         self._timers = [
@@ -113,7 +107,7 @@ class MainWindow(TranslatedWidget):
     def begin(self) -> None:
         """Refresh the window from now on."""
         self.survey.check_master()
-        self.control_binding.begin()
+        self.control.begin()
         self.refresh()
         for timer in self._timers:
             timer.start()
@@ -172,19 +166,16 @@ class MainWindow(TranslatedWidget):
         """Write the texts in the language of the application."""
         self.setWindowTitle(self.tr("GPR-20"))
 
-    def _make_tabs(self) -> None:
+    def _make_tabs(self, presenters: Presenters) -> None:
         traces = self.traces
         self.top_bar = TopBar()
         self.rail, self.tabs = Rail(), QStackedWidget()
-        self.control = ControlView()
+        self.control = PlanPage(self, self.survey, traces, presenters.profiles, presenters.plans)
         self.additions = AdditionsPresenter(
             traces.source,
-            lambda: self.control_binding.next_annotation.value.operator,
-            self._imaging.focus,
+            lambda: self.control.next_annotation.value.operator,
+            focus=self._imaging.focus,
         )
-        self.map = MapView(traces.shown.map, traces.shown.radar, self.additions)
-        self.radar = RadarView(traces.shown.radar)
-        self.map_page, self.radar_page = BandPage(self.map), BandPage(self.radar)
         self.past = SurveysPage(self, traces.past)
         self.job = JobPage(traces)
         self.survey_tab = SurveyTab(self.control, self.job)
@@ -200,44 +191,36 @@ class MainWindow(TranslatedWidget):
         self.robot = RobotPage(presenters.service, self.alerts.notice.show_notice)
         self.job.card_pressed.connect(self.alerts.show_condition)
         self.job.plan_pressed.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
+        self.ground = GroundPage(
+            *(self, survey, traces, self.additions),
+            *(lambda: presenters.imaging.images.problem, self.alerts.show_refusal),
+        )
+        self.ground.finer_chosen.connect(lambda plan: self._use_parameters(plan.parameters))
+        self.ground.wanted.connect(lambda: self.show_tab(TabName.GROUND))
         self._pages: Dict[TabName, QWidget] = {
             TabName.SURVEY: self.survey_tab,
-            TabName.MAP: self.map_page,
-            TabName.RADAR: self.radar_page,
+            TabName.GROUND: self.ground.view,
             TabName.SURVEYS: self.past,
             TabName.ROBOT: self.robot,
         }
-        self.control_binding = ControlBinding(
-            *(self, survey, self.control, presenters.profiles, presenters.plans, traces.source),
-            *(self.alerts.show_refusal, self.start_sheet),
-        )
+        self.control.start_pressed.connect(self.start_sheet.ask_start)
+        self.control.resume_pressed.connect(self.start_sheet.ask_resume_past)
+        self.control.refused.connect(self.alerts.show_refusal)
         self.surveys_binding = SurveysBinding(
             self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
         )
-        self.job.notes_pressed.connect(self.control_binding.show_notes)
+        self.job.notes_pressed.connect(self.control.show_notes)
         self.control.plan_changed.connect(
-            lambda: self.radar.presenter.take_plan(self.control.permittivity)
-        )
-        self.map_binding = MapBinding(
-            self,
-            survey,
-            traces,
-            self.additions,
-            self.map,
-            self._use_parameters,
-            self.alerts.show_refusal,
-        )
-        self.radar_binding = RadarBinding(
-            self, self.radar, self.additions, presenters.imaging.images, self.map_binding.ask_marker
+            lambda: self.ground.model.take_plan(self.control.permittivity)
         )
 
     def _name_sheets(self) -> None:
         """Name what lies over the tabs; the bindings open and close it."""
         self.notice, self.question = self.alerts.notice, self.alerts.question
-        self.values = self.control_binding.values
+        self.values = self.control.values
         self.stop_warning = self.alerts.stop_warning
-        self.profiles = self.control_binding.profiles
-        self.annotation = self.control_binding.annotation
+        self.profiles = self.control.profiles
+        self.annotation = self.control.annotation
         self.candidates = self.surveys_binding.candidates
         self.export = self.surveys_binding.export
 
@@ -247,20 +230,16 @@ class MainWindow(TranslatedWidget):
             ImagingBinding(
                 self.traces,
                 self._imaging,
-                lambda: self.map.isVisible() or self.radar.isVisible(),
-                lambda: self.radar.presenter.settings.permittivity,
+                self.ground.view.isVisible,
+                lambda: self.ground.model.settings.permittivity,
             ),
-            TracesBinding(
-                *(self.survey, self.traces, self.map_page, self.radar_page),
-                lambda: self.show_tab(TabName.RADAR),
-            ),
+            self.ground,
             self.alerts,
             self.survey_tab,
             self.job,
-            self.map_binding,
-            self.control_binding,
+            self.control,
+            self.start_sheet,
             self.surveys_binding,
-            self.radar_binding,
             self.settings,
             self.robots,
             self.robot,
