@@ -9,7 +9,7 @@ from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.jobs.search import SearchState
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 from pictures.kit import shown_window, wait
 
 SCENE = "imaging_targets.yaml"

@@ -21,7 +21,7 @@ from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.mid.analyzer.vna_faults import VnaFault
 from gpr20_simulator.mid.faults import ADC, VNA
 from gpr20_simulator.srv import SetFault
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 from pictures.kit import Shown, shown_window, wait
 
 # A survey of four seconds at 50 times the speed, whose second row leads past the endstop of x.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from robot_kit import free_port, running, simulated_robot
 
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 from pictures.kit import shown_window, wait
 
 SURVEY = ("--x-points=5", "--y-points=5", "--x-start-mm=50", "--y-start-mm=50")

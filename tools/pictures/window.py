@@ -9,7 +9,7 @@ from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.ground.grid import Stop
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 from pictures.kit import shown_window, wait
 
 # A finished survey for the list, then the one that the pictures show.

@@ -59,7 +59,7 @@ class Stop(WindowCase):
         self.assertTrue(client.wait_for_server(rospy.Duration(LIMIT_S)))
         client.send_goal(AxisGoal(target_coordinate=target_mm))
         wait_until(lambda: self.moves(axis), "the axis moves")
-        wait_until(lambda: self.window.top_bar.title.text() == "ROBOT MOVES", "it is shown")
+        wait_until(lambda: self.window.top_bar.band.title.whole == "ROBOT MOVES", "it is shown")
 
     def freeze_control(self) -> Callable[[], None]:
         """Freeze main_control until the test ends; return what wakes it."""
@@ -87,8 +87,8 @@ class Stop(WindowCase):
         for tab in TabName:
             self.window.show_tab(tab)
             self.send_goal(AxisId.X, FAR_MM)
-            self.assertEqual(self.window.top_bar.sign.level, JobLevel.ATTENTION)
-            self.assertTrue(self.window.top_bar.message.whole.startswith("X axis"))
+            self.assertEqual(self.window.top_bar.band.level, JobLevel.ATTENTION)
+            self.assertTrue(self.window.top_bar.band.message.whole.startswith("X axis"))
             self.assertLess(self.press_stop(), REST_LIMIT_S)
             wait_until(self.window.notice.isVisible, "the answers are shown")
             self.assertEqual(self.window.notice.title.text(), "Every axis rests.")
@@ -106,7 +106,7 @@ class Stop(WindowCase):
         self.assertFalse(self.window.stop_warning.isVisible())
         wait_until(lambda: self.shown.alarm is not None, "the silence is noticed")
         self.send_goal(AxisId.X, FAR_MM)
-        self.assertEqual(self.window.top_bar.sign.level, JobLevel.FAULT)
+        self.assertEqual(self.window.top_bar.band.level, JobLevel.FAULT)
         self.assertLess(self.press_stop(), REST_LIMIT_S)
         wake()
         wait_until(lambda: self.shown.alarm is None, "it is back")

@@ -18,7 +18,7 @@ from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
-from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.health import AlarmKind
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
@@ -68,13 +68,13 @@ class WindowOnRobot(WindowCase):
 
     def test_survey_is_entered_started_paused_resumed_and_finished_with_a_finger(self) -> None:
         self.enter_with_arrows()
-        sheet = self.window.control_binding.figures
+        sheet = self.window.control.figures
         wait_until(lambda: "—" not in sheet.figures, "time is estimated")
         self.assertEqual((sheet.figures[0], sheet.figures[4]), ("18", "40, 40 mm"))
         self.keep_picture("robot_control")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
-        self.assertTrue(self.window.top_bar.simulated.isVisible())
+        self.assertTrue(self.window.top_bar.band.simulated.isVisible())
         self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
         wait_until(lambda: 2 <= self.visited() < 18, "completion moves")
         self.click("pause")
@@ -184,7 +184,7 @@ class WindowOnRobot(WindowCase):
         wait_until(notice.isVisible, "the card of the fault opens")
         self.assertIn("Check that the VNA is switched on", notice.first.text())
         self.assertTrue(notice.resume.isVisible())
-        self.assertIn("VNA", self.window.top_bar.message.whole)
+        self.assertIn("VNA", self.window.top_bar.band.message.whole)
         self.keep_picture("robot_vna_gone")
         set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0)
         # The alarm ends with its cause, though the survey is still paused.

@@ -22,7 +22,8 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.tiles import TILE_FIELDS, VALUE_TILES, Tile
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages

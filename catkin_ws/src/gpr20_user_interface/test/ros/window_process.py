@@ -18,7 +18,7 @@ from window_case import new_interface
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
@@ -45,7 +45,7 @@ def shown(interface: UserInterface) -> str:
             "survey": bar.replay.message.whole,
             "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
             "alarm": "" if snapshot.alarm is None else str(snapshot.alarm.message),
-            "simulated": interface.window.top_bar.simulated.isVisible(),
+            "simulated": interface.window.top_bar.band.simulated.isVisible(),
         }
     )
 

@@ -18,7 +18,7 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_operator.plan.parameter_form import default_parameters, texts_of
+from gpr20_operator.plan.fields import default_parameters, texts_of
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_operator.robot.health import HealthReport

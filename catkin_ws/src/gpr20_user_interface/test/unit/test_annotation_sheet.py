@@ -18,7 +18,7 @@ from gpr20_operator.ground.trace_events import (
     AnnotationStored,
     SurveysListed,
 )
-from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
@@ -92,20 +92,20 @@ def test_a_refused_start_keeps_the_notes(window, sheet):
     write(sheet, "notes", "wet")
     click(sheet.save)
     window.on_event(Answer(Request.START, False, verbatim("refused")))
-    assert window.control_binding.next_annotation.value.notes == "wet"
+    assert window.control.next_annotation.value.notes == "wet"
 
 
 def test_closing_without_saving_changes_nothing(window, sheet):
     click(window.control.tiles[Tile.NAME])
     write(sheet, "operator", "Ana")
     click(sheet.close_button)
-    assert window.control_binding.next_annotation.value == EMPTY
+    assert window.control.next_annotation.value == EMPTY
 
 
 def test_the_defaults_of_the_robot_fill_what_is_empty(window):
-    window.control_binding.next_annotation.value = Annotation(site="here")
+    window.control.next_annotation.value = Annotation(site="here")
     window.on_event(AnnotationDefaults(Annotation("Ana", "elsewhere")))
-    assert window.control_binding.next_annotation.value == Annotation("Ana", "here")
+    assert window.control.next_annotation.value == Annotation("Ana", "here")
 
 
 def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet):
@@ -119,7 +119,7 @@ def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet):
         assert not sheet.save.isEnabled()
         assert sheet.problem.text().startswith(reason)
         click(sheet.close_button)
-        assert window.control_binding.next_annotation.value == EMPTY
+        assert window.control.next_annotation.value == EMPTY
 
 
 def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
@@ -159,7 +159,7 @@ def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, s
     assert sheet.isVisible()
     window.on_event(AnnotationStored(SURVEY))
     assert not sheet.isVisible()
-    assert window.control_binding.next_annotation.value == EMPTY
+    assert window.control.next_annotation.value == EMPTY
 
 
 def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):

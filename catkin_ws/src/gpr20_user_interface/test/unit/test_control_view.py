@@ -7,9 +7,10 @@ from view_kit import snapshot
 from window_helpers import click, enter, open_field, show, start, tile_of, wishes
 
 from gpr20_operator.plan.form import PERMITTIVITY, X_SPACING, Y_SPACING
-from gpr20_operator.plan.parameter_form import ANALYZER_FIELDS, default_parameters
+from gpr20_operator.plan.fields import ANALYZER_FIELDS, default_parameters
 from gpr20_operator.plan.preview import preview
-from gpr20_operator.plan.tiles import TILE_FIELDS, VALUE_TILES, Tile
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Request, RobotDefaults
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.site import Site
@@ -219,7 +220,7 @@ def test_what_the_survey_will_be_is_shown(window):
     assert tile.lines[1].whole == "Spacing 25 mm > λ/4 11.4 mm"
     assert tile.property("level") == "doubtful"
     click(tile)
-    sheet = window.control_binding.figures
+    sheet = window.control.figures
     assert sheet.figures[4:] == ("25, 25 mm", "11.4 mm", "6.94 m", "13.9 mm", "10.8 MHz", "2")
     assert "more than λ/4" in sheet.warning.text()
     window.survey.preview = replace(window.survey.preview, x_spacing_mm=10.0, y_spacing_mm=10.0)

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import pytest
 
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.preview import CostEstimated, CostEstimator
 from gpr20_operator.robot.events import RobotFigures
 from gpr20_survey.axes.axis_id import AxisId

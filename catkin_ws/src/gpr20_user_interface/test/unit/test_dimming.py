@@ -7,7 +7,6 @@ from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_operator.robot.health import Alarm, AlarmKind
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.touch.dimming import Dimming
@@ -99,7 +98,7 @@ def test_stop_is_seen_and_acts_on_a_dimmed_screen(window, clock):
 
 def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(window, clock):
     for shown in (
-        snapshot(SurveyState.SURVEYING, alarm=Alarm(AlarmKind.CONTROL_LOST, 9.0)),
+        snapshot(SurveyState.SURVEYING, alive=False),
         snapshot(SurveyState.FAILED),
         snapshot(SurveyState.PAUSED),
     ):

@@ -10,7 +10,7 @@ from gpr20_operator.plan.hold_question import (
     resume_question,
     start_question,
 )
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.robot.events import Progress
 from gpr20_survey.plan.annotation import EMPTY, Annotation

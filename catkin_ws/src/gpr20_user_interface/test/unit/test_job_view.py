@@ -3,16 +3,18 @@ from dataclasses import replace
 
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
-from test_fault_messages import ASKED_STOP, FULL, paused
+from test_fault_messages import ASKED_STOP, FULL, MOVING, paused
 from view_kit import RESTING, description, make_grid, snapshot
 from window_helpers import click, hold_to_start, show, wishes
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_operator.faults import PART_SILENT
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, ControlState, Progress, Request, TargetPosition
-from gpr20_operator.robot.health import Alarm, AlarmKind
-from gpr20_operator.robot.job import JobLevel, survey_name
+from gpr20_operator.robot.condition import Condition, JobLevel
+from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import fault_notice
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
@@ -32,7 +34,7 @@ def shown(code, message="as it is", **other):
 
 
 def is_job_shown(window):
-    return window.control_pages.currentWidget() is window.job
+    return window.survey_tab.currentWidget() is window.job
 
 
 def test_control_shows_the_job_until_the_next_is_planned(window):
@@ -56,10 +58,10 @@ def test_the_job_is_told_in_large_type(window):
     window.on_event(SurveyDescribed(description(survey_id="id", annotation=called)))
     show(window, shown(SurveyState.SURVEYING, progress=progress, target=target))
     job = window.job
-    assert (job.title.text(), job.left.text()) == ("SURVEYING", "18 min left")
-    assert (job.percent.text(), job.line.text()) == ("42 %", "line 1 of 4")
+    assert (job.left.text(), job.percent.text()) == ("18 min left", "42 %")
+    assert job.line.text() == "Line 1 of 4"
     assert job.area.whole == "Field 4, 100 x 60 mm"
-    assert job.percent.fontMetrics().height() >= 2.5 * job.message.fontMetrics().height()
+    assert job.percent.fontMetrics().height() >= 2.5 * job.area.fontMetrics().height()
 
 
 def test_the_small_map_is_drawn_only_when_it_changes(window, monkeypatch):
@@ -97,29 +99,6 @@ def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, m
     assert drawn[-1].grid.survey_id == "next"
 
 
-def test_a_survey_that_rests_differs_from_one_that_measures_without_colours(window):
-    measuring, *resting = [
-        drawn(window, code)
-        for code in (SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
-    ]
-    for title, dots in resting:
-        different = sum(one != other for one, other in zip(dots, measuring[1]))
-        assert different > len(dots) * 0.1
-        assert title != measuring[0]
-
-
-def drawn(window, code):
-    """Return the title of a job, and which dots of its sign differ from the ground."""
-    show(window, shown(code))
-    picture = window.job.sign.grab().toImage()
-    ground = picture.pixelColor(1, picture.height() // 2).lightness()
-    return window.job.title.text(), [
-        abs(picture.pixelColor(x, y).lightness() - ground) > 60
-        for x in range(0, picture.width(), 2)
-        for y in range(0, picture.height(), 2)
-    ]
-
-
 def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window):
     received = wishes(window)
     show(window, shown(SurveyState.SURVEYING))
@@ -133,7 +112,7 @@ def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(w
     click(notice.close_button)
     show(window, faulty)
     assert not notice.isVisible()
-    click(window.job.fault)
+    click(window.job.card)
     assert notice.isVisible()
     asked = []
     window.top_bar.resume_pressed.connect(lambda: asked.append("resume"))
@@ -146,11 +125,36 @@ def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(w
     assert received == ["resume"]
 
 
-def test_a_card_goes_when_the_survey_goes_on(window):
-    show(window, shown(SurveyState.PAUSED, state=paused(FULL)))
-    assert window.notice.isVisible()
-    show(window, shown(SurveyState.SURVEYING))
-    assert not window.notice.isVisible()
+def test_a_card_goes_with_its_fault_and_no_other_card_does(window):
+    on = shown(SurveyState.SURVEYING)
+    for fault in (
+        shown(SurveyState.PAUSED, state=paused(FULL)),
+        shown(SurveyState.SURVEYING, alive=False),
+        shown(SurveyState.IDLE, interrupted=True),
+    ):
+        show(window, fault)
+        assert window.notice.isVisible() and window.notice.first.text()
+        show(window, on)
+        assert not window.notice.isVisible()
+        show(window, fault)
+        window.notice.show_notice(fault_notice(paused(MOVING)))
+        show(window, on)
+        assert window.notice.isVisible()
+        window.notice.hide()
+
+
+def test_what_to_do_is_read_whole_on_the_page_and_on_the_card(window):
+    show(window, shown(SurveyState.CHECKING))
+    assert not window.job.remedy.isVisible() and not window.top_bar.band.more.isVisible()
+    part = NodeHealth("vna_processing", HealthLevel.STALE, verbatim(""), {})
+    show(window, shown(SurveyState.CHECKING, health=HealthReport((part,))))
+    remedy = str(PART_SILENT.remedy)
+    assert window.job.remedy.text() == remedy and window.top_bar.band.more.isVisible()
+    assert remedy in window.top_bar.band.message.whole
+    window.top_bar.band.touched.emit()
+    assert (window.notice.reason.toPlainText(), window.notice.first.text()) == (
+        *("No report: Storage", remedy),
+    )
 
 
 def test_a_replay_opens_no_card(window):
@@ -161,7 +165,7 @@ def test_a_replay_opens_no_card(window):
 
 
 def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):
-    gone = shown(SurveyState.SURVEYING, axes=(), alarm=Alarm(AlarmKind.MASTER_GONE))
+    gone = shown(SurveyState.SURVEYING, axes=(), master_alive=False)
     show(window, gone)
     QTest.mousePress(window.top_bar.stop, 1)
     warning = window.stop_warning
@@ -205,17 +209,10 @@ def test_the_warning_is_closed_by_a_hold_and_not_by_a_tap(window):
     assert not window.stop_warning.isVisible()
 
 
-def test_a_name_is_read_from_a_description_whatever_it_holds():
-    named = '{"survey_id": "7", "annotation": {"name": "A", "site": "B"}}'
-    assert survey_name(named) == ("7", "A")
-    assert survey_name('{"annotation": {"name": "", "site": "B"}}') == ("", "B")
-    for text in ("", "{}", "[]", '{"annotation": null}', '{"annotation": {}}'):
-        assert survey_name(text) == ("", "")
-
-
 def test_every_level_has_its_own_sign(window):
     pictures = []
     for level in JobLevel:
-        window.top_bar.sign.show_level(level)
-        pictures.append(window.top_bar.sign.grab().toImage())
+        band = window.top_bar.band
+        band.show_condition(Condition(level, verbatim(""), verbatim("")), "", "")
+        pictures.append(band.sign.pixmap().toImage())
     assert not any(one == other for one, other in itertools.combinations(pictures, 2))

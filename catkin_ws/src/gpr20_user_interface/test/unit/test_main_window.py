@@ -7,7 +7,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_operator.robot.condition import JobLevel
 from gpr20_operator.robot.events import ControlState, Progress
-from gpr20_operator.robot.health import Alarm, AlarmKind, HealthReport
+from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.window.rail import TabName
@@ -15,35 +15,26 @@ from gpr20_user_interface.window.rail import TabName
 
 def test_state_and_progress_are_seen_from_every_tab(window):
     show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 61.0)))
-    assert window.top_bar.title.text() == "SURVEYING 99 %"
-    assert window.top_bar.message.whole == "2 min left"
-    assert window.top_bar.simulated.isVisible()
+    assert window.top_bar.band.title.whole == "SURVEYING 99 %"
+    assert window.top_bar.band.message.whole == "2 min left"
+    assert window.top_bar.band.simulated.isVisible()
 
 
-def test_alarm_cannot_be_overlooked_and_goes_when_its_cause_goes(window):
-    reason, may_move = verbatim("no answer"), ": the robot may still move"
-    for alarm, title, words in (
-        (Alarm(AlarmKind.MASTER_GONE), "NO CONTACT", f"ROS master does not answer{may_move}"),
-        (Alarm(AlarmKind.NO_CONTROL), "NO CONTACT", "roslaunch gpr20 survey.launch"),
-        (
-            Alarm(AlarmKind.CONTROL_LOST, 7.9),
-            "NO CONTACT",
-            f"No contact with the main control for 7 s{may_move}",
-        ),
-        (
-            Alarm(AlarmKind.SURVEY_INTERRUPTED),
-            "INTERRUPTED",
-            "the survey is INTERRUPTED. Resume it on SURVEYS",
-        ),
-        (Alarm(AlarmKind.ANALYZER_FAULT, reason=reason), "SURVEYING", "VNA fault: no answer"),
+def test_trouble_cannot_be_overlooked_and_goes_when_its_cause_goes(window):
+    failed = NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {})
+    for known, title, words in (
+        ({"master_alive": False}, "NO CONTACT", "ROS master does not answer: the robot may"),
+        ({"alive": False}, "NO CONTACT", "No contact with the main control for 7 s: the robot may"),
+        ({"health": HealthReport((failed,))}, "SURVEYING", "VNA driver: no answer"),
     ):
-        show(window, snapshot(SurveyState.SURVEYING, alarm=alarm))
-        assert window.top_bar.sign.level in (JobLevel.FAULT, JobLevel.ATTENTION)
-        assert words in window.top_bar.message.whole
-        assert window.top_bar.title.text() == title
+        show(window, snapshot(SurveyState.SURVEYING, **known))
+        band = window.top_bar.band
+        assert band.level in (JobLevel.FAULT, JobLevel.ATTENTION)
+        assert words in band.message.whole
+        assert band.title.whole == title
         show(window, snapshot(SurveyState.SURVEYING))
-        assert window.top_bar.sign.level is JobLevel.WORKING
-        assert words not in window.top_bar.message.whole
+        assert band.level is JobLevel.WORKING
+        assert words not in band.message.whole
 
 
 def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window):
@@ -82,16 +73,16 @@ def test_details_of_a_refusal_are_behind_a_button(window):
     assert not notice.details_button.isVisible()
 
 
-def test_touch_on_the_status_message_opens_it_with_its_details(window):
+def test_touch_on_the_band_opens_the_fault_with_its_details(window):
     received = wishes(window)
-    window.show_tab(TabName.STATUS)
     status = Message("Paused: {reason}", reason=NO_SPACE)
     state = ControlState(SurveyState.PAUSED, status, "id", True)
     show(window, snapshot(SurveyState.PAUSED, state=state))
-    click(window.status.message.text.viewport())
+    window.notice.hide()
+    click(window.top_bar.band.message)
     assert window.notice.isVisible()
-    assert window.notice.title.text() == "PAUSED"
-    assert window.notice.reason.toPlainText() == "Paused: the disk is full"
+    assert window.notice.title.text() == "The survey is PAUSED by a fault."
+    assert window.notice.reason.toPlainText() == "The disk is full"
     assert window.notice.details.toPlainText() == DETAILS
     assert window.notice.first.text() == str(DISK_FULL.remedy)
     click(window.top_bar.stop)
@@ -99,15 +90,14 @@ def test_touch_on_the_status_message_opens_it_with_its_details(window):
 
 
 def test_touch_on_a_node_opens_its_message_details_and_values(window):
-    window.show_tab(TabName.STATUS)
+    window.show_tab(TabName.ROBOT)
     nodes = (
         NodeHealth("main_control", HealthLevel.OK, verbatim("measuring"), {}),
         NodeHealth("vna_processing", HealthLevel.ERROR, NO_SPACE, {"free disk [MB]": "0.0"}),
     )
     show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
-    QTest.qWait(1)
-    click(window.status.parts_button)
-    click(window.status.health.tile("vna_processing").message)
+    show(window, window.survey.snapshot)
+    click(window.robot.overview.parts.tile("vna_processing"))
     assert window.notice.title.text() == "Storage: FAULT"
     assert window.notice.reason.toPlainText() == "The disk is full"
     assert window.notice.first.text() == str(DISK_FULL.remedy)

@@ -59,7 +59,7 @@ def test_a_finer_survey_goes_to_control_and_starts_only_there(filled):
     assert "2 x" not in sheet.figures.text()
     click(sheet.sizes[1])
     click(sheet.use)
-    assert filled.tabs.currentWidget() is filled.control_pages
+    assert filled.tabs.currentWidget() is filled.survey_tab
     p = filled.control.parameters
     assert (p.x_start_mm, p.x_stop_mm, p.x_points) == (50.0, 200.0, 16)
     assert (p.y_start_mm, p.y_stop_mm, p.y_points) == (15.0, 165.0, 16)

@@ -173,7 +173,7 @@ def test_neither_the_settings_nor_the_list_of_robots_is_cut_off(spoken):
                 spoken.on_event(RobotReported(name, now.state))
             show(spoken, now)
             show(spoken, now)
-            assert spoken.top_bar.message.whole.startswith("/: ")
+            assert spoken.top_bar.band.message.whole.startswith("/: ")
             spoken.rail.settings.click()
             assert_fits(spoken, spoken.top_bar, spoken.settings)
             spoken.settings.robot_button.click()

@@ -7,7 +7,7 @@ from view_kit import snapshot
 from window_helpers import show
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.pages.plan.start_sheet import StartSheet
+from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.cards import NoticeView
 from gpr20_user_interface.widgets.overlay import Overlay

@@ -3,7 +3,7 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_operator.plan.parameter_form import (
+from gpr20_operator.plan.fields import (
     ANALYZER_FIELDS,
     FIELDS,
     MAX_GRID_POINTS,

@@ -18,8 +18,8 @@ from gpr20_operator.jobs.imaging import (
     VolumesListed,
 )
 from gpr20_operator.plan.form import PLAN_FIELDS
-from gpr20_operator.plan.parameter_form import default_parameters
-from gpr20_operator.plan.tiles import VALUE_TILES
+from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.plan.fields import VALUE_TILES
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.volume import Volume
@@ -106,7 +106,7 @@ def test_the_sheets_of_the_tiles_fit_with_right_and_wrong_values(spoken):
 
 def test_the_figures_fit(spoken):
     plan(spoken).figures.click()
-    assert_plan_fits(spoken, spoken.control_binding.figures)
+    assert_plan_fits(spoken, spoken.control.figures)
 
 
 def test_the_sheets_to_hold_for_fit(spoken):

@@ -11,17 +11,13 @@ from gpr20_operator.plan.form import (
     Y_SPACING,
     PlanForm,
 )
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.presets import PresetContext, presets_for
 from gpr20_operator.plan.preview import preview, quarter_wavelength_mm
 from gpr20_operator.plan.spacing import points_for
-from gpr20_operator.plan.tiles import (
-    TILE_FIELDS,
-    VALUE_TILES,
-    Tile,
-    tile_lines,
-    tile_problem,
-)
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
+from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.tiles import tile_lines, tile_problem
 from gpr20_survey.plan.survey_parameters import problems
 
 ARROWS = [one for one in PLAN_FIELDS if one not in ("vna_address", "polarizations_deg")]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from gpr20_operator import faults
 from gpr20_operator.errors import ProfileError
 from gpr20_operator.files.profile_folder import MAX_BYTES, ProfileFolder
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.profiles import Profiles, check_name
 
 

@@ -18,8 +18,8 @@ from window_helpers import close, new_window, show, wishes
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
-from gpr20_operator.plan.parameter_form import default_parameters
-from gpr20_operator.plan.tiles import VALUE_TILES
+from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.plan.fields import VALUE_TILES
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
@@ -87,7 +87,7 @@ class Field:
         elif chance < 0.63:
             window.notice.show_notice(refusal_notice(Refused.PAUSE, verbatim("the reason")))
         elif chance < 0.66:
-            window.survey_binding._ask_about_analyzer(verbatim("another one"), IDENTITY)
+            window.alerts.take_refusal(Refusal(Request.RESUME, verbatim("another one"), IDENTITY))
         elif chance < 0.7:
             window.on_event(SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40))))
         elif chance < 0.95:
@@ -170,7 +170,6 @@ class Field:
         bar, code, alive = window.top_bar, now.state.code, now.control_alive
         # In the language that a touch may have chosen.
         assert bar.title.text().startswith(shown_text(code.label))
-        assert window.status.message.title == shown_text(code.label)
         assert bar.stop.isVisible() and bar.stop.isEnabled()
         assert bar.pause.isVisible() is code.running
         can_pause = alive and code in (SurveyState.SURVEYING, SurveyState.PAUSED)
@@ -181,7 +180,7 @@ class Field:
             assert window.control.tiles[tile].isEnabled() is not code.running
         assert not window.control.start.isEnabled() or (alive and not code.running)
         if code.running:
-            assert window.control_pages.currentWidget() is window.job
+            assert window.survey_tab.currentWidget() is window.job
             for sheet in (window.values, window.profiles):
                 assert not sheet.isVisible(), "the plan is that of the survey"
             assert code is SurveyState.PAUSED or not window.start_sheet.isVisible()

@@ -12,12 +12,12 @@ from window_helpers import close, new_window, show, wishes
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.robot.events import Request
-from gpr20_operator.robot.job import JobLevel, band_of
+from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.state_band import StateBand
+from gpr20_user_interface.widgets.top_bar import StateBand
 from gpr20_user_interface.window.rail import TabName
 
 SURVEY_MOVES = ("HOMING", "SURVEYING", "PAUSING", "STOPPING")
@@ -43,13 +43,13 @@ def field(application):
 
 @each_case("code", [None, *SurveyState])
 def test_motion_that_no_survey_explains_is_shown_in_every_state(code):
-    job = band_of(snapshot(code, axes=X_MOVES))
+    job = condition_of(snapshot(code, axes=X_MOVES))
     if code is not None and code.name in SURVEY_MOVES:
         assert str(job.title) != "ROBOT MOVES"
     else:
         assert (str(job.title), str(job.message)) == ("ROBOT MOVES", "x axis")
         assert job.level in (JobLevel.ATTENTION, JobLevel.FAULT)
-    assert str(band_of(snapshot(code)).title) != "ROBOT MOVES"
+    assert str(condition_of(snapshot(code)).title) != "ROBOT MOVES"
 
 
 @each_case(
@@ -66,7 +66,7 @@ def test_motion_that_no_survey_explains_is_shown_in_every_state(code):
     ],
 )
 def test_who_moves_the_robot_is_said_where_it_is_known(code, axes, other, text):
-    assert str(band_of(snapshot(SurveyState[code], axes=axes, **other)).message) == text
+    assert str(condition_of(snapshot(SurveyState[code], axes=axes, **other)).message) == text
 
 
 def test_motion_is_seen_on_every_tab_and_over_every_dialog_even_on_a_dimmed_screen(field):
@@ -75,8 +75,8 @@ def test_motion_is_seen_on_every_tab_and_over_every_dialog_even_on_a_dimmed_scre
     for tab, overlay in places_in(field):
         show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
         band = field.top_bar.band
-        assert field.top_bar.title.text() == "ROBOT MOVES", (tab, overlay)
-        assert field.top_bar.sign.level is JobLevel.ATTENTION
+        assert field.top_bar.band.title.whole == "ROBOT MOVES", (tab, overlay)
+        assert field.top_bar.band.level is JobLevel.ATTENTION
         assert not field.settings.cover.isVisible()
         assert is_free(field, band), (tab, overlay)
 

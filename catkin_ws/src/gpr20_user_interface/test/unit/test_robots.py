@@ -58,23 +58,23 @@ def test_only_a_main_control_that_starts_surveys_is_a_robot():
 
 def test_a_robot_alone_is_neither_named_nor_offered(opened):
     found(opened, "/robot1")
-    assert not opened.top_bar.message.whole.startswith("robot1")
+    assert not opened.top_bar.band.message.whole.startswith("robot1")
     opened.rail.settings.click()
     assert not opened.settings.robot_button.isVisible()
 
 
 def test_one_of_several_robots_is_named_beside_its_state(opened):
     found(opened, "/robot1", "/robot2")
-    assert opened.top_bar.message.whole.startswith("robot1: ")
+    assert opened.top_bar.band.message.whole.startswith("robot1: ")
     found(opened, "/robot1")
-    assert not opened.top_bar.message.whole.startswith("robot1")
+    assert not opened.top_bar.band.message.whole.startswith("robot1")
 
 
 def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
     found(opened, "/robot1", "/robot2", "/robot3")
     opened.rail.settings.click()
     opened.settings.robot_button.click()
-    sheet = opened.robots.sheet
+    sheet = opened.robots
     assert sheet.isVisible() and choice.watched == [True]
     opened.on_event(RobotReported("/robot2", MEASURING))
     show(opened, opened.survey.snapshot)
@@ -88,24 +88,24 @@ def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
 def test_closing_the_list_ends_to_listen_to_the_other_robots(opened, choice):
     found(opened, "/robot1", "/robot2")
     opened.settings.robot_button.click()
-    opened.robots.sheet.close_button.click()
-    assert choice.watched == [True, False] and not opened.robots.sheet.isVisible()
+    opened.robots.close_button.click()
+    assert choice.watched == [True, False] and not opened.robots.isVisible()
 
 
 def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(opened):
     found(opened, "/robot1", "/robot2")
     opened.settings.robot_button.click()
     show(opened, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
-    assert not any(button.isEnabled() for button in opened.robots.sheet.buttons[:2])
+    assert not any(button.isEnabled() for button in opened.robots.buttons[:2])
     show(opened, snapshot(SurveyState.STOPPED))
-    assert opened.robots.sheet.buttons[1].isEnabled()
+    assert opened.robots.buttons[1].isEnabled()
 
 
 def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
     names = [f"/robot{number:02d}" for number in range(1, 30)]
     found(opened, "/robot1", *names)
     opened.settings.robot_button.click()
-    sheet, seen = opened.robots.sheet, set()
+    sheet, seen = opened.robots, set()
     for _ in range(4):
         for button in sheet.buttons:
             if button.isVisible() and button.isEnabled():
@@ -118,13 +118,13 @@ def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
 def test_a_window_without_a_robot_proposes_those_that_there_are_once(opened, choice):
     show(opened, snapshot(alive=False))
     found(opened, "/robot2", "/robot3")
-    assert not opened.robots.sheet.isVisible()  # its own may be starting
+    assert not opened.robots.isVisible()  # its own may be starting
     opened.clock.advance(6.0)
     show(opened, snapshot(alive=False))
-    assert opened.robots.sheet.isVisible()
-    opened.robots.sheet.close_button.click()
+    assert opened.robots.isVisible()
+    opened.robots.close_button.click()
     show(opened, snapshot(alive=False))
-    assert not opened.robots.sheet.isVisible()
+    assert not opened.robots.isVisible()
 
 
 def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
@@ -136,10 +136,10 @@ def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
         clock.advance(6.0)
         found(window, "/robot2")
         show(window, snapshot(alive=False))
-        assert not window.robots.sheet.isVisible()
+        assert not window.robots.isVisible()
         window.rail.settings.click()
         assert not window.settings.robot_button.isVisible()
-        assert window.top_bar.message.whole.startswith("/: ")
+        assert window.top_bar.band.message.whole.startswith("/: ")
     finally:
         close(window)
 

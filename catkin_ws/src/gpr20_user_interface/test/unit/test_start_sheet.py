@@ -7,7 +7,7 @@ from view_kit import FOLDER, snapshot
 from window_helpers import click, hold, show, wishes
 
 from gpr20_common.message import Message
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.robot.events import Request
 from gpr20_survey.faults import OTHER_ZEROS

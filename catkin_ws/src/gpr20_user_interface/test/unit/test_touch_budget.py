@@ -11,7 +11,7 @@ from window_helpers import close, hold_to_start, new_window, show
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator import faults
-from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults, Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages
@@ -50,7 +50,7 @@ def opened(application, tmp_path):
         window = new_window(Languages(application, Language.ENGLISH), profiles=tmp_path)
         windows.append(window)
         window.show()
-        window.control_binding.begin()
+        window.control.begin()
         show(window, snapshot(SurveyState.IDLE, defaults=NOTHING_CONFIGURED))
         return window
 

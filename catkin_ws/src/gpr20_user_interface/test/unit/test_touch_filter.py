@@ -12,8 +12,8 @@ from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_operator.plan.parameter_form import default_parameters
-from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.window.rail import TabName

@@ -47,7 +47,7 @@ def test_status_of_the_robot_changes_its_language_at_once(window, application, s
     assert window.status.message.title == "DETENIDO"
     expected = "No se aceptó la orden de detener: el disco está lleno"
     assert window.status.message.message == expected
-    assert window.top_bar.message.whole == expected
+    assert window.top_bar.band.message.whole == expected
 
 
 def test_every_tab_changes_its_language_at_once(window, application, spanish):

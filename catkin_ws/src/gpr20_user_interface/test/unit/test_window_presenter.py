@@ -242,10 +242,10 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert "1000 MB" not in window.control_binding.figures.figures
+    assert "1000 MB" not in window.control.figures.figures
     window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert "1000 MB" in window.control_binding.figures.figures
+    assert "1000 MB" in window.control.figures.figures
     enter(window, "x_points", "7")
     assert estimator.asked[-1] == (replace(asked, x_points=7), figures)
-    assert "1000 MB" not in window.control_binding.figures.figures
+    assert "1000 MB" not in window.control.figures.figures

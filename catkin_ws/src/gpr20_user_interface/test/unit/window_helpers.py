@@ -17,7 +17,7 @@ from gpr20_operator.jobs.images import ImagingPresenter
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.tiles import TILE_FIELDS, VALUE_TILES
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.translation import Languages

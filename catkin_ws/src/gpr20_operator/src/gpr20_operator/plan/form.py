@@ -2,52 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Set, Tuple
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Dict, FrozenSet, Iterable, Mapping, Optional, Set
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator.plan.field_messages import corrections, field_title
-from gpr20_operator.plan.parameter_form import (
-    ADDRESS,
-    FIELDS,
-    FIELDS_BY_NAME,
-    FormCheck,
-    after_arrow,
-    check_form,
-    stepped,
-    texts_of,
+from gpr20_operator.plan.fields import PARAMETERS, PLAN, SPECS, default_parameters, texts_of
+from gpr20_operator.plan.spec import MAX_GRID_POINTS, FieldSpec, Keys
+from gpr20_operator.plan.texts import finite_from_text
+from gpr20_survey.plan.survey_parameters import (
+    MAX_TRACES,
+    MIN_GRID_POINTS,
+    RobotTravel,
+    Rule,
+    SurveyParameters,
+    find_problems,
 )
-from gpr20_operator.plan.spacing import (
-    length_from_texts,
-    points_for,
-    spacing_from_text,
-    spacing_text,
-)
-from gpr20_operator.words import number_from_text
-from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
-from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.trace.ms2026c import MIN_FREQUENCY_SPACING_HZ
 
-X_SPACING, Y_SPACING = "x_spacing_mm", "y_spacing_mm"
-SPACINGS = (X_SPACING, Y_SPACING)
-PERMITTIVITY = "permittivity"
-PLAN_FIELDS: Tuple[str, ...] = (*(field.name for field in FIELDS), *SPACINGS, PERMITTIVITY)
-TITLES: Mapping[str, Message] = {
-    X_SPACING: Message("X spacing (mm)"),
-    Y_SPACING: Message("Y spacing (mm)"),
-    PERMITTIVITY: Message("Relative permittivity"),
-}
-_ABOVE_0 = Message("a number of millimetres above 0")
-_PERMITTIVITIES = Message(
-    "from {lower:g} to {upper:g}", lower=MIN_PERMITTIVITY, upper=MAX_PERMITTIVITY
+# Of a spacing; a derived spacing is shown with six digits.
+ROUNDING = 1.0e-5
+# Rules about several fields; they are not judged while one of the fields cannot be read.
+_RELATIONS = frozenset(
+    [Rule.FREQUENCY_ORDER, Rule.FREQUENCY_SPACING, Rule.X_SPACING, Rule.Y_SPACING, Rule.SIZE]
 )
-FIELD_HINTS: Mapping[str, Message] = {
-    X_SPACING: _ABOVE_0,
-    Y_SPACING: _ABOVE_0,
-    PERMITTIVITY: _PERMITTIVITIES,
-}
-# The arrows change a spacing within these bounds [mm].
-SPACING_BOUNDS_MM = (1.0, 800.0)
 
 
 @dataclass(frozen=True)
@@ -55,19 +34,91 @@ class PlanCheck:
     """The result of the checks of all fields.
 
     Attributes:
-        form: Of the survey's parameters.
+        parameters: What the survey measures; None if any field is wrong.
         permittivity: Relative permittivity of the ground; None if its text is wrong.
         problems: What each wrong field allows, by its name.
     """
 
-    form: FormCheck
+    parameters: Optional[SurveyParameters]
     permittivity: Optional[float]
     problems: Mapping[str, Message]
 
     @property
-    def parameters(self) -> Optional[SurveyParameters]:
-        """The survey's parameters; None if any field is wrong."""
-        return None if self.problems else self.form.parameters
+    def first_problem(self) -> Optional[Message]:
+        """Which field is wrong, the first in their order, and what it allows; None: none is."""
+        return problem_of(next(iter(self.problems), ""), self)
+
+
+def problem_of(name: str, check: PlanCheck) -> Optional[Message]:
+    """Return what a field is called and what it allows if it is wrong; None if it is right."""
+    if name not in check.problems:
+        return None
+    return Message("{field}: {allowed}", field=SPECS[name].label, allowed=check.problems[name])
+
+
+def check_plan(
+    texts: Mapping[str, str], following: Iterable[str], travel: RobotTravel
+) -> PlanCheck:
+    """Check the texts of all fields.
+
+    Args:
+        texts: By the name of the field.
+        following: The axes whose number of points follows from the spacing.
+        travel: What the axes allow.
+    """
+    values: Dict[str, Any] = {}
+    problems: Dict[str, Message] = {}
+    # A spacing that follows from the points is not judged.
+    ignored = {f"{axis}_spacing_mm" for axis in set("xy") - set(following)}
+    for spec in PLAN:
+        try:
+            values[spec.name] = spec.kind.read(texts[spec.name])
+        except InvalidValueError:
+            if spec.name not in ignored:
+                problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
+    unreadable = [one for one in PARAMETERS if one.name not in values]
+    known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
+    candidate = replace(default_parameters(), **known)
+    # What cannot be read has its default, which must not be judged, nor what follows from it.
+    unjudged = frozenset().union(_RELATIONS if unreadable else (), *(o.rules for o in unreadable))
+    for found in find_problems(candidate, travel):
+        if found.rule not in unjudged:
+            for spec in PARAMETERS:
+                if found.rule in spec.rules:
+                    problems.setdefault(spec.name, _correction(spec, found.rule, travel))
+    in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
+    return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
+
+
+def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
+    allowed = spec.hint(travel)
+    if spec.kind.keys is not Keys.NUMBER or _is_number(text):
+        return allowed
+    # Many a keyboard and country writes 12,5.
+    return Message("a number such as 12.5, {allowed}", allowed=allowed)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        finite_from_text(text)
+    except InvalidValueError:
+        return False
+    return True
+
+
+def _correction(spec: FieldSpec, rule: Rule, travel: RobotTravel) -> Message:
+    if rule is Rule.FREQUENCY_SPACING:
+        return Message(
+            "the frequencies must be at least {least:g} Hz apart", least=MIN_FREQUENCY_SPACING_HZ
+        )
+    if rule in (Rule.X_SPACING, Rule.Y_SPACING):
+        step_mm = (travel.x if rule is Rule.X_SPACING else travel.y).step
+        return Message(
+            "the points between start and stop must be at least {step:g} mm apart", step=step_mm
+        )
+    if rule is Rule.SIZE:
+        return Message("at most {most} traces per survey", most=MAX_TRACES)
+    return spec.hint(travel)
 
 
 class PlanForm:
@@ -79,11 +130,9 @@ class PlanForm:
 
     def __init__(self, travel: RobotTravel) -> None:
         self.travel = travel
-        self._texts: Dict[str, str] = {field.name: field.default for field in FIELDS}
-        self._texts[PERMITTIVITY] = f"{Soils.DRY_SAND.value.permittivity:g}"
+        self.proposed_address = ""
+        self._texts: Dict[str, str] = {spec.name: spec.default for spec in PLAN}
         self._following: Set[str] = set("xy")
-        self._proposed_address = ""
-        self._derive_spacings()
 
     @property
     def texts(self) -> Mapping[str, str]:
@@ -98,18 +147,14 @@ class PlanForm:
     def set_text(self, name: str, text: str) -> None:
         """Replace the text of a field, and with it what follows from it."""
         self._texts[name] = text
-        axis = name[:1]
-        if name in SPACINGS:
+        axis, _, what = name.partition("_")
+        if axis not in ("x", "y"):
+            return
+        if what == "spacing_mm":
             self._following.add(axis)
-            self._derive_points(axis)
-        elif name in ("x_points", "y_points"):
+        elif what == "points":
             self._following.discard(axis)
-            self._derive_spacings()
-        elif name in ("x_start_mm", "x_stop_mm", "y_start_mm", "y_stop_mm"):
-            if axis in self._following:
-                self._derive_points(axis)
-            else:
-                self._derive_spacings()
+        self._derive(axis)
 
     def set_texts(self, texts: Mapping[str, str]) -> None:
         """Replace the texts of several fields, in their order."""
@@ -124,8 +169,10 @@ class PlanForm:
     def show_parameters(self, parameters: SurveyParameters) -> None:
         """Take over the parameters of a profile or of a survey; their spacing is kept."""
         self._texts.update(texts_of(parameters))
-        self._following = set("xy")
-        self._derive_spacings(all_axes=True)
+        for axis in "xy":
+            self._following.discard(axis)
+            self._derive(axis)
+            self._following.add(axis)
 
     def propose_address(self, address: str) -> bool:
         """Take over the address of the robot's configuration, unless another one was entered.
@@ -133,97 +180,59 @@ class PlanForm:
         Returns:
             Whether the text has changed.
         """
-        if address in ("", self._proposed_address):
+        if address in ("", self.proposed_address):
             return False
-        replaced = self._texts[ADDRESS] in ("", self._proposed_address)
-        changed = replaced and self._texts[ADDRESS] != address
-        if replaced:
-            self._texts[ADDRESS] = address
-        self._proposed_address = address
-        return changed
-
-    @property
-    def proposed_address(self) -> str:
-        """The address of the robot's configuration; empty if it is not known."""
-        return self._proposed_address
-
-    def restore_proposal(self, address: str) -> None:
-        """Note which address was proposed when the texts were stored."""
-        self._proposed_address = address
+        former = self._texts["vna_address"]
+        if former in ("", self.proposed_address):
+            self._texts["vna_address"] = address
+        self.proposed_address = address
+        return self._texts["vna_address"] != former
 
     def arrow(self, name: str, change: int) -> None:
         """Change the number of a field by an arrow, or choose its next value."""
-        text = self._texts[name]
-        if name in SPACINGS:
-            changed = stepped(text, change, SPACING_BOUNDS_MM)
-        elif name == PERMITTIVITY:
-            changed = stepped(text, change, (MIN_PERMITTIVITY, MAX_PERMITTIVITY))
-        else:
-            changed = after_arrow(name, text, change, self.travel)
-        self.set_text(name, changed)
+        self.set_text(name, SPECS[name].after_arrow(self._texts[name], change, self.travel))
 
     def normalize(self) -> None:
         """Write every text that can be read as it is read: 12,50 becomes 12.5."""
-        for name, text in self._texts.items():
+        for spec in PLAN:
             try:
-                if name in FIELDS_BY_NAME:
-                    field = FIELDS_BY_NAME[name]
-                    self._texts[name] = field.write(field.read(text))
-                else:
-                    self._texts[name] = f"{number_from_text(text):.12g}"
+                value = spec.kind.read(self._texts[spec.name])
             except InvalidValueError:
                 continue
+            self._texts[spec.name] = spec.kind.write(value)
 
     def check(self) -> PlanCheck:
         """Check all fields."""
         return check_plan(self._texts, self._following, self.travel)
 
-    def _derive_points(self, axis: str) -> None:
-        length_mm = length_from_texts(*self._ends(axis))
-        spacing_mm = spacing_from_text(self._texts[f"{axis}_spacing_mm"])
-        if length_mm is not None and spacing_mm is not None:
-            self._texts[f"{axis}_points"] = str(points_for(length_mm, spacing_mm))
-
-    def _derive_spacings(self, all_axes: bool = False) -> None:
-        for axis in "xy":
-            name = f"{axis}_spacing_mm"
-            if all_axes or axis not in self._following or name not in self._texts:
-                start, stop = self._ends(axis)
-                self._texts[name] = spacing_text(start, stop, self._texts[f"{axis}_points"])
-
-    def _ends(self, axis: str) -> Tuple[str, str]:
-        return self._texts[f"{axis}_start_mm"], self._texts[f"{axis}_stop_mm"]
+    def _derive(self, axis: str) -> None:
+        """Let the points follow from the spacing of an axis, or the spacing from the points."""
+        texts, points, spacing = self._texts, f"{axis}_points", f"{axis}_spacing_mm"
+        start_mm, stop_mm = (_finite(texts[f"{axis}_{end}_mm"]) for end in ("start", "stop"))
+        length_mm = None if start_mm is None or stop_mm is None else abs(stop_mm - start_mm)
+        if axis in self._following:
+            spacing_mm = _finite(texts[spacing])
+            if length_mm is not None and spacing_mm is not None and spacing_mm > 0.0:
+                texts[points] = str(points_for(length_mm, spacing_mm))
+            return
+        count = _finite(texts[points]) or 0.0
+        derived = "" if length_mm is None or count < 2 else f"{length_mm / (count - 1):.6g}"
+        texts[spacing] = derived
 
 
-def check_plan(
-    texts: Mapping[str, str], following: Iterable[str], travel: RobotTravel
-) -> PlanCheck:
-    """Check the texts of all fields.
+def points_for(length_mm: float, spacing_mm: float) -> int:
+    """Return the fewest points along a length that are not farther apart than a spacing.
 
     Args:
-        texts: By the name of the field.
-        following: The axes whose number of points follows from the spacing.
-        travel: What the axes allow.
+        length_mm: From the first to the last point [mm].
+        spacing_mm: Wanted spacing [mm], above 0.
     """
-    form = check_form(texts, travel)
-    problems: Dict[str, Message] = dict(corrections(form, travel))
-    for axis in following:
-        if spacing_from_text(texts[f"{axis}_spacing_mm"]) is None:
-            problems[f"{axis}_spacing_mm"] = _ABOVE_0
-    permittivity = _permittivity(texts[PERMITTIVITY])
-    if permittivity is None:
-        problems[PERMITTIVITY] = _PERMITTIVITIES
-    return PlanCheck(form, permittivity, problems)
+    intervals = length_mm / (spacing_mm * (1.0 + ROUNDING))
+    return max(MIN_GRID_POINTS, math.ceil(min(intervals, MAX_GRID_POINTS)) + 1)
 
 
-def plan_field_title(name: str) -> Message:
-    """Return what a field is called."""
-    return TITLES[name] if name in TITLES else field_title(name)
-
-
-def _permittivity(text: str) -> Optional[float]:
+def _finite(text: str) -> Optional[float]:
     try:
-        value = number_from_text(text)
+        return finite_from_text(text)
     except InvalidValueError:
         return None
-    return value if MIN_PERMITTIVITY <= value <= MAX_PERMITTIVITY else None

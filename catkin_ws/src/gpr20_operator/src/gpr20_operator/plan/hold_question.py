@@ -1,27 +1,26 @@
-"""What the window says before the robot moves or something is deleted: a summary to hold for."""
+"""What the window says before the robot moves or something is changed: a summary to hold for."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
+from gpr20_operator.plan.annotation import overwritten, shortened
 from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.plan.tiles import Row, about, figure_rows, plan_rows, spacing_warning
 from gpr20_operator.robot.events import Progress
-from gpr20_operator.words import duration
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.results.survey_summary import SurveySummary
 
-Row = Tuple[Message, Message]
-# Of an operator or a site; the sheet has no room for more.
-LONGEST_NAME = 40
 HANDS_CLEAR = Message(
-    "Hands clear! The robot homes its axes if necessary, and then moves on its own."
+    "Hands clear! The robot homes if necessary; then X, Y and the antennas move on their own. "
+    "Nothing may be in their way."
 )
 HOLD_TO_START = Message("HOLD\nTO START")
 HOLD_TO_RESUME = Message("HOLD\nTO RESUME")
+CANNOT_BE_RESTORED = Message("It cannot be restored.")
 
 
 @dataclass(frozen=True)
@@ -32,39 +31,41 @@ class HoldQuestion:
         title: What is asked.
         rows: What will happen: names and values.
         warning: What to mind.
-        hold: The text of the button.
+        hold: The text of the button; None: there is nothing to hold for.
+        doubt: Why the plan may not serve its purpose; None: no reason is known.
     """
 
     title: Message
     rows: Tuple[Row, ...]
     warning: Message
-    hold: Message
+    hold: Optional[Message]
+    doubt: Optional[Message] = None
 
 
 def start_question(
-    parameters: SurveyParameters, preview: SurveyPreview, annotation: Annotation
+    parameters: SurveyParameters,
+    permittivity: float,
+    known: SurveyPreview,
+    annotation: Annotation,
 ) -> HoldQuestion:
-    """Return what is asked before a survey starts.
+    """Return what is asked before a survey starts: everything that it will do."""
+    rows = plan_rows(parameters, permittivity, known, annotation)
+    doubt = spacing_warning(known)
+    return HoldQuestion(Message("Start this survey?"), rows, HANDS_CLEAR, HOLD_TO_START, doubt)
 
-    Args:
-        parameters: What it measures.
-        preview: The figures that follow from them.
-        annotation: What people have added to it.
-    """
-    rows = [
-        (Message("Area"), _area(parameters)),
-        (
-            Message("Spacing"),
-            Message("X {x:.4g} mm, Y {y:.4g} mm", x=preview.x_spacing_mm, y=preview.y_spacing_mm),
-        ),
-        (
-            Message("Traces"),
-            Message("{traces} at {stops} stops", traces=preview.traces, stops=preview.stops),
-        ),
-        (Message("Time"), _time(None if preview.cost is None else preview.cost.duration_s)),
-        *_people(annotation),
-    ]
-    return HoldQuestion(Message("Start this survey?"), tuple(rows), HANDS_CLEAR, HOLD_TO_START)
+
+def plan_summary(
+    parameters: SurveyParameters,
+    permittivity: float,
+    known: SurveyPreview,
+    annotation: Annotation,
+) -> HoldQuestion:
+    """Return what a plan does and can show; there is nothing to hold for."""
+    rows = plan_rows(parameters, permittivity, known, annotation)
+    doubt = spacing_warning(known)
+    return HoldQuestion(
+        Message("This plan"), (*rows, *figure_rows(known)), verbatim(""), None, doubt
+    )
 
 
 def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) -> HoldQuestion:
@@ -78,7 +79,7 @@ def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) 
     if progress is not None and progress.total_points:
         rows = (
             (Message("Stored"), _counted(progress.visited_points, progress.total_points)),
-            (Message("Time left"), _time(progress.remaining_s)),
+            (Message("Time left"), about(progress.remaining_s)),
         )
     if zeros_unproven:
         rows += (
@@ -96,8 +97,8 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
         folder: The survey's folder.
         survey: What the list says about it; None if it is not in the list.
     """
-    name = "" if survey is None else _short(survey.name)
-    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name or folder)),)
+    name = folder if survey is None or not survey.name else shortened(survey.name)
+    rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name)),)
     if survey is not None:
         rows += (
             (Message("Started"), verbatim(survey.local_time())),
@@ -115,60 +116,29 @@ def other_analyzer_question(identity: str) -> HoldQuestion:
     return HoldQuestion(Message("Continue with this VNA?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 
 
+def change_records_question(survey: str, before: Annotation, after: Annotation) -> HoldQuestion:
+    """Return what is asked before the records of a survey that exists are changed."""
+    rows = ((Message("Survey"), verbatim(survey)), *overwritten(before, after))
+    warning = Message("The survey shows the new records; its log keeps the old ones.")
+    return HoldQuestion(Message("Change these records?"), rows, warning, Message("HOLD\nTO CHANGE"))
+
+
 def delete_profile_question(name: str) -> HoldQuestion:
-    """Return what is asked before a profile is deleted."""
+    """Return what is asked before a stored plan is deleted."""
+    rows = ((Message("Plan"), verbatim(name)),)
     return HoldQuestion(
-        Message("Delete this profile?"),
-        ((Message("Profile"), verbatim(name)),),
-        Message("It cannot be restored."),
-        Message("HOLD\nTO DELETE"),
+        Message("Delete this plan?"), rows, CANNOT_BE_RESTORED, Message("HOLD\nTO DELETE")
     )
 
 
 def remove_marker_question(place: Message, text: str) -> HoldQuestion:
     """Return what is asked before a marker is removed from its survey."""
-    note: Tuple[Row, ...] = ((Message("Note"), verbatim(_short(text))),) if text else ()
+    note: Tuple[Row, ...] = ((Message("Note"), verbatim(shortened(text))),) if text else ()
+    rows = ((Message("Place"), place), *note)
     return HoldQuestion(
-        Message("Remove this marker?"),
-        ((Message("Place"), place), *note),
-        Message("It cannot be restored."),
-        Message("HOLD\nTO REMOVE"),
+        Message("Remove this marker?"), rows, CANNOT_BE_RESTORED, Message("HOLD\nTO REMOVE")
     )
-
-
-def _area(p: SurveyParameters) -> Message:
-    return Message(
-        "{width:.6g} x {length:.6g} mm: X {x_start:.6g} to {x_stop:.6g}, "
-        "Y {y_start:.6g} to {y_stop:.6g}",
-        width=abs(p.x_stop_mm - p.x_start_mm),
-        length=abs(p.y_stop_mm - p.y_start_mm),
-        x_start=p.x_start_mm,
-        x_stop=p.x_stop_mm,
-        y_start=p.y_start_mm,
-        y_stop=p.y_stop_mm,
-    )
-
-
-def _time(duration_s: Optional[float]) -> Message:
-    if duration_s is None or not math.isfinite(duration_s):
-        return Message("not known yet")
-    if duration_s < 60.0:
-        return duration(duration_s)
-    return Message("about {time}", time=duration(duration_s))
 
 
 def _counted(stored: int, planned: int) -> Message:
     return Message("{stored} of {planned} traces", stored=stored, planned=planned)
-
-
-def _people(annotation: Annotation) -> Tuple[Row, ...]:
-    known = (
-        (Message("Name"), annotation.name),
-        (Message("Operator"), annotation.operator),
-        (Message("Site"), annotation.site),
-    )
-    return tuple((title, verbatim(_short(name))) for title, name in known if name)
-
-
-def _short(name: str) -> str:
-    return name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"

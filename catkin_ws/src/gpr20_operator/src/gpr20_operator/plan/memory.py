@@ -8,14 +8,15 @@ from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Protocol
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.plan.form import PLAN_FIELDS
+from gpr20_operator.plan.fields import PEOPLE, PLAN
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, Annotation
 
 ARROW_STEPS = (1, 10, 100)
-FIELDS, FOLLOWING, STEP, PEOPLE = "fields", "points_follow_spacing", "arrow_step", "survey"
+FIELDS, FOLLOWING, STEP, SURVEY = "fields", "points_follow_spacing", "arrow_step", "survey"
 LAST_AREA, PROPOSED_ADDRESS = "last_area", "configured_address"
-PEOPLE_FIELDS = ("name", "operator", "site")
+REMEMBERED_PEOPLE = tuple(one.name for one in PEOPLE if one.remembered)
+REMEMBERED = tuple(one.name for one in PLAN if one.remembered)
 
 
 class Settings(Protocol):
@@ -65,7 +66,7 @@ def plan_from(values: Mapping[str, Any]) -> RememberedPlan:
     """
     if not values:
         return RememberedPlan()
-    people = _texts(values, PEOPLE, PEOPLE_FIELDS)
+    people = _texts(values, SURVEY, REMEMBERED_PEOPLE)
     following, step = values.get(FOLLOWING), values.get(STEP)
     if following not in ("", "x", "y", "xy"):
         raise _damaged(FOLLOWING)
@@ -75,7 +76,7 @@ def plan_from(values: Mapping[str, Any]) -> RememberedPlan:
     if not isinstance(address, str):
         raise _damaged(PROPOSED_ADDRESS)
     return RememberedPlan(
-        _texts(values, FIELDS, PLAN_FIELDS),
+        _texts(values, FIELDS, REMEMBERED),
         frozenset(following),
         int(step),
         _annotation(people),
@@ -90,7 +91,7 @@ def values_of(plan: RememberedPlan) -> Dict[str, Any]:
         FIELDS: dict(plan.texts),
         FOLLOWING: "".join(sorted(plan.following)),
         STEP: plan.arrow_step,
-        PEOPLE: {name: getattr(plan.annotation, name) for name in PEOPLE_FIELDS},
+        SURVEY: {name: getattr(plan.annotation, name) for name in REMEMBERED_PEOPLE},
         LAST_AREA: dict(plan.last_area),
         PROPOSED_ADDRESS: plan.configured_address,
     }
@@ -177,7 +178,7 @@ def _annotation(people: Mapping[str, str]) -> Annotation:
             people.get("operator", ""), people.get("site", ""), name=people.get("name", "")
         )
     except ValueError as error:
-        raise _damaged(PEOPLE) from error
+        raise _damaged(SURVEY) from error
 
 
 def _damaged(key: str) -> SettingsError:

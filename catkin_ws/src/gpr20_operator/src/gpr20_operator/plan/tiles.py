@@ -1,157 +1,263 @@
-"""What the tiles of the plan show: today's values, and what is wrong with them."""
+"""The plan in words: its tiles, the rows of its sheets, and why START waits."""
 
 from __future__ import annotations
 
-import enum
-from typing import Dict, List, Mapping, Optional, Tuple
+import math
+from typing import Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.plan.form import (
-    PERMITTIVITY,
-    X_SPACING,
-    Y_SPACING,
-    PlanCheck,
-    plan_field_title,
-)
-from gpr20_operator.plan.parameter_form import (
-    ADDRESS,
-    AVERAGES,
-    IF_BANDWIDTH,
-    OUTPUT_POWER,
-    ROTATIONS,
-)
-from gpr20_operator.words import decimal_from_text, number_from_text, plain_text
+from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
+from gpr20_operator.plan.annotation import shortened
+from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
+from gpr20_operator.plan.form import PlanCheck, problem_of
+from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.plan.spec import TILE_TITLES, Tile
+from gpr20_operator.plan.texts import HERTZ_PER_MEGAHERTZ, number_text
+from gpr20_operator.robot.events import Request
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.words import decimal_from_text, duration, number_from_text, plain_text
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.radar.soils import soil_of
+from gpr20_survey.results.survey_summary import SurveySummary
 
-ENDS = ("start", "stop")
-AS_SET = Message("as set")
 Lines = Tuple[Message, ...]
+Row = Tuple[Message, Message]
+BYTES_PER_MEGABYTE = 1.0e6
+MILLIMETRES_PER_METRE = 1000.0
+# Of rotations in a row; the sheet has no room for more.
+MOST_ROTATIONS = 6
 
 
-class Tile(enum.Enum):
-    """The groups of values, in the order of the screen."""
-
-    AREA = "area"
-    SPACING = "spacing"
-    FREQUENCIES = "frequencies"
-    VNA = "vna"
-    SOIL = "soil"
-    ANTENNAS = "antennas"
-    NAME = "name"
-
-
-TILE_TITLES: Mapping[Tile, Message] = {
-    Tile.AREA: Message("Area (mm)"),
-    Tile.SPACING: Message("Spacing"),
-    Tile.FREQUENCIES: Message("Frequencies"),
-    Tile.VNA: Message("VNA"),
-    Tile.SOIL: Message("Soil"),
-    Tile.ANTENNAS: Message("Antennas"),
-    Tile.NAME: Message("Name"),
-}
-# The fields of the sheet of a tile. Name, operator and site have a sheet of their own.
-TILE_FIELDS: Mapping[Tile, Tuple[str, ...]] = {
-    Tile.AREA: ("x_start_mm", "x_stop_mm", "y_start_mm", "y_stop_mm"),
-    Tile.SPACING: (X_SPACING, Y_SPACING, "x_points", "y_points"),
-    Tile.FREQUENCIES: ("start_frequency_hz", "stop_frequency_hz", "frequency_points"),
-    Tile.VNA: (ADDRESS, IF_BANDWIDTH, AVERAGES, OUTPUT_POWER),
-    Tile.SOIL: (PERMITTIVITY,),
-    Tile.ANTENNAS: (ROTATIONS,),
-    Tile.NAME: (),
-}
-VALUE_TILES = tuple(tile for tile in Tile if TILE_FIELDS[tile])
-
-
-def tile_lines(tile: Tile, texts: Mapping[str, str]) -> Lines:
-    """Return the lines of a tile.
+def tile_lines(tile: Tile, texts: Mapping[str, str], annotation: Annotation) -> Lines:
+    """Return the two lines of a tile.
 
     Args:
-        tile: Any but that of the name.
-        texts: Of all fields.
+        tile: The tile.
+        texts: Of all fields of the plan.
+        annotation: What people add to the survey.
     """
     return {
-        Tile.AREA: _area,
-        Tile.SPACING: _spacing,
-        Tile.FREQUENCIES: _frequencies,
-        Tile.VNA: _analyzer,
-        Tile.SOIL: _soil,
-        Tile.ANTENNAS: _antennas,
-    }[tile](texts)
-
-
-def name_lines(annotation: Annotation) -> Lines:
-    """Return the lines of the tile of the name."""
-    people = " · ".join(one for one in (annotation.operator, annotation.site) if one)
-    name = verbatim(annotation.name) if annotation.name else Message("no name")
-    return name, verbatim(people)
+        Tile.AREA: lambda: (_range("x", texts), _range("y", texts)),
+        Tile.SPACING: lambda: _spacing(texts),
+        Tile.SOIL: lambda: _soil(texts["permittivity"]),
+        Tile.NAME: lambda: _people(annotation),
+        Tile.FREQUENCIES: lambda: _frequencies(texts),
+        Tile.ANTENNAS: lambda: _antennas(texts["polarizations_deg"]),
+        Tile.VNA: lambda: _analyzer(texts),
+    }[tile]()
 
 
 def tile_problem(tile: Tile, check: PlanCheck) -> Optional[Message]:
     """Return what is wrong in a tile, first field first; None if it is right."""
-    wrong = [name for name in TILE_FIELDS[tile] if name in check.problems]
-    return field_sentence(wrong[0], check) if wrong else None
+    wrong = (name for name in TILE_FIELDS[tile] if name in check.problems)
+    return problem_of(next(wrong, ""), check)
 
 
-def first_problem(check: PlanCheck) -> Optional[Message]:
-    """Return what is wrong in the first tile that is wrong; None if none is."""
-    problems = (tile_problem(tile, check) for tile in Tile)
-    return next((one for one in problems if one is not None), None)
+def plan_rows(
+    parameters: SurveyParameters, permittivity: float, known: SurveyPreview, annotation: Annotation
+) -> Tuple[Row, ...]:
+    """Return everything that a survey will do, as the tiles call it.
+
+    Args:
+        parameters: What it measures.
+        permittivity: Relative permittivity of the soil.
+        known: The figures that follow from them.
+        annotation: What people have added to it.
+    """
+    texts = {
+        **texts_of(parameters),
+        "x_spacing_mm": number_text(known.x_spacing_mm),
+        "y_spacing_mm": number_text(known.y_spacing_mm),
+        "permittivity": number_text(permittivity),
+    }
+    rows = [(TILE_TITLES[tile], _joined(tile_lines(tile, texts, annotation))) for tile in Tile]
+    size = Message("{traces} at {stops} stops", traces=known.traces, stops=known.stops)
+    return (*rows, (Message("Traces"), size), (Message("Time"), cost_text(known)))
 
 
-def field_sentence(name: str, check: PlanCheck) -> Message:
-    """Return which field is wrong, and what it allows."""
-    return Message("{field}: {allowed}", field=plan_field_title(name), allowed=check.problems[name])
+def figure_rows(known: SurveyPreview) -> Tuple[Row, ...]:
+    """Return what the plan can show of the ground."""
+    return (
+        (
+            Message("Soil needs"),
+            Message("{spacing:.3g} mm between stops, or less", spacing=known.quarter_wavelength_mm),
+        ),
+        (
+            Message("Resolution"),
+            Message("{depth:.3g} mm in depth", depth=known.resolution_m * MILLIMETRES_PER_METRE),
+        ),
+        (
+            Message("Echoes repeat"),
+            Message("below {depth:.3g} m; this is not the reach", depth=known.depth_m),
+        ),
+        (
+            Message("Frequency step"),
+            verbatim(f"{known.frequency_step_hz / HERTZ_PER_MEGAHERTZ:.4g} MHz"),
+        ),
+    )
 
 
-def _area(texts: Mapping[str, str]) -> Lines:
-    ends = {axis: [_rounded(texts[f"{axis}_{end}_mm"]) for end in ENDS] for axis in "xy"}
-    return verbatim("X " + " - ".join(ends["x"])), verbatim("Y " + " - ".join(ends["y"]))
+def cost_text(known: SurveyPreview) -> Message:
+    """Return time and disk space of a survey."""
+    cost = known.cost
+    if cost is None or not math.isfinite(cost.duration_s):
+        return Message("not known yet")
+    return Message(
+        "{time}, {size:.4g} MB on the disk",
+        time=about(cost.duration_s),
+        size=cost.size_bytes / BYTES_PER_MEGABYTE,
+    )
+
+
+def about(duration_s: Optional[float]) -> Message:
+    """Return a time that is estimated."""
+    if duration_s is None or not math.isfinite(duration_s):
+        return Message("not known yet")
+    if duration_s < 60.0:
+        return duration(duration_s)
+    return Message("about {time}", time=duration(duration_s))
+
+
+def short_size(known: Optional[SurveyPreview]) -> Message:
+    """Return traces and time of a survey; empty if its parameters are wrong."""
+    if known is None:
+        return verbatim("")
+    if known.cost is None:
+        return Message("{traces} traces", traces=known.traces)
+    time = duration(known.cost.duration_s)
+    return Message("{traces} traces, {time}", traces=known.traces, time=time)
+
+
+def spacing_warning(known: SurveyPreview) -> Optional[Message]:
+    """Return the warning that the stops are too far apart for the soil; None if they are not."""
+    if not known.too_coarse:
+        return None
+    return Message(
+        "Measured every {spacing:.4g} mm: targets can be missed. At most {quarter:.3g} mm in this "
+        "soil.",
+        spacing=max(known.x_spacing_mm, known.y_spacing_mm),
+        quarter=known.quarter_wavelength_mm,
+    )
+
+
+def start_lock(snapshot: Optional[Snapshot], check: PlanCheck) -> Optional[Message]:
+    """Return why no survey can be started now; None if one can.
+
+    Args:
+        snapshot: What is known of the robot; None: nothing yet.
+        check: Of the plan.
+    """
+    if snapshot is None or (not snapshot.control_alive and snapshot.replay is None):
+        return Message("No contact with the robot")
+    if snapshot.replay is not None:
+        return Message("A replay is shown")
+    if Request.START in snapshot.pending:
+        return Message("The survey is starting")
+    if snapshot.running:
+        return Message("A survey is running")
+    return check.first_problem
+
+
+def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[SurveySummary]:
+    """Return the last survey if it ended early and can be resumed now; None if it cannot.
+
+    Args:
+        past: The list of surveys.
+        snapshot: What is known of the robot; None: nothing yet.
+    """
+    if snapshot is None or not snapshot.can_start:
+        return None
+    measured = (one for one in past.surveys if past.verdict(one) is not Verdict.IMPORTED)
+    last = next(measured, None)
+    return last if last is not None and past.can_resume(last) else None
+
+
+def resume_lines(survey: SurveySummary) -> Lines:
+    """Return the lines of the tile that resumes a survey."""
+    counts = {"stored": survey.stored_traces, "planned": survey.planned_traces}
+    name = survey.name or survey.local_time()
+    return verbatim(shortened(name)), Message("{stored} of {planned} stored", **counts)
+
+
+def check_lines(known: Optional[SurveyPreview]) -> Lines:
+    """Return the lines of the tile that opens everything about the plan."""
+    if known is None:
+        return ()
+    resolution = Message(
+        "resolution {depth:.3g} mm", depth=known.resolution_m * MILLIMETRES_PER_METRE
+    )
+    if known.cost is None:
+        return (resolution,)
+    return resolution, verbatim(f"{known.cost.size_bytes / BYTES_PER_MEGABYTE:.4g} MB")
+
+
+def _range(axis: str, texts: Mapping[str, str]) -> Message:
+    start, stop = (_rounded(texts[f"{axis}_{end}_mm"]) for end in ("start", "stop"))
+    return verbatim(f"{axis.upper()} {start} - {stop} mm")
 
 
 def _spacing(texts: Mapping[str, str]) -> Lines:
-    both: Dict[str, str] = {axis: _short(texts[f"{axis}_spacing_mm"]) for axis in "xy"}
-    one = both["x"] if both["x"] == both["y"] else f"{both['x']} x {both['y']}"
+    x, y = (_short(texts[f"{axis}_spacing_mm"]) for axis in "xy")
     points = Message("{x} x {y} points", x=texts["x_points"], y=texts["y_points"])
-    return verbatim(f"{one} mm"), points
+    return verbatim(f"{x} mm" if x == y else f"{x} x {y} mm"), points
+
+
+def _soil(permittivity: str) -> Lines:
+    try:
+        soil = soil_of(number_from_text(permittivity))
+    except InvalidValueError:
+        soil = None
+    name = Message("Own value") if soil is None else soil.value.name
+    return name, Message("permittivity {value}", value=permittivity)
+
+
+def _people(annotation: Annotation) -> Lines:
+    known = (annotation.operator, annotation.site)
+    people = " · ".join(shortened(one) for one in known if one)
+    name = verbatim(shortened(annotation.name)) if annotation.name else Message("no name")
+    return name, verbatim(people)
 
 
 def _frequencies(texts: Mapping[str, str]) -> Lines:
-    ends = (texts["start_frequency_hz"], texts["stop_frequency_hz"])
+    start, stop = (texts[f"{end}_frequency_hz"] for end in ("start", "stop"))
     return (
-        Message("{start} to {stop} MHz", start=ends[0], stop=ends[1]),
+        Message("{start} to {stop} MHz", start=start, stop=stop),
         Message("{count} points", count=texts["frequency_points"]),
     )
 
 
-def _analyzer(texts: Mapping[str, str]) -> Lines:
-    address = verbatim(texts[ADDRESS]) if texts[ADDRESS] else Message("no address")
-    bandwidth = verbatim(f"{texts[IF_BANDWIDTH]} Hz") if texts[IF_BANDWIDTH] else AS_SET
-    others: List[str] = [f"{texts[AVERAGES]} x"] if texts[AVERAGES] else []
-    if texts[OUTPUT_POWER]:
-        others.append(texts[OUTPUT_POWER])
-    return address, bandwidth, verbatim(" · ".join(others))
-
-
-def _soil(texts: Mapping[str, str]) -> Lines:
-    text = texts[PERMITTIVITY]
-    try:
-        soil = soil_of(number_from_text(text))
-    except InvalidValueError:
-        soil = None
-    name = Message("Own value") if soil is None else soil.value.name
-    return name, Message("permittivity {value}", value=text)
-
-
-def _antennas(texts: Mapping[str, str]) -> Lines:
-    rotations = [one for one in texts[ROTATIONS].replace(";", ",").split(",") if one.strip()]
+def _antennas(text: str) -> Lines:
+    rotations = [one.strip() for one in text.replace(";", ",").split(",") if one.strip()]
+    shown = ", ".join(rotations[:MOST_ROTATIONS]) + ", …" * (len(rotations) > MOST_ROTATIONS)
     if len(rotations) == 1:
-        return verbatim(f"{texts[ROTATIONS]}°"), Message("1 trace per stop")
-    return (
-        verbatim(f"{texts[ROTATIONS]}°"),
-        Message("{count} traces per stop", count=len(rotations)),
+        return verbatim(f"{shown}°"), Message("1 trace per stop")
+    return verbatim(f"{shown}°"), Message("{count} traces per stop", count=len(rotations))
+
+
+def _analyzer(texts: Mapping[str, str]) -> Lines:
+    address, bandwidth, averages = (
+        texts[name] for name in ("vna_address", "if_bandwidth_hz", "averages")
     )
+    made = (
+        f"{bandwidth} Hz" if bandwidth else "",
+        f"{averages} x" if averages else "",
+        texts["output_power"],
+    )
+    settings = " · ".join(one for one in made if one)
+    return (
+        verbatim(address) if address else Message("no address"),
+        verbatim(settings) if settings else Message("as set"),
+    )
+
+
+def _joined(lines: Lines) -> Message:
+    """Return lines as one."""
+    first, second = lines
+    if not second.sentence():
+        return first
+    return Message("{first}, {second}", first=first, second=second)
 
 
 def _rounded(text: str) -> str:

@@ -41,6 +41,7 @@ def _tiles(look: Look) -> str:
         'QPushButton#tile[level="doubtful"]': TextColours.DOUBTFUL,
         'QPushButton#tile[level="wrong"]': TextColours.WRONG,
         'QPushButton#tile[level="locked"]': TextColours.LOCKED,
+        'QPushButton#start[level="second"]': TextColours.ARROW,
         'QPushButton#start[level="locked"]': TextColours.DISABLED,
         'QPushButton#tile[level="pressed"]': TextColours.PRESSED,
         'QPushButton#start[level="pressed"]': TextColours.PRESSED,
@@ -55,7 +56,8 @@ QPushButton#tile, QPushButton#start {{ padding: 0; font-weight: normal; }}
 QPushButton#tile QLabel#tile_title, QPushButton#start QLabel#tile_title {{ font-weight: bold;
     font-size: {px(TITLE_PX)}px; }}
 QPushButton#start QLabel#tile_title {{ font-size: {px(START_PX)}px; }}
-QPushButton#start[level="locked"] QLabel#tile_title {{ font-size: {px(TITLE_PX)}px; }}
+QPushButton#start[level="locked"] QLabel#tile_title,
+QPushButton#start[level="second"] QLabel#tile_title {{ font-size: {px(TITLE_PX)}px; }}
 """
 
 
@@ -114,10 +116,11 @@ QWidget {{ {css(TextColours.PLAIN)} font-size: {px(TEXT_PX)}px; }}
 QLabel#title {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
 QLabel#preview {{ font-weight: bold; }}
 QLabel#figure {{ font-size: {px(TITLE_PX)}px; font-weight: bold; }}
+QLabel#ground_note, QLabel#shown_band, QScrollArea#ground_text QLabel {{
+    font-size: {px(TEXT_PX - 2)}px; }}
 QLabel#quiet {{ {css(TextColours.QUIET)} }}
-QWidget#shown_band, QWidget#shown_band QLabel {{ {css(TextColours.PAST)} font-weight: bold; }}
-QWidget#shown_band[replay="true"], QWidget#shown_band[replay="true"] QLabel {{
-    {css(TextColours.REPLAY)} }}
+QLabel#shown_band {{ {css(TextColours.PAST)} font-weight: bold; }}
+QLabel#shown_band[replay="true"] {{ {css(TextColours.REPLAY)} }}
 QWidget#lock_band, QLabel#locked {{ {css(TextColours.SIMULATED)} font-weight: bold; }}
 QLabel#locked[flash="true"] {{ {css(TextColours.ALARM)} }}
 QLabel#simulated {{ {css(TextColours.SIMULATED)}
@@ -161,6 +164,11 @@ QPushButton#hold:pressed, QPushButton#jog:pressed {{ {css(TextColours.ARROW)} }}
 QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
+QPushButton#ground_key {{ {css(TextColours.ARROW)} font-size: {px(TEXT_PX - 2)}px;
+    padding: 0 {px(2)}px; }}
+QPushButton#ground_key:checked {{ {css(TextColours.CHOSEN)} }}
+QPushButton#ground_key:pressed {{ {css(TextColours.PRESSED)} }}
+QPushButton#ground_key:disabled {{ {css(TextColours.DISABLED)} }}
 QToolButton#rail {{ {css(TextColours.ARROW)} border: none; font-weight: bold;
     border-right: {frame}px solid {border}; border-bottom: 1px solid {border}; }}
 QToolButton#rail:checked {{ {css(TextColours.CHOSEN)} }}

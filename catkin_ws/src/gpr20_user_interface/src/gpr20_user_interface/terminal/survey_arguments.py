@@ -6,22 +6,17 @@ import argparse
 import enum
 import math
 from dataclasses import dataclass
-from typing import List, Mapping, Optional, Sequence
+from typing import Any, Callable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.catalogue_file import language_from_environment, languages
-from gpr20_common.message import Message
-from gpr20_operator.plan.parameter_form import (
-    ADDRESS,
-    AVERAGES,
-    FIELDS,
-    IF_BANDWIDTH,
-    OUTPUT_POWER,
-)
+from gpr20_common.message import Message, verbatim
+from gpr20_operator.plan.fields import PARAMETERS, PEOPLE
+from gpr20_operator.plan.spec import FieldSpec
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.terminal.arguments import add_annotation, annotation_from, argument_reader
 from gpr20_user_interface.terminal.follower import Mode, OnPause
 
 DESCRIPTION = Message(
@@ -39,23 +34,6 @@ EXIT_STATUS = Message(
 )
 
 DEFAULT_WAIT_S = 15.0
-_METAVARS = {"address": "A.B.C.D", "mm": "MM", "deg": "DEG,DEG", "power": "POWER"}
-_HELP: Mapping[str, Message] = {
-    "vna_address": Message("address of the network analyzer"),
-    "start_frequency_hz": Message("start of the sweep"),
-    "stop_frequency_hz": Message("stop of the sweep"),
-    "frequency_points": Message("points of the sweep"),
-    "x_start_mm": Message("start of the area along x"),
-    "x_stop_mm": Message("stop of the area along x"),
-    "x_points": Message("stops along x"),
-    "y_start_mm": Message("start of the area along y"),
-    "y_stop_mm": Message("stop of the area along y"),
-    "y_points": Message("stops along y"),
-    "polarizations_deg": Message("antenna rotations measured at each stop"),
-    IF_BANDWIDTH: Message("IF bandwidth of the network analyzer in Hz"),
-    AVERAGES: Message("sweeps averaged for one trace"),
-    OUTPUT_POWER: Message("output power of the network analyzer; LOW or HIGH for the MS2026C"),
-}
 
 
 class Bar(enum.Enum):
@@ -109,10 +87,10 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
         epilog=catalogue.text(EXIT_STATUS),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    group = parser.add_argument_group(catalogue.tr("what to measure"))
-    parameters = _add_parameters(group, catalogue)
-    group = parser.add_argument_group(catalogue.tr("what to note"))
-    parameters += add_annotation(group, catalogue)
+    measured = parser.add_argument_group(catalogue.tr("what to measure"))
+    noted = parser.add_argument_group(catalogue.tr("what to note"))
+    fields = [_add_field(measured, spec, catalogue) for spec in PARAMETERS]
+    fields += [_add_field(noted, spec, catalogue) for spec in PEOPLE]
     _add_run_options(parser.add_argument_group(catalogue.tr("how to run it")), catalogue)
     given = parser.parse_args(arguments)
     mode = _mode(given.attach, given.resume)
@@ -121,15 +99,15 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     if given.accept_zeros and mode is not Mode.RESUME:
         parser.error(catalogue.tr("--accept-zeros can be given only with --resume"))
     if mode is not Mode.START:
-        _refuse_parameters(parser, parameters, arguments, mode, catalogue)
+        _refuse_fields(parser, fields, arguments, mode, catalogue)
     return Options(
         mode=mode,
         # Folders may be given with their path; the main control knows where they are.
         resume_id=(given.resume or "").rstrip("/").rsplit("/", 1)[-1],
         accept_analyzer=given.accept_analyzer,
         accept_zeros=given.accept_zeros,
-        parameters=SurveyParameters(**{field.name: getattr(given, field.name) for field in FIELDS}),
-        annotation=annotation_from(given),
+        parameters=SurveyParameters(**{one.name: getattr(given, one.name) for one in PARAMETERS}),
+        annotation=Annotation(**{one.name: getattr(given, one.name) for one in PEOPLE}),
         wait_s=given.wait,
         on_pause=OnPause(given.on_pause),
         bar=Bar(given.bar),
@@ -142,18 +120,18 @@ def _mode(attach: bool, resume: Optional[str]) -> Mode:
     return Mode.START if resume is None else Mode.RESUME
 
 
-def _refuse_parameters(
+def _refuse_fields(
     parser: argparse.ArgumentParser,
-    parameters: List[argparse.Action],
+    fields: List[argparse.Action],
     arguments: Sequence[str],
     mode: Mode,
     catalogue: Catalogue,
 ) -> None:
-    """End with a message if parameters are given for a survey that exists already."""
+    """End with a message if values are given for a survey that exists already."""
     # Values that are there already are not replaced by defaults.
-    given = argparse.Namespace(**{one.dest: None for one in parameters})
+    given = argparse.Namespace(**{one.dest: None for one in fields})
     parser.parse_args(arguments, given)
-    named = [one.option_strings[0] for one in parameters if getattr(given, one.dest) is not None]
+    named = [one.option_strings[0] for one in fields if getattr(given, one.dest) is not None]
     if named:
         parser.error(
             catalogue.tr(
@@ -164,41 +142,48 @@ def _refuse_parameters(
         )
 
 
-def _add_parameters(group: argparse._ArgumentGroup, catalogue: Catalogue) -> List[argparse.Action]:
-    return [
-        group.add_argument(
-            _option(field.name),
-            dest=field.name,
-            type=argument_reader(field.read, catalogue),
-            # argparse converts a default that is a string like an argument.
-            default=field.default,
-            metavar=_metavar(field.name),
-            help=catalogue.tr(
-                "{meaning} (default {default})",
-                meaning=_HELP[field.name],
-                default=field.default or _default_meaning(field.name),
-            ),
-        )
-        for field in FIELDS
-    ]
+def option_of(spec: FieldSpec) -> str:
+    """Return the option for a field; frequencies are given in MHz."""
+    return "--" + spec.name.replace("_frequency_hz", "_frequency_mhz").replace("_", "-")
 
 
-def _option(name: str) -> str:
-    # Frequencies are given in MHz.
-    unit = name.replace("_frequency_hz", "_frequency_mhz")
-    return "--" + unit.replace("_", "-")
+def _add_field(
+    group: argparse._ArgumentGroup, spec: FieldSpec, catalogue: Catalogue
+) -> argparse.Action:
+    meaning = Message("{field}: {allowed}", field=spec.label, allowed=_allowed(spec))
+    if spec.default:
+        meaning = Message("{meaning} (default {default})", meaning=meaning, default=spec.default)
+    return group.add_argument(
+        option_of(spec),
+        dest=spec.name,
+        type=_reader(spec.kind.read, catalogue),
+        # argparse converts a default that is a string like an argument.
+        default=spec.default,
+        metavar=spec.kind.metavar or spec.unit.upper(),
+        # Percent signs are the formats of argparse.
+        help=catalogue.text(meaning).replace("%", "%%"),
+    )
 
 
-def _metavar(name: str) -> str:
-    if name.endswith("_hz"):
-        return "HZ" if name == IF_BANDWIDTH else "MHZ"
-    return _METAVARS.get(name.rsplit("_", 1)[-1], "N")
+def _allowed(spec: FieldSpec) -> Message:
+    if spec.name == "position":
+        text = "--position=LAT,LON"
+        note = Message("with a negative latitude write {option}", option=verbatim(text))
+        return Message("{first}; {second}", first=spec.hint(DOCUMENTED_TRAVEL), second=note)
+    return spec.hint(DOCUMENTED_TRAVEL)
 
 
-def _default_meaning(name: str) -> Message:
-    if name == ADDRESS:
-        return Message("that of the robot's configuration")
-    return Message("as set on the VNA")
+def _reader(read: Callable[[str], Any], catalogue: Catalogue) -> Callable[[str], Any]:
+    """Return a function for argparse that reads an argument."""
+
+    def read_argument(text: str) -> Any:
+        try:
+            return read(text)
+        except InvalidValueError as error:
+            # argparse shows the text of this error, but not that of a ValueError.
+            raise argparse.ArgumentTypeError(catalogue.text(error.message)) from None
+
+    return read_argument
 
 
 def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> None:
@@ -247,7 +232,7 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
     )
     group.add_argument(
         "--wait",
-        type=argument_reader(_seconds, catalogue),
+        type=_reader(_seconds, catalogue),
         default=DEFAULT_WAIT_S,
         metavar="S",
         help=tr(

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Union
-
 from PyQt5.QtCore import QEvent, Qt, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QFont, QFontMetrics, QMouseEvent, QResizeEvent
 from PyQt5.QtWidgets import (
     QFrame,
     QLabel,
     QLineEdit,
-    QPlainTextEdit,
     QSizePolicy,
     QStyle,
     QStyleOptionFrame,
@@ -96,52 +93,18 @@ class TouchEdit(QLineEdit):
         return int(QFontMetrics(font).horizontalAdvance(self.text()))
 
 
-class TouchText(QPlainTextEdit):
-    """Lines of text that report a tap; a keyboard can write in them as usual."""
-
-    tapped = pyqtSignal()
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self.setObjectName(name)
-        self.setTabChangesFocus(True)
-        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Qt: a finger or a mouse button leaves the field."""
-        super().mouseReleaseEvent(event)
-        if self.rect().contains(event.pos()):
-            self.tapped.emit()
-
-    def text(self) -> str:
-        """Return the text."""
-        return self.toPlainText()
-
-    def setText(self, text: str) -> None:  # noqa: N802 (as in QLineEdit)
-        """Replace the text."""
-        self.setPlainText(text)
-
-    def show_problem(self, problem: str) -> None:
-        """Say what is wrong; an empty problem: nothing is."""
-        self.setToolTip(problem)
-
-
-Field = Union[TouchEdit, TouchText]
-
-
 class FieldBox(QFrame):
     """A title above an edit, in one frame."""
 
     tapped = pyqtSignal()
 
-    def __init__(self, edit: Field) -> None:
+    def __init__(self, edit: TouchEdit) -> None:
         super().__init__()
         self.setObjectName("box")
         self.edit = edit
         self.title = QLabel()
         self.title.setObjectName("quiet")
-        if isinstance(edit, TouchEdit):
-            edit.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignLeft)
+        edit.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignLeft)
         edit.tapped.connect(self.tapped)
         self._layout = QVBoxLayout(self)
         self._layout.setSpacing(0)

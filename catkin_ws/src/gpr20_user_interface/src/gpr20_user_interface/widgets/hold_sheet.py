@@ -7,20 +7,35 @@ from typing import Callable, List, Optional, Tuple
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from gpr20_operator.plan.hold_question import HoldQuestion
+from gpr20_operator.ground.past_surveys import PastSurveys
+from gpr20_operator.plan.hold_question import (
+    HoldQuestion,
+    other_analyzer_question,
+    resume_past_question,
+    resume_question,
+    start_question,
+)
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_survey.faults import OTHER_ZEROS
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
-MOST_ROWS = 7
+MOST_ROWS = 13
 HOLD_WIDTH_PX = 230
-MARGIN_PX = 16
+HOLD_HEIGHT_PX = 120
+MARGIN_PX = 12
+NAMES_PX = 112
 
 
 class HoldSheet(Overlay):
-    """Shows a HoldQuestion; the button to hold is far from CANCEL.
+    """Shows a HoldQuestion; a button to hold is far from CANCEL.
 
     It lies where no other sheet has OK, CLOSE or CANCEL: a touch that comes twice never reaches
     it.
@@ -37,11 +52,10 @@ class HoldSheet(Overlay):
         self.title = QLabel()
         self.title.setObjectName("title")
         self._rows: List[Tuple[QLabel, QLabel]] = [(QLabel(), QLabel()) for _ in range(MOST_ROWS)]
-        self.warning = QLabel()
+        self.warning, self.doubt = QLabel(), QLabel()
         self.hold = HoldButton()
         self.cancel = new_button(self.hide)
-        self._grid = QGridLayout(self)
-        self._names = QGridLayout()
+        self._grid, self._names = QGridLayout(self), QGridLayout()
         self._lay_out()
         self.hold.held.connect(self._on_held)
         self.restyle()
@@ -71,20 +85,25 @@ class HoldSheet(Overlay):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.cancel.setText(self.tr("Cancel"))
         question = self._question
         if question is None:
             return
+        self.cancel.setText(self.tr("CLOSE") if question.hold is None else self.tr("Cancel"))
         self.title.setText(shown_text(question.title))
-        self.warning.setText(shown_text(question.warning))
-        self.hold.setText(shown_text(question.hold))
-        for number, (name, value) in enumerate(self._rows):
+        self.hold.setVisible(question.hold is not None)
+        for label, text in (
+            (self.warning, question.warning),
+            (self.doubt, question.doubt),
+            (self.hold, question.hold),
+        ):
+            label.setText("" if text is None else shown_text(text))
+        for label in (self.warning, self.doubt):
+            label.setVisible(bool(label.text()))
+        for number, pair in enumerate(self._rows):
             used = number < len(question.rows)
-            name.setVisible(used)
-            value.setVisible(used)
-            if used:
-                name.setText(shown_text(question.rows[number][0]))
-                value.setText(shown_text(question.rows[number][1]))
+            for place, label in enumerate(pair):
+                label.setVisible(used)
+                label.setText(shown_text(question.rows[number][place]) if used else "")
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -92,7 +111,11 @@ class HoldSheet(Overlay):
         self._grid.setContentsMargins(*(px(MARGIN_PX),) * 4)
         self._grid.setSpacing(px(GAP_PX))
         self._names.setHorizontalSpacing(px(MARGIN_PX))
-        self._grid.setColumnMinimumWidth(1, px(HOLD_WIDTH_PX))
+        self._names.setVerticalSpacing(0)
+        self._names.setColumnMinimumWidth(0, px(NAMES_PX))
+        for widget in (self.hold, self.cancel, self.warning):
+            widget.setFixedWidth(px(HOLD_WIDTH_PX))
+        self.hold.setMinimumHeight(px(HOLD_HEIGHT_PX))
 
     def _on_held(self) -> None:
         self.hide()
@@ -108,20 +131,112 @@ class HoldSheet(Overlay):
             rows.addWidget(value, number, 1, Qt.AlignmentFlag.AlignTop)
         rows.setColumnStretch(1, 1)
         rows.setRowStretch(MOST_ROWS, 1)
-        self.warning.setWordWrap(True)
-        set_look(self.warning, "level", "doubtful")
-        left = QVBoxLayout()
-        left.addLayout(rows, 1)
-        left.addWidget(self.warning)
-        grid = self._grid
-        grid.addWidget(self.title, 0, 0, 1, 2)
-        grid.addLayout(left, 1, 0)
+        for label in (self.warning, self.doubt):
+            label.setWordWrap(True)
+            set_look(label, "level", "doubtful")
+        self.hold.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         right = QVBoxLayout()
+        right.addWidget(self.warning)
         right.addStretch(1)
-        self.hold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        right.addWidget(self.hold, 2)
+        right.addWidget(self.hold, 4)
         right.addStretch(1)
-        grid.addLayout(right, 1, 1)
-        grid.addWidget(self.cancel, 2, 0, Qt.AlignmentFlag.AlignLeft)
-        grid.setRowStretch(1, 1)
-        grid.setColumnStretch(0, 1)
+        right.addWidget(self.cancel)
+        self._grid.addWidget(self.title, 0, 0)
+        self._grid.addLayout(rows, 1, 0)
+        self._grid.addWidget(self.doubt, 2, 0)
+        self._grid.addLayout(right, 0, 1, 3, 1)
+        self._grid.setRowStretch(1, 1)
+        self._grid.setColumnStretch(0, 1)
+
+
+class StartSheet(HoldSheet, Page):
+    """Asks before a survey starts or is resumed, and then requests it.
+
+    It closes when what it asks is not possible any more: another client was faster.
+
+    Args:
+        window: The window.
+        survey: Takes the requests.
+        past: The list of past surveys.
+    """
+
+    def __init__(self, window: QWidget, survey: WindowPresenter, past: PastSurveys) -> None:
+        super().__init__(window)
+        self._survey = survey
+        self._past = past
+        self._is_possible: Callable[[Snapshot], bool] = _can_start
+        self._make: Callable[[], HoldQuestion] = lambda: resume_question(None)
+
+    def ask_start(
+        self, parameters: SurveyParameters, permittivity: float, annotation: Annotation
+    ) -> None:
+        """Ask whether to start a survey."""
+
+        def make() -> HoldQuestion:
+            known = self._survey.preview_of(parameters)
+            return start_question(parameters, permittivity, known, annotation)
+
+        self._ask(make, _can_start, lambda: self._survey.start(parameters, annotation))
+
+    def ask_resume(self) -> None:
+        """Ask whether to resume the survey that is paused."""
+        unproven = _zeros_are_unproven(self._survey.snapshot)
+        self._ask(
+            lambda: resume_question(self._survey.snapshot.progress, unproven),
+            _can_resume,
+            lambda: self._survey.resume(accept_zeros=unproven),
+        )
+
+    def ask_resume_past(self, folder: str) -> None:
+        """Ask whether to resume a survey that ended early."""
+        self._ask(
+            lambda: resume_past_question(folder, self._past.find(folder)),
+            _no_survey_runs,
+            lambda: self._survey.resume(folder),
+        )
+
+    def ask_resume_with(self, identity: str) -> None:
+        """Ask whether to continue a survey with another analyzer."""
+        self._ask(
+            lambda: other_analyzer_question(identity),
+            lambda snapshot: _no_survey_runs(snapshot) or _can_resume(snapshot),
+            lambda: self._survey.resume_with(identity),
+        )
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now; close if it is too late."""
+        if not self.isVisible():
+            return
+        if self._is_possible(snapshot):
+            self.show_question(self._make())
+        else:
+            self.hide()
+
+    def _ask(
+        self,
+        make: Callable[[], HoldQuestion],
+        is_possible: Callable[[Snapshot], bool],
+        act: Callable[[], None],
+    ) -> None:
+        self._make, self._is_possible = make, is_possible
+        self.ask(make(), act)
+
+
+def _can_start(snapshot: Snapshot) -> bool:
+    return snapshot.can_start
+
+
+def _no_survey_runs(snapshot: Snapshot) -> bool:
+    # If the main control does not answer, it is better said after the request than by a sheet
+    # that closes.
+    return not snapshot.fields_locked
+
+
+def _can_resume(snapshot: Snapshot) -> bool:
+    return snapshot.can_resume
+
+
+def _zeros_are_unproven(snapshot: Snapshot) -> bool:
+    """Return whether the paused survey waits for a decision about the zeros of the axes."""
+    state = snapshot.state
+    return state is not None and state.message.fault_code == OTHER_ZEROS.code

@@ -1,170 +1,74 @@
-"""Keys on the screen for a number, over everything below the top bar."""
+"""Keys on the screen: for numbers beside a field, and a pad with a text over everything."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Callable, Dict, List, Tuple
+from typing import Callable, List, Mapping, NamedTuple, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtGui import QKeyEvent
+from PyQt5.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPlainTextEdit,
+    QPushButton,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
 
+from gpr20_operator.plan.spec import Keys
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget
-from gpr20_user_interface.widgets.edits import TouchEdit
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button, set_look
-
-# Returns what is allowed instead of a wrong text; empty if the text is right.
-Judge = Callable[[str], str]
-
-
-class Pad(Overlay):
-    """A title, what is allowed, and buttons that deliver a text or drop it.
-
-    Attributes:
-        problem_replaces_title: Whether there is room for only one of them.
-    """
-
-    problem_replaces_title = False
-
-    def __init__(self, window: QWidget) -> None:
-        super().__init__(window)
-        self._judge: Judge = lambda _text: ""
-        self._hint = ""
-        self._first = ""
-        self._deliver: Callable[[str], None] = lambda _text: None
-        self.title = QLabel()
-        self.title.setObjectName("title")
-        self.hint = QLabel()
-        self.hint.setWordWrap(True)
-        self.cancel = self._button("", self.hide)
-        self.accept_button = self._button("", self._accept)
-
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.cancel.setText(self.tr("Cancel"))
-        self.accept_button.setText(self.tr("OK"))
-
-    def _begin(
-        self, deliver: Callable[[str], None], title: str, hint: str, text: str, judge: Judge
-    ) -> None:
-        """Note what is asked for; the arguments are those of `ask`."""
-        self._deliver = deliver
-        self._judge = judge
-        self._hint = hint
-        self._first = text
-        self.title.setText(title)
-        self.retranslate()
-
-    def _written(self) -> str:
-        """Return the text as it is now."""
-        raise NotImplementedError
-
-    def _accept(self) -> None:
-        if self.accept_button.isEnabled():
-            self.hide()
-            self._deliver(self._written())
-
-    def _check(self, strict: bool) -> str:
-        """Show what is wrong with the text, and return it; a strict pad does not deliver it.
-
-        A text that was not changed yet is not shown as wrong.
-        """
-        problem = self._judge(self._written())
-        self.accept_button.setEnabled(not (problem and strict))
-        shown = "" if self._written() == self._first else problem
-        self.hint.setText(shown or self._hint)
-        self.title.setVisible(not (shown and self.problem_replaces_title))
-        set_look(self.hint, "level", "wrong" if shown else "")
-        return shown
-
-    def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
-        button = new_button(act, text)
-        # The focus, and with it cursor and selection, stays in the text.
-        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        return button
-
 
 # What these keys do is not the text on them.
 UP, DOWN, STEP, CLEAR, ERASE = "▲", "▼", "±", "C", "⌫"
 COMMANDS = (UP, DOWN, STEP, CLEAR, ERASE)
 NONE = ""
-ROWS = ("789", "456", "123")
+DIGITS = ("789", "456", "123")
 REPEAT_DELAY_MS = 400
 REPEAT_MS = 120
 
 
-@dataclass(frozen=True)
-class KeySet:
-    """The keys beside and below the digits 1 to 9; empty: there is no key.
+class Side(NamedTuple):
+    """The keys beside and below the digits 1 to 9; empty: there is no key."""
+
+    right: Tuple[str, str, str]
+    before_0: str
+    after_0: str
+
+
+SIDES: Mapping[Keys, Side] = {
+    Keys.NUMBER: Side((UP, DOWN, STEP), ".", CLEAR),
+    Keys.WHOLE: Side((UP, DOWN, STEP), NONE, CLEAR),
+    Keys.CHOICE: Side((UP, DOWN, "-"), ".", CLEAR),
+    Keys.ADDRESS: Side(("192.168.", "10.", "172."), ".", CLEAR),
+    Keys.LIST: Side((",", "-", CLEAR), ".", ";"),
+}
+
+
+class _Block(TranslatedWidget):
+    """Rows of keys, which report what was touched.
 
     Attributes:
-        side: At the right of the digits, from the top.
-        left: At the left of 0.
-        right: At the right of 0.
+        keys: The keys, row by row; their property "character" is what they write.
     """
-
-    side: Tuple[str, str, str]
-    left: str
-    right: str
-
-
-NUMBER = KeySet((UP, DOWN, STEP), ".", CLEAR)
-WHOLE = KeySet((UP, DOWN, STEP), NONE, CLEAR)
-CHOICE = KeySet((UP, DOWN, "-"), ".", CLEAR)
-ADDRESS = KeySet(("192.168.", "10.", "172."), ".", CLEAR)
-LIST = KeySet((",", "-", CLEAR), ".", ";")
-SIGNED = KeySet((",", "-", CLEAR), ".", NONE)
-
-
-class KeyBlock(TranslatedWidget):
-    """Reports which key was touched."""
 
     # Carries the text that a key writes.
     written = pyqtSignal(str)
-    # Carries one of COMMANDS.
-    commanded = pyqtSignal(str)
 
-    def __init__(self) -> None:
+    def __init__(self, rows: int, columns: int) -> None:
         super().__init__()
-        self._step = 1
-        self._keys: List[QPushButton] = []
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
-        for row in range(4):
+        self.keys: List[QPushButton] = []
+        for place in range(rows * columns):
+            row, column = divmod(place, columns)
             self._grid.setRowStretch(row, 1)
-            for column in range(4):
-                self._grid.setColumnStretch(column, 1)
-                key = self._key()
-                self._keys.append(key)
-                self._grid.addWidget(key, row, column)
-        self.use(NUMBER)
-
-    @property
-    def keys(self) -> List[QPushButton]:
-        """All keys."""
-        return self._keys
-
-    def use(self, keys: KeySet, step: int = 1) -> None:
-        """Show other keys.
-
-        Args:
-            keys: Those beside and below the digits.
-            step: By how much an arrow changes a number.
-        """
-        self._step = step
-        texts = [character for row, side in zip(ROWS, keys.side) for character in (*row, side)]
-        texts += [keys.left, "0", keys.right, ERASE]
-        for key, text in zip(self._keys, texts):
-            key.setProperty("character", text)
-            key.setText(self._shown(text))
-            set_look(key, "long", len(text) > 1 or (text == STEP and step > 9))
-            key.setEnabled(text != NONE)
-            key.setAutoRepeat(text in (UP, DOWN, ERASE))
-
-    def press(self, text: str) -> None:
-        """Touch the key of a text."""
-        self._by_text()[text].click()
+            self._grid.setColumnStretch(column, 1)
+            self._grid.addWidget(self._key(), row, column)
 
     def retranslate(self) -> None:
         """Nothing to do: the keys are the same in every language."""
@@ -173,14 +77,12 @@ class KeyBlock(TranslatedWidget):
         """Take the sizes of the look."""
         self._grid.setSpacing(look_of(self).px(GAP_PX))
 
-    def _shown(self, text: str) -> str:
-        if text == STEP:
-            return f"±{self._step}"
-        # The beginning of an address is long.
-        return text.replace(".", ".\n", 1) if text.count(".") > 1 else text
+    def press(self, text: str) -> None:
+        """Touch the key of a text."""
+        next(key for key in self.keys if key.property("character") == text).click()
 
-    def _by_text(self) -> Dict[str, QPushButton]:
-        return {key.property("character"): key for key in self._keys}
+    def _on_key(self, text: str) -> None:
+        self.written.emit(text)
 
     def _key(self) -> QPushButton:
         key = new_button(lambda: self._on_key(key.property("character")))
@@ -189,35 +91,138 @@ class KeyBlock(TranslatedWidget):
         key.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         key.setAutoRepeatDelay(REPEAT_DELAY_MS)
         key.setAutoRepeatInterval(REPEAT_MS)
-        policy = key.sizePolicy()
-        policy.setVerticalPolicy(policy.Policy.Expanding)
-        policy.setHorizontalPolicy(policy.Policy.Ignored)
-        key.setSizePolicy(policy)
+        key.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
+        self.keys.append(key)
         return key
 
+
+class KeyBlock(_Block):
+    """Digits, and what belongs to them."""
+
+    # Carries one of COMMANDS.
+    commanded = pyqtSignal(str)
+
+    def __init__(self) -> None:
+        super().__init__(4, 4)
+        self.use(Keys.NUMBER)
+
+    def use(self, keys: Keys, step: int = 1) -> None:
+        """Show other keys.
+
+        Args:
+            keys: What is written.
+            step: By how much an arrow changes a number.
+        """
+        side = SIDES[keys]
+        texts = [one for row, beside in zip(DIGITS, side.right) for one in (*row, beside)]
+        for key, text in zip(self.keys, [*texts, side.before_0, "0", side.after_0, ERASE]):
+            key.setProperty("character", text)
+            # The beginning of an address is long.
+            shown = text.replace(".", ".\n", 1) if text.count(".") > 1 else text
+            key.setText(f"±{step}" if text == STEP else shown)
+            set_look(key, "long", len(text) > 1 or (text == STEP and step > 9))
+            key.setEnabled(text != NONE)
+            key.setAutoRepeat(text in (UP, DOWN, ERASE))
+
     def _on_key(self, text: str) -> None:
-        if text in COMMANDS:
-            self.commanded.emit(text)
+        (self.commanded if text in COMMANDS else self.written).emit(text)
+
+
+# The same keys: small letters, capital letters, and what is needed less often.
+PLAIN = ("1234567890", "qwertyuiop", "asdfghjklñ", "zxcvbnm,.-")
+SHIFTED = ("1234567890", "QWERTYUIOP", "ASDFGHJKLÑ", "ZXCVBNM;:_")
+OTHERS = ("áéíóúü¿?¡!", "ÁÉÍÓÚÜ'*@°", '"#$%&/()=+', "[]{}<>|~^€")
+PAGES = (PLAIN, SHIFTED, OTHERS)
+
+
+class LetterBlock(_Block):
+    """The letters of English and Spanish."""
+
+    def __init__(self) -> None:
+        super().__init__(len(PLAIN), len(PLAIN[0]))
+        self.shift, self.others = (self._page_key(text) for text in ("⇧", "á#"))
+        self.show_page(PLAIN)
+
+    def show_page(self, page: Tuple[str, ...]) -> None:
+        """Show one of PAGES."""
+        self.shift.setChecked(page is SHIFTED)
+        self.others.setChecked(page is OTHERS)
+        for key, character in zip(self.keys, "".join(page)):
+            key.setProperty("character", character)
+            # One ampersand alone would underline the next letter.
+            key.setText("&&" if character == "&" else character)
+
+    def press(self, text: str) -> None:
+        """Touch the key of a character, on the page where it is."""
+        self.show_page(next(page for page in PAGES if text in "".join(page)))
+        super().press(text)
+
+    def _page_key(self, text: str) -> QPushButton:
+        key = new_button(lambda: self._change(key), text)
+        key.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        key.setCheckable(True)
+        return key
+
+    def _change(self, key: QPushButton) -> None:
+        page = SHIFTED if key is self.shift else OTHERS
+        self.show_page(page if key.isChecked() else PLAIN)
+
+    def _on_key(self, text: str) -> None:
+        super()._on_key(text)
+        # Shift is for one letter, and so are the accents.
+        self.show_page(PLAIN)
+
+
+class PadEdit(QPlainTextEdit):
+    """A text in which RETURN ends the entry, unless it may have several lines."""
+
+    returned = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("entry")
+        self.several_lines = False
+        self.setTabChangesFocus(True)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        """Qt: a key of a real keyboard."""
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and not self.several_lines:
+            self.returned.emit()
         else:
-            self.written.emit(text)
+            super().keyPressEvent(event)
 
 
-KEYS_PX = 300
+# Returns what is allowed instead of a wrong text; empty if the text is right.
+Judge = Callable[[str], str]
+MARGIN_PX = 4
+# What five rows of keys leave.
+TEXT_ROW_PX = 54
+WORDS_PX = 290
 
 
-class KeyPad(Pad):
-    """A number, keys that write it, and what is allowed, while it is written."""
+class Pad(Overlay):
+    """A text, what is allowed while it is written, and keys: digits or letters."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
-        self._strict = True
-        self.edit = TouchEdit("entry")
-        self.edit.textChanged.connect(lambda _text: self._on_text())
-        self.edit.returnPressed.connect(self._accept)
-        self.keys = KeyBlock()
-        self.keys.use(SIGNED)
-        self.keys.written.connect(self.edit.insert)
-        self.keys.commanded.connect(self._on_command)
+        self._judge: Judge = lambda _text: ""
+        self._hint, self._first, self._strict = "", "", True
+        self._deliver: Callable[[str], None] = lambda _text: None
+        self.title, self.hint = QLabel(), QLabel()
+        self.title.setObjectName("title")
+        self.edit = PadEdit()
+        self.edit.textChanged.connect(self._check)
+        self.edit.returned.connect(self._accept)
+        self.digits, self.letters = KeyBlock(), LetterBlock()
+        for block in (self.digits, self.letters):
+            block.written.connect(self._insert)
+        self.digits.commanded.connect(self._on_command)
+        self.space = self._button("␣", lambda: self._insert(" "))
+        self.line = self._button("↵", lambda: self._insert("\n"))
+        self.erase = self._button(ERASE, lambda: self._on_command(ERASE))
+        self.erase.setAutoRepeat(True)
+        self.cancel = self._button("", self.hide)
+        self.accept_button = self._button("", self._accept)
         self._lay_out()
 
     def ask(
@@ -227,9 +232,10 @@ class KeyPad(Pad):
         hint: str,
         text: str,
         judge: Judge,
-        strict: bool,
+        keys: Keys,
+        strict: bool = True,
     ) -> None:
-        """Open with a text, all of it selected: the first key replaces it.
+        """Open with a text. The first digit replaces it; letters are written at its end.
 
         Args:
             deliver: Called with the text when it is accepted.
@@ -237,50 +243,110 @@ class KeyPad(Pad):
             hint: What is allowed.
             text: The text at first.
             judge: Returns what is allowed instead of a wrong text, while it is written.
+            keys: Which keys write it.
             strict: Whether a wrong text cannot be accepted.
         """
-        self._begin(deliver, title, hint, text, judge)
-        self._strict = strict
-        self.edit.setText(text)
-        self._on_text()
+        self._deliver, self._judge, self._strict = deliver, judge, strict
+        self._hint, self._first = hint, text
+        self.title.setText(title)
+        with_letters = keys in (Keys.LETTERS, Keys.LINES)
+        self.edit.several_lines = keys is Keys.LINES
+        self.line.setEnabled(keys is Keys.LINES)
+        for widget in (self.letters, self.letters.shift, self.letters.others):
+            widget.setVisible(with_letters)
+        for widget in (self.space, self.line, self.erase):
+            widget.setVisible(with_letters)
+        self.digits.setVisible(not with_letters)
+        if with_letters:
+            self.letters.show_page(PLAIN if text else SHIFTED)
+        else:
+            self.digits.use(keys)
+        self.edit.setPlainText(text)
+        cursor = self.edit.textCursor()
+        cursor.movePosition(cursor.MoveOperation.End)
+        if not with_letters:
+            cursor.select(cursor.SelectionType.Document)
+        self.edit.setTextCursor(cursor)
+        self.retranslate()
+        self._check()
         self.open()
         self.edit.setFocus()
-        self.edit.select_all()
 
-    def press(self, character: str) -> None:
-        """Press one of the keys."""
-        self.keys.press(character)
+    def press(self, text: str) -> None:
+        """Touch the keys of a text."""
+        for character in text:
+            if not self.digits.isHidden():
+                self.digits.press(character)
+            elif character in (" ", "\n"):
+                (self.space if character == " " else self.line).click()
+            else:
+                self.letters.press(character)
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.cancel.setText(self.tr("Cancel"))
+        self.accept_button.setText(self.tr("OK"))
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
         look = look_of(self)
-        gap_px = look.px(GAP_PX)
-        for layout in (self._both, self._left, self._last):
+        gap_px, margin_px = look.px(GAP_PX), look.px(MARGIN_PX)
+        for layout in (self._rows, self._top, self._last):
             layout.setSpacing(gap_px)
-        self._both.setContentsMargins(2 * gap_px, gap_px, 2 * gap_px, gap_px)
-        self.keys.setFixedWidth(look.px(KEYS_PX))
+        self._rows.setContentsMargins(margin_px, margin_px // 2, margin_px, margin_px // 2)
+        self._words.setFixedSize(look.px(WORDS_PX), look.px(TEXT_ROW_PX))
+        self.edit.setFixedHeight(look.px(TEXT_ROW_PX))
 
-    def _written(self) -> str:
-        return str(self.edit.text())
+    def _accept(self) -> None:
+        if self.accept_button.isEnabled():
+            self.hide()
+            self._deliver(self.edit.toPlainText())
 
-    def _on_text(self) -> None:
-        set_look(self.edit, "wrong", bool(self._check(self._strict)))
+    def _check(self) -> None:
+        """Show what is wrong; a text that was not changed yet is not shown as wrong."""
+        text = self.edit.toPlainText()
+        problem = self._judge(text)
+        self.accept_button.setEnabled(not (problem and self._strict))
+        shown = "" if text == self._first else problem
+        self.hint.setText(shown or self._hint)
+        # There is room for only one of them.
+        self.title.setVisible(not shown)
+        set_look(self.hint, "level", "wrong" if shown else "")
+
+    def _insert(self, text: str) -> None:
+        self.edit.insertPlainText(text)
+        self.edit.ensureCursorVisible()
 
     def _on_command(self, command: str) -> None:
         if command == CLEAR:
             self.edit.clear()
-        else:
-            self.edit.backspace()
+        elif command == ERASE:
+            self.edit.textCursor().deletePreviousChar()
+
+    def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
+        button = new_button(act, text)
+        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        return button
 
     def _lay_out(self) -> None:
+        self._words = QWidget()
+        words = QVBoxLayout(self._words)
+        words.setContentsMargins(0, 0, 0, 0)
+        words.setSpacing(0)
+        for label in (self.title, self.hint):
+            label.setWordWrap(True)
+        words.addWidget(self.title)
+        words.addWidget(self.hint, 1)
+        self._top = QHBoxLayout()
+        self._top.addWidget(self._words)
+        self._top.addWidget(self.edit, 1)
         self._last = QHBoxLayout()
-        self._last.addWidget(self.cancel, 1)
-        self._last.addWidget(self.accept_button, 1)
-        self._left = QVBoxLayout()
-        self._left.addLayout(self._last)
-        for widget in (self.title, self.edit, self.hint):
-            self._left.addWidget(widget)
-        self._left.addStretch(1)
-        self._both = QHBoxLayout(self)
-        self._both.addLayout(self._left, 1)
-        self._both.addWidget(self.keys)
+        commands = (self.letters.shift, self.letters.others, self.space, self.line, self.erase)
+        for button in (*commands, self.cancel, self.accept_button):
+            wide = button in (self.space, self.cancel, self.accept_button)
+            self._last.addWidget(button, 2 if wide else 1)
+        self._rows = QVBoxLayout(self)
+        self._rows.addLayout(self._top)
+        self._rows.addWidget(self.digits, 1)
+        self._rows.addWidget(self.letters, 1)
+        self._rows.addLayout(self._last)

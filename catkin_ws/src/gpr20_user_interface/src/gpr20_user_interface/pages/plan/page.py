@@ -1,150 +1,287 @@
-"""Connects CONTROL with the survey: the plan, START, profiles and notes."""
+"""The plan of the next survey: its values in a few large tiles, and START."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Dict
+from functools import singledispatchmethod
+from typing import Dict, Mapping, Optional
 
-from PyQt5.QtWidgets import QWidget
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QGridLayout, QWidget
 
-from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
     AnnotationRead,
     AnnotationStored,
 )
-from gpr20_operator.ground.traces import TraceSource
-from gpr20_operator.plan.annotation_form import NextAnnotation
+from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.plan.annotation import NextAnnotation, replaces_text
+from gpr20_operator.plan.form import PlanCheck, PlanForm
+from gpr20_operator.plan.hold_question import change_records_question, plan_summary
 from gpr20_operator.plan.memory import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.presets import AREA_FIELDS
+from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.tiles import Tile
-from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
+from gpr20_operator.plan.spec import TILE_TITLES, Tile
+from gpr20_operator.plan.tiles import (
+    check_lines,
+    resumable,
+    resume_lines,
+    short_size,
+    start_lock,
+    tile_lines,
+    tile_problem,
+)
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, AnnotationDefaults, Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
-from gpr20_user_interface.pages.plan.figures_sheet import FiguresSheet
-from gpr20_user_interface.pages.plan.profiles_sheet import ProfilesView
-from gpr20_user_interface.pages.plan.start_sheet import StartSheet
+from gpr20_user_interface.pages.plan.profiles_sheet import ProfilesSheet
+from gpr20_user_interface.pages.plan.tile import PlanTile
 from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
-from gpr20_user_interface.pages.plan.view import ControlView
+from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
 
-ShowRefusal = Callable[[Refused, Message], None]
+COLUMNS, ROWS = 4, 3
+# How long to wait for the list of surveys, in refreshes, before it is requested again.
+RETRY_REFRESHES = 80
 
 
-class ControlBinding(Page):
-    """Passes the operator's requests on, and opens the sheets of CONTROL.
+class PlanPage(TranslatedWidget, Page):
+    """Shows the plan; a touch on a tile opens its sheet, and START says why it is locked.
+
+    Args:
+        window: What the sheets cover.
+        survey: The survey that runs, and the figures of the plan.
+        traces: The storage, and the list of past surveys.
+        profiles: Plans that are stored under a name.
+        memory: What was planned last.
 
     Attributes:
-        values: The sheet of a tile.
-        figures: The sheet of the figures.
-        profiles: The sheet of the profiles.
-        annotation: The sheet of the notes.
         next_annotation: What people add to the next survey.
+        values: The sheet of a tile.
+        summary: The sheet with everything that the plan does.
+        annotation: The sheet of name, operator, site, position and notes.
+        confirm: What asks before the records of a survey that exists are changed.
+        profiles: The sheet of the stored plans.
     """
+
+    # Carries SurveyParameters, the permittivity of the soil, and an Annotation.
+    start_pressed = pyqtSignal(object, float, object)
+    # Carries the folder of the survey that ended early.
+    resume_pressed = pyqtSignal(str)
+    # The parameters or the soil have changed.
+    plan_changed = pyqtSignal()
+    # Carries what did not succeed, a Refused, and the reason, a Message.
+    refused = pyqtSignal(object, object)
 
     def __init__(
         self,
         window: QWidget,
         survey: WindowPresenter,
-        control: ControlView,
+        traces: TracePresenter,
         profiles: Profiles,
         memory: PlanMemory,
-        source: TraceSource,
-        show_refusal: ShowRefusal,
-        start_sheet: StartSheet,
     ) -> None:
-        self._survey = survey
-        self._control = control
-        self._source = source
-        self._show_refusal = show_refusal
-        self._start_sheet = start_sheet
-        self._memory = memory
-        self._asked_area: Dict[str, str] = {}
-        self.values = ValueSheet(window, control.form)
-        self.figures = FiguresSheet(window)
-        self.profiles = ProfilesView(window, profiles)
-        self.annotation = AnnotationSheet(window)
+        super().__init__()
+        self._survey, self._traces, self._memory = survey, traces, memory
+        self._snapshot: Optional[Snapshot] = None
+        self._offer: Optional[SurveySummary] = None
+        self._asked_area: Mapping[str, str] = {}
+        self._waiting = 0
+        self._previewed: Optional[SurveyPreview] = None
+        self.form = PlanForm(DOCUMENTED_TRAVEL)
+        self._check: PlanCheck = self.form.check()
         self.next_annotation = NextAnnotation()
-        control.start_pressed.connect(self._on_start)
-        control.plan_changed.connect(self.preview_plan)
-        control.tile_pressed.connect(self._on_tile)
-        control.figures.clicked.connect(lambda: self.figures.open())
-        control.profiles.clicked.connect(lambda: self.profiles.show_profiles(control.parameters))
-        self.values.changed.connect(control.show_plan)
-        self.annotation.saved.connect(self._on_annotation_saved)
-        self.profiles.loaded.connect(control.show_parameters)
-        self.profiles.failed.connect(lambda reason: show_refusal(Refused.PROFILE, reason))
+        self.tiles: Dict[Tile, PlanTile] = {tile: PlanTile() for tile in Tile}
+        self.saved, self.check_plan = PlanTile(), PlanTile()
+        self.start, self.resume = PlanTile("start"), PlanTile("start")
+        self.values = ValueSheet(window, self.form)
+        self.summary, self.confirm = HoldSheet(window), HoldSheet(window)
+        self.profiles = ProfilesSheet(window, profiles)
+        self.annotation = AnnotationSheet(window)
+        self._lay_out()
+        self._connect()
+        self.retranslate()
+
+    @property
+    def parameters(self) -> Optional[SurveyParameters]:
+        """What will be measured; None while something is wrong."""
+        return self._check.parameters
+
+    @property
+    def permittivity(self) -> Optional[float]:
+        """Relative permittivity of the soil; None while it is wrong."""
+        return self._check.permittivity
 
     def begin(self) -> None:
         """Start with what was planned last."""
         plan = self._memory.load()
-        self._control.form.restore_proposal(plan.configured_address)
-        self._control.restore(plan.texts, plan.following)
+        self.form.proposed_address = plan.configured_address
+        self.form.restore(plan.texts, plan.following)
         self.values.arrow_step, self.values.last_area = plan.arrow_step, plan.last_area
-        self._take_annotation(plan.annotation)
+        self.next_annotation.value = plan.annotation
+        self.show_plan()
         if self._memory.problem is not None:
-            self._show_refusal(Refused.PLAN, self._memory.problem)
+            self.refused.emit(Refused.PLAN, self._memory.problem)
 
+    @singledispatchmethod
     def on_event(self, event: object) -> None:
-        """Take what is known of the notes."""
-        if isinstance(event, AnnotationDefaults):
-            self.next_annotation.take_defaults(event.annotation)
-            self._control.show_annotation(self.next_annotation.value)
-        elif isinstance(event, Answer) and event.request is Request.START and event.success:
+        """Take what is known of the records of surveys, and of a START."""
+
+    @on_event.register
+    def _(self, event: AnnotationDefaults) -> None:
+        self.next_annotation.take_defaults(event.annotation)
+        self._show_tiles()
+
+    @on_event.register
+    def _(self, event: Answer) -> None:
+        if event.request is Request.START and event.success:
             self.values.last_area = self._asked_area
             self.next_annotation.note_started()
-            self._control.show_annotation(self.next_annotation.value)
-        elif isinstance(event, PlanMemoryFailed):
-            self._show_refusal(Refused.PLAN, event.reason)
-        elif isinstance(event, AnnotationRead):
-            self.annotation.show_annotation(event.survey, event.annotation)
-        elif isinstance(event, AnnotationStored) and event.survey == self.annotation.survey:
+            self._show_tiles()
+
+    @on_event.register
+    def _(self, event: PlanMemoryFailed) -> None:
+        self.refused.emit(Refused.PLAN, event.reason)
+
+    @on_event.register
+    def _(self, event: AnnotationRead) -> None:
+        self.annotation.show_annotation(event.survey, event.annotation)
+
+    @on_event.register
+    def _(self, event: AnnotationStored) -> None:
+        if event.survey == self.annotation.survey:
             self.annotation.hide()
-        elif isinstance(event, AnnotationFailed):
-            self._show_refusal(Refused.NOTES, event.reason)
+
+    @on_event.register
+    def _(self, event: AnnotationFailed) -> None:
+        self.refused.emit(Refused.NOTES, event.reason)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
-        self._control.refresh(snapshot)
-        self._show_preview()
-        self._start_sheet.refresh(snapshot)
-        if snapshot.fields_locked:
+        before, self._snapshot = self._snapshot, snapshot
+        changed = self.form.propose_address(
+            snapshot.defaults.vna_address if snapshot.defaults else ""
+        )
+        travel = snapshot.travel or DOCUMENTED_TRAVEL
+        if travel != self.form.travel:
+            self.form.travel, changed = travel, True
+        if changed:
+            self.show_plan()
+        elif self._survey.preview is not self._previewed:
+            self._show_tiles()
+        shown = None if before is None else before.survey_parameters
+        if snapshot.survey_parameters not in (None, shown):
+            self.show_parameters(snapshot.survey_parameters)
+        locked = snapshot.fields_locked
+        for tile, button in self.tiles.items():
+            named = tile is Tile.NAME
+            button.setEnabled(snapshot.replay is None if named else not locked)
+        self.saved.setEnabled(not locked)
+        if locked:
             # An entry would replace the survey's parameters in the fields.
-            profiles = self.profiles
-            for overlay in (self.values, profiles.name_pad, profiles.confirm, profiles):
-                overlay.hide()
+            for sheet in (self.values, self.profiles.pad, self.profiles.confirm, self.profiles):
+                sheet.hide()
+        self._ask_for_surveys(snapshot)
+        self._show_commands()
         if not self.values.isVisible() and snapshot.replay is None:
             self._memory.save(self._plan())
 
-    def preview_plan(self) -> None:
-        """Preview what is planned."""
-        parameters, permittivity = self._control.parameters, self._control.permittivity
-        self._survey.set_plan(parameters, permittivity or 1.0)
-        self._show_preview()
+    def show_parameters(self, parameters: SurveyParameters) -> None:
+        """Take over the parameters of a stored plan, or of the survey that runs."""
+        self.form.show_parameters(parameters)
+        self.show_plan()
 
-    def _show_preview(self) -> None:
-        self._control.show_preview(self._survey.preview)
-        self.figures.show_preview(self._survey.preview)
+    def show_plan(self) -> None:
+        """Check the plan and show it."""
+        self._check = self.form.check()
+        self._survey.set_plan(self.parameters, self.permittivity or 1.0)
+        self._show_tiles()
+        self._show_commands()
+        self.plan_changed.emit()
+
+    def show_notes(self) -> None:
+        """Open the records of the survey that runs, or of the next one."""
+        running = self._survey.snapshot.running_survey
+        if running:
+            self._traces.source.read_annotation(running)
+        else:
+            self.annotation.show_annotation("", self.next_annotation.value)
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.saved.show_texts(self.tr("Saved plans"), self.tr("load or save"))
+        self._show_tiles()
+        self._show_commands()
+
+    def restyle(self) -> None:
+        """Take the sizes of the look."""
+        gap_px = look_of(self).px(GAP_PX)
+        self._grid.setSpacing(gap_px)
+        self._grid.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
 
     def _plan(self) -> RememberedPlan:
-        form, annotation = self._control.form, self.next_annotation.value
         return RememberedPlan(
-            dict(form.texts),
-            form.following,
+            dict(self.form.texts),
+            self.form.following,
             self.values.arrow_step,
-            replace(annotation, notes="", position=None),
+            replace(self.next_annotation.value, notes="", position=None),
             self.values.last_area,
-            form.proposed_address,
+            self.form.proposed_address,
         )
 
-    def _take_annotation(self, annotation: Annotation) -> None:
-        self.next_annotation.value = annotation
-        self._control.show_annotation(annotation)
+    def _show_tiles(self) -> None:
+        known = self._previewed = self._survey.preview
+        too_coarse = known is not None and known.too_coarse
+        for tile, button in self.tiles.items():
+            lines = [
+                shown_text(line)
+                for line in tile_lines(tile, self.form.texts, self.next_annotation.value)
+            ]
+            problem = tile_problem(tile, self._check)
+            level = "wrong" if problem is not None else ""
+            if tile is Tile.SPACING and too_coarse and known is not None and not level:
+                most = self.tr("at most {spacing} mm")
+                lines.append(most.format(spacing=f"{known.quarter_wavelength_mm:.3g}"))
+                level = "doubtful"
+            sentence = "" if problem is None else shown_text(problem)
+            button.show_texts(shown_text(TILE_TITLES[tile]), *lines, sentence=sentence, level=level)
+
+    def _show_commands(self) -> None:
+        """Show what can be started or resumed, and why not."""
+        known, lock = self._survey.preview, start_lock(self._snapshot, self._check)
+        self.check_plan.setEnabled(known is not None)
+        lines = (shown_text(line) for line in check_lines(known))
+        self.check_plan.show_texts(self.tr("Check plan"), *lines)
+        offered = resumable(self._traces.past, self._snapshot)
+        if (offered is None) is not (self._offer is None):
+            self._place_commands(offered is not None)
+        self._offer = offered
+        if offered is not None:
+            lines = (shown_text(line) for line in resume_lines(offered))
+            self.resume.show_texts(self.tr("RESUME"), *lines)
+        self.start.setEnabled(lock is None)
+        reason = "" if lock is None else shown_text(lock)
+        # What is done first is green.
+        level = "" if offered is None else "second"
+        size = shown_text(short_size(known))
+        self.start.show_texts(self.tr("START"), size, sentence=reason, level=level)
+
+    def _ask_for_surveys(self, snapshot: Snapshot) -> None:
+        """Request the list of surveys, of which the last one may be resumed."""
+        past = self._traces.past
+        self._waiting = max(0, self._waiting - 1)
+        wanted = (past.outdated or not past.read) and not self._waiting
+        if wanted and self.isVisible() and snapshot.control_alive and snapshot.replay is None:
+            past.outdated, self._waiting = False, RETRY_REFRESHES
+            self._traces.source.list_surveys("")
 
     def _on_tile(self, tile: Tile) -> None:
         if tile is Tile.NAME:
@@ -152,23 +289,68 @@ class ControlBinding(Page):
         else:
             self.values.show_tile(tile)
 
-    def _on_start(self, parameters: SurveyParameters) -> None:
-        self._asked_area = {name: self._control.form.texts[name] for name in AREA_FIELDS}
-        self._start_sheet.ask_start(parameters, self.next_annotation.value)
+    def _on_start(self) -> None:
+        if self.parameters is not None and self.permittivity is not None:
+            self._asked_area = {name: self.form.texts[name] for name in AREA_FIELDS}
+            self.start_pressed.emit(self.parameters, self.permittivity, self.next_annotation.value)
 
-    def show_notes(self) -> None:
-        """Open the notes of the survey that runs, or of the next one."""
-        running = self._survey.snapshot.running_survey
-        if running:
-            self._source.read_annotation(running)
-        else:
-            self.annotation.show_annotation("", self.next_annotation.value)
+    def _on_resume(self) -> None:
+        if self._offer is not None:
+            self.resume_pressed.emit(self._offer.folder)
 
-    def _on_annotation_saved(self, survey: str, annotation: Annotation) -> None:
-        if survey:
-            # The sheet stays open until the storage has it.
-            self._source.annotate(survey, annotation)
-        else:
-            self.next_annotation.take(annotation)
-            self._control.show_annotation(self.next_annotation.value)
+    def _on_check(self) -> None:
+        if self.parameters is not None and self.permittivity is not None:
+            known = self._survey.preview_of(self.parameters)
+            question = plan_summary(
+                self.parameters, self.permittivity, known, self.next_annotation.value
+            )
+            self.summary.ask(question, self.summary.hide)
+
+    def _on_saved(self, survey: str, before: Annotation, after: Annotation) -> None:
+        """Take the records of the next survey; ask before those of another one are changed."""
+        if not survey:
+            self.next_annotation.take(after)
+            self._show_tiles()
             self.annotation.hide()
+            return
+
+        def store() -> None:
+            # The sheet stays open until the storage has it.
+            self._traces.source.annotate(survey, after)
+
+        if survey == self._survey.snapshot.running_survey and not replaces_text(before, after):
+            store()
+        else:
+            self.confirm.ask(change_records_question(survey, before, after), store)
+
+    def _connect(self) -> None:
+        for tile, button in self.tiles.items():
+            button.clicked.connect(lambda _checked, tile=tile: self._on_tile(tile))
+        self.start.clicked.connect(self._on_start)
+        self.check_plan.clicked.connect(self._on_check)
+        self.resume.clicked.connect(self._on_resume)
+        self.saved.clicked.connect(lambda: self.profiles.show_profiles(self.parameters))
+        self.values.changed.connect(self.show_plan)
+        self.annotation.saved.connect(self._on_saved)
+        self.profiles.loaded.connect(self.show_parameters)
+        self.profiles.failed.connect(lambda reason: self.refused.emit(Refused.PROFILE, reason))
+
+    def _lay_out(self) -> None:
+        self._grid = QGridLayout(self)
+        for number, tile in enumerate((*self.tiles.values(), self.saved)):
+            self._grid.addWidget(tile, *divmod(number, COLUMNS))
+        for column in range(COLUMNS):
+            self._grid.setColumnStretch(column, 1)
+        for row in range(ROWS):
+            self._grid.setRowStretch(row, 1)
+        self._grid.addWidget(self.resume, ROWS - 1, 1, 1, 2)
+        self._place_commands(False)
+
+    def _place_commands(self, offered: bool) -> None:
+        """Place what is below the tiles: half of the width is for what is done first."""
+        self.resume.setVisible(offered)
+        places = {self.check_plan: (0, 2), self.start: (2, 2)}
+        if offered:
+            places = {self.check_plan: (0, 1), self.start: (3, 1)}
+        for button, (column, columns) in places.items():
+            self._grid.addWidget(button, ROWS - 1, column, 1, columns)

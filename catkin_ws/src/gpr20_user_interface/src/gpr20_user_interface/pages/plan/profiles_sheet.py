@@ -1,4 +1,4 @@
-"""The list of profiles: load one, save the fields as one, delete one."""
+"""Plans that are stored under a name: load one, save the fields as one, delete one."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidg
 from gpr20_operator.errors import ProfileError
 from gpr20_operator.plan.hold_question import delete_profile_question
 from gpr20_operator.plan.profiles import MAX_NAME_LENGTH, Profiles, is_name
+from gpr20_operator.plan.spec import Keys
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
+from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.text_pad import TextPad
 from gpr20_user_interface.widgets.widgets import new_button
 
 
-class ProfilesView(Overlay):
-    """Loads, saves and deletes profiles."""
+class ProfilesSheet(Overlay):
+    """Loads, saves and deletes profiles, which the window calls saved plans."""
 
     # Carries the SurveyParameters of a profile.
     loaded = pyqtSignal(object)
@@ -29,7 +30,7 @@ class ProfilesView(Overlay):
         super().__init__(window)
         self._profiles = profiles
         self._parameters: Optional[SurveyParameters] = None
-        self.name_pad = TextPad(window)
+        self.pad = Pad(window)
         self.confirm = HoldSheet(window)
         self.title = QLabel()
         self.title.setObjectName("title")
@@ -61,7 +62,7 @@ class ProfilesView(Overlay):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.title.setText(self.tr("Profiles of parameters"))
+        self.title.setText(self.tr("Saved plans"))
         self.load.setText(self.tr("LOAD"))
         self.save.setText(self.tr("SAVE AS"))
         self.close_button.setText(self.tr("CLOSE"))
@@ -109,7 +110,7 @@ class ProfilesView(Overlay):
         def deliver(name: str) -> None:
             self._try(lambda: self._save(name))
 
-        self.name_pad.ask(deliver, self.tr("Save profile as"), hint, "", judge, False)
+        self.pad.ask(deliver, self.tr("Save plan as"), hint, "", judge, Keys.LETTERS)
 
     def _save(self, name: str) -> None:
         if self._parameters is not None:

@@ -15,43 +15,22 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.plan.field_messages import allowed_values
-from gpr20_operator.plan.form import FIELD_HINTS, PlanCheck, PlanForm, plan_field_title
+from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES
+from gpr20_operator.plan.form import PlanCheck, PlanForm
 from gpr20_operator.plan.memory import ARROW_STEPS
-from gpr20_operator.plan.parameter_form import (
-    ADDRESS,
-    ANALYZER_FIELDS,
-    OUTPUT_POWER,
-    ROTATIONS,
-)
-from gpr20_operator.plan.presets import Preset, PresetContext, presets_for
+from gpr20_operator.plan.presets import Preset, PresetContext
 from gpr20_operator.plan.preview import quarter_wavelength_mm
-from gpr20_operator.plan.tiles import TILE_FIELDS, TILE_TITLES, Tile
+from gpr20_operator.plan.spec import TILE_TITLES, FieldSpec, Tile
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.edits import FieldBox, TouchEdit
-from gpr20_user_interface.widgets.keys import (
-    ADDRESS as ADDRESS_KEYS,
-)
-from gpr20_user_interface.widgets.keys import (
-    CHOICE,
-    CLEAR,
-    DOWN,
-    LIST,
-    NUMBER,
-    STEP,
-    UP,
-    WHOLE,
-    KeyBlock,
-    KeySet,
-)
+from gpr20_user_interface.widgets.keys import CLEAR, DOWN, STEP, UP, KeyBlock
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
 
 FIELDS_PX, PRESETS_PX, KEYS_PX = 252, 232, 284
-MOST_FIELDS = max(len(names) for names in TILE_FIELDS.values())
+MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
-WHOLE_FIELDS = ("x_points", "y_points", "frequency_points", "averages")
 BUTTON_PX = 134
 PRESET_FRAME_PX = 10
 BOX_PX = 84
@@ -71,9 +50,8 @@ class ValueSheet(Overlay):
     def __init__(self, window: QWidget, form: PlanForm) -> None:
         super().__init__(window)
         self._form = form
-        self._tile = Tile.AREA
-        self._active = 0
-        self._touched = False
+        self._tile, self._active, self._touched = Tile.AREA, 0, False
+        self._specs: List[FieldSpec] = [SPECS[name] for name in TILE_FIELDS[self._tile]]
         self._before: Mapping[str, str] = {}
         self._following = form.following
         self.last_area: Mapping[str, str] = {}
@@ -96,21 +74,16 @@ class ValueSheet(Overlay):
     @property
     def fields(self) -> Dict[str, TouchEdit]:
         """The edits that are shown, by the name of their field."""
-        return {name: self._edit(number) for number, name in enumerate(TILE_FIELDS[self._tile])}
+        return {spec.name: box.edit for spec, box in zip(self._specs, self.boxes)}
 
     def show_tile(self, tile: Tile) -> None:
         """Open with the fields of a tile; the first key replaces the first value."""
         # The tile before may have had more fields.
         self._tile, self._active, self._touched = tile, 0, False
-        self._before = dict(self._form.texts)
-        self._following = self._form.following
-        # The tile before may have had more fields.
-        self._active, self._touched = 0, False
-        names = TILE_FIELDS[tile]
+        self._specs = [SPECS[name] for name in TILE_FIELDS[tile]]
+        self._before, self._following = dict(self._form.texts), self._form.following
         for number, box in enumerate(self.boxes):
-            box.setVisible(number < len(names))
-        # The tile before may have had more fields.
-        self._active = 0
+            box.setVisible(number < len(self._specs))
         self.retranslate()
         self._show_texts()
         self.open()
@@ -131,10 +104,9 @@ class ValueSheet(Overlay):
         self.title.setText(shown_text(TILE_TITLES[self._tile]))
         self.undo.setText(self.tr("UNDO"))
         self.done.setText(self.tr("DONE"))
-        for number, name in enumerate(TILE_FIELDS[self._tile]):
-            self.boxes[number].title.setText(shown_text(plan_field_title(name)))
-            empty = self.tr("as set") if name in ANALYZER_FIELDS else ""
-            self._edit(number).setPlaceholderText(empty)
+        for spec, box in zip(self._specs, self.boxes):
+            box.title.setText(shown_text(spec.label))
+            box.edit.setPlaceholderText("" if spec.empty is None else shown_text(spec.empty))
         self._show_state()
 
     def restyle(self) -> None:
@@ -151,38 +123,31 @@ class ValueSheet(Overlay):
         for button in (self.undo, self.done):
             button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
-    def _edit(self, number: int) -> TouchEdit:
-        edit = self.boxes[number].edit
-        assert isinstance(edit, TouchEdit)
-        return edit
-
     def _choose(self, number: int) -> None:
         self._active, self._touched = number, False
         for other, box in enumerate(self.boxes):
             box.set_chosen(other == number)
-        edit = self._edit(number)
+        edit = self.boxes[number].edit
         edit.setFocus()
         edit.select_all()
         self._show_state()
 
     def _show_state(self) -> None:
         """Show keys, presets, and what is wrong or allowed."""
-        name = TILE_FIELDS[self._tile][self._active]
-        check = self._form.check()
-        for number, (box, field) in enumerate(zip(self.boxes, TILE_FIELDS[self._tile])):
+        spec, check = self._specs[self._active], self._form.check()
+        for number, (one, box) in enumerate(zip(self._specs, self.boxes)):
             # Nothing is wrong before something was written.
             judged = number != self._active or self._touched
-            problem = check.problems.get(field) if judged else None
+            problem = check.problems.get(one.name) if judged else None
             box.show_problem("" if problem is None else shown_text(problem))
-        problem = check.problems.get(name) if self._touched else None
-        allowed = FIELD_HINTS.get(name) or allowed_values(name, self._form.travel)
-        self.hint.setText(shown_text(problem or allowed))
+        problem = check.problems.get(spec.name) if self._touched else None
+        self.hint.setText(shown_text(problem or spec.hint(self._form.travel)))
         set_look(self.hint, "level", "wrong" if problem else "")
-        self.keys.use(_keys_of(name), self.arrow_step)
+        self.keys.use(spec.kind.keys, self.arrow_step)
         context = PresetContext(
             self._form.travel, self.last_area, self._form.proposed_address, _quarter_mm(check)
         )
-        self._offered = presets_for(self._tile, name, context)
+        self._offered = spec.presets(context)
         for number, button in enumerate(self.presets):
             offered = number < len(self._offered)
             button.setVisible(offered)
@@ -197,19 +162,18 @@ class ValueSheet(Overlay):
 
     def _show_texts(self) -> None:
         """Show the texts of the plan; the field that is being written is left alone."""
-        for number, name in enumerate(TILE_FIELDS[self._tile]):
-            edit = self._edit(number)
+        for name, edit in self.fields.items():
             if edit.text() != self._form.texts[name]:
                 edit.setText(self._form.texts[name])
 
     def _on_written(self, text: str) -> None:
-        self._edit(self._active).insert(text)
+        self.boxes[self._active].edit.insert(text)
         self._on_edited(self._active)
 
     def _on_command(self, command: str) -> None:
-        name = TILE_FIELDS[self._tile][self._active]
-        edit = self._edit(self._active)
+        edit = self.boxes[self._active].edit
         if command in (UP, DOWN):
+            name = self._specs[self._active].name
             self._form.arrow(name, self.arrow_step if command == UP else -self.arrow_step)
             self._after_fill()
         elif command == STEP:
@@ -223,7 +187,7 @@ class ValueSheet(Overlay):
 
     def _on_edited(self, number: int) -> None:
         self._touched = True
-        self._form.set_text(TILE_FIELDS[self._tile][number], self._edit(number).text())
+        self._form.set_text(self._specs[number].name, self.boxes[number].edit.text())
         self._show_texts()
         self._show_state()
         self.changed.emit()
@@ -288,16 +252,6 @@ class ValueSheet(Overlay):
 
 
 def _quarter_mm(check: PlanCheck) -> Optional[float]:
-    if check.form.parameters is None or check.permittivity is None:
+    if check.parameters is None or check.permittivity is None:
         return None
-    return quarter_wavelength_mm(check.form.parameters, check.permittivity)
-
-
-def _keys_of(name: str) -> KeySet:
-    if name == ADDRESS:
-        return ADDRESS_KEYS
-    if name == ROTATIONS:
-        return LIST
-    if name == OUTPUT_POWER:
-        return CHOICE
-    return WHOLE if name in WHOLE_FIELDS else NUMBER
+    return quarter_wavelength_mm(check.parameters, check.permittivity)

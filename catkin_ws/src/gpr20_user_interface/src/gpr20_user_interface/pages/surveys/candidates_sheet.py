@@ -23,6 +23,7 @@ from gpr20_operator.jobs.search import (
     SearchState,
     check_permittivity,
 )
+from gpr20_operator.plan.spec import Keys
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.hiding_map import ONLY_THIS
@@ -30,7 +31,7 @@ from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.edits import TouchEdit
-from gpr20_user_interface.widgets.keys import KeyPad
+from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
 
@@ -73,7 +74,7 @@ class CandidatesSheet(Overlay):
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
-        self.number_pad = KeyPad(window)
+        self.number_pad = Pad(window)
         self.find_button = new_button(self._on_find)
         self.hiding_button = new_button(self._on_hiding)
         self.cancel = new_button(self._on_cancel)
@@ -207,6 +208,7 @@ class CandidatesSheet(Overlay):
             shown_text(PERMITTIVITY_RANGE),
             self.permittivity.text(),
             judge,
+            Keys.NUMBER,
             strict=False,
         )
 

@@ -17,12 +17,13 @@ from PyQt5.QtWidgets import (
 
 from gpr20_operator.jobs.export import ExportPart, ExportState, SurveyExport
 from gpr20_operator.jobs.search import PERMITTIVITY_RANGE, check_permittivity
+from gpr20_operator.plan.spec import Keys
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.edits import TouchEdit
-from gpr20_user_interface.widgets.keys import KeyPad
+from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
@@ -56,7 +57,7 @@ class ExportSheet(Overlay):
         }
         self.permittivity_label = QLabel()
         self.permittivity = TouchEdit("permittivity")
-        self.number_pad = KeyPad(window)
+        self.number_pad = Pad(window)
         self.place = QLabel()
         self.place.setWordWrap(True)
         self.place.setTextFormat(Qt.TextFormat.PlainText)
@@ -184,6 +185,7 @@ class ExportSheet(Overlay):
             shown_text(PERMITTIVITY_RANGE),
             self.permittivity.text(),
             judge,
+            Keys.NUMBER,
             strict=False,
         )
 

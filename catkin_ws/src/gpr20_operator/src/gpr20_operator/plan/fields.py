@@ -1,0 +1,248 @@
+"""One description of each value of a plan, for the window, its memory and the command line."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Mapping, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.plan import presets
+from gpr20_operator.plan.spec import MAX_GRID_POINTS, FieldSpec, Keys, Kind, Limits, Tile
+from gpr20_operator.plan.texts import (
+    HERTZ_PER_MEGAHERTZ,
+    finite_from_text,
+    hertz_from_megahertz,
+    megahertz_text,
+    number_text,
+    rotations_from_text,
+    rotations_text,
+    whole_from_text,
+)
+from gpr20_survey.plan.annotation import (
+    MAX_NAME_CHARACTERS,
+    MAX_NOTES_CHARACTERS,
+    Annotation,
+    position_from_text,
+)
+from gpr20_survey.plan.survey_parameters import (
+    MAX_IF_BANDWIDTH_HZ,
+    MIN_GRID_POINTS,
+    MIN_IF_BANDWIDTH_HZ,
+    RobotTravel,
+    Rule,
+    SurveyParameters,
+    coordinate_limits_mm,
+)
+from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.trace.ms2026c import (
+    IF_BANDWIDTHS_HZ,
+    MAX_AVERAGES,
+    MAX_FREQUENCY_HZ,
+    MAX_FREQUENCY_POINTS,
+    MIN_FREQUENCY_HZ,
+    MIN_FREQUENCY_POINTS,
+    OUTPUT_POWERS,
+)
+
+SPACING_BOUNDS_MM = (1.0, 800.0)
+_ABOVE_0 = Message("above 0")
+
+
+def _spacing(text: str) -> float:
+    value = finite_from_text(text)
+    if value <= 0.0:
+        raise InvalidValueError(_ABOVE_0)
+    return value
+
+
+def _permittivity(text: str) -> float:
+    value = finite_from_text(text)
+    if not MIN_PERMITTIVITY <= value <= MAX_PERMITTIVITY:
+        raise InvalidValueError(Message("'{text}' is no permittivity of a soil", text=text))
+    return value
+
+
+NUMBER = Kind(Keys.NUMBER, finite_from_text, number_text)
+WHOLE = Kind(Keys.WHOLE, whole_from_text, metavar="N")
+MEGAHERTZ = Kind(Keys.NUMBER, hertz_from_megahertz, megahertz_text)
+ROTATIONS = Kind(Keys.LIST, rotations_from_text, rotations_text, "DEG,DEG")
+ADDRESS = Kind(Keys.ADDRESS, str.strip, metavar="A.B.C.D")
+CHOSEN_NUMBER = Kind(Keys.CHOICE, finite_from_text, number_text).or_empty()
+CHOSEN_WORD = Kind(Keys.CHOICE, str.strip, metavar="POWER")
+POSITION = Kind(
+    Keys.LIST,
+    lambda text: position_from_text(text) if text.strip() else None,
+    lambda position: "" if position is None else str(position),
+    "LAT,LON",
+)
+
+
+def _always(message: Message) -> Callable[[RobotTravel], Message]:
+    return lambda _travel: message
+
+
+def _within(lower: float, upper: float) -> Limits:
+    return lambda _travel: (lower, upper)
+
+
+def _axis(axis: str, start: str, stop: str, spacing: str, points: str) -> Tuple[FieldSpec, ...]:
+    """Return the fields of a linear axis, with their defaults."""
+    name = axis.upper()
+
+    def end(which: str, title: Message, default: str) -> FieldSpec:
+        return FieldSpec(
+            *(f"{axis}_{which}_mm", title, Tile.AREA, NUMBER, default, "mm"),
+            limits=lambda travel: coordinate_limits_mm(getattr(travel, axis)),
+            rules=frozenset([Rule[f"{name}_{which.upper()}"]]),
+            presets=presets.areas,
+        )
+
+    return (
+        end("start", Message("{axis} start", axis=name), start),
+        end("stop", Message("{axis} stop", axis=name), stop),
+        FieldSpec(
+            *(f"{axis}_spacing_mm", Message("{axis} spacing", axis=name), Tile.SPACING),
+            *(Kind(Keys.NUMBER, _spacing, number_text), spacing, "mm"),
+            limits=_within(*SPACING_BOUNDS_MM),
+            allowed=_always(_ABOVE_0),
+            presets=presets.spacings,
+        ),
+        FieldSpec(
+            *(f"{axis}_points", Message("{axis} points", axis=name), Tile.SPACING, WHOLE, points),
+            limits=_within(MIN_GRID_POINTS, MAX_GRID_POINTS),
+            rules=frozenset([Rule[f"{name}_POINTS"], Rule[f"{name}_SPACING"], Rule.SIZE]),
+            presets=presets.spacings,
+        ),
+    )
+
+
+def _rotations_allowed(travel: RobotTravel) -> Message:
+    return Message(
+        "different rotations from {lower:g} to {upper:g}, each a multiple of {step:g}, "
+        "separated by commas",
+        lower=travel.z.lower,
+        upper=travel.z.upper,
+        step=travel.z.step,
+    )
+
+
+_MEGAHERTZ = MIN_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ, MAX_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ
+_AS_ON_VNA = Message("as set on the VNA")
+# With a new robot: 100 x 100 mm in 12 min, with stops as close as dry sand asks for.
+PLAN: Tuple[FieldSpec, ...] = (
+    FieldSpec(
+        *("vna_address", Message("VNA address"), Tile.VNA, ADDRESS),
+        allowed=_always(Message("four whole numbers from 0 to 255")),
+        rules=frozenset([Rule.ADDRESS]),
+        presets=presets.addresses,
+        empty=Message("as configured"),
+    ),
+    FieldSpec(
+        *("start_frequency_hz", Message("Start frequency"), Tile.FREQUENCIES, MEGAHERTZ),
+        *("600", "MHz", _within(*_MEGAHERTZ)),
+        allowed=_always(
+            Message(
+                "from {lower:g} to {upper:g}, below the stop frequency",
+                **dict(zip(("lower", "upper"), _MEGAHERTZ)),
+            )
+        ),
+        rules=frozenset([Rule.START_FREQUENCY, Rule.FREQUENCY_ORDER]),
+        presets=presets.frequencies,
+    ),
+    FieldSpec(
+        *("stop_frequency_hz", Message("Stop frequency"), Tile.FREQUENCIES, MEGAHERTZ),
+        *("6000", "MHz", _within(*_MEGAHERTZ)),
+        rules=frozenset([Rule.STOP_FREQUENCY]),
+        presets=presets.frequencies,
+    ),
+    FieldSpec(
+        *("frequency_points", Message("Frequency points"), Tile.FREQUENCIES, WHOLE, "501"),
+        limits=_within(MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS),
+        rules=frozenset([Rule.FREQUENCY_POINTS, Rule.FREQUENCY_SPACING]),
+        presets=presets.frequencies,
+    ),
+    *_axis("x", start="50", stop="150", spacing="10", points="11"),
+    *_axis("y", start="50", stop="150", spacing="10", points="11"),
+    FieldSpec(
+        *("polarizations_deg", Message("Antenna rotations"), Tile.ANTENNAS, ROTATIONS),
+        *("0, 90", "°"),
+        allowed=_rotations_allowed,
+        rules=frozenset([Rule.POLARIZATIONS]),
+        presets=presets.rotations,
+    ),
+    FieldSpec(
+        *("if_bandwidth_hz", Message("IF bandwidth"), Tile.VNA, CHOSEN_NUMBER, "", "Hz"),
+        limits=_within(MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ),
+        rules=frozenset([Rule.IF_BANDWIDTH]),
+        choices=("", *map(number_text, IF_BANDWIDTHS_HZ)),
+        presets=presets.if_bandwidths,
+        empty=_AS_ON_VNA,
+    ),
+    FieldSpec(
+        *("averages", Message("Averages"), Tile.VNA, WHOLE.or_empty()),
+        limits=_within(1, MAX_AVERAGES),
+        rules=frozenset([Rule.AVERAGES]),
+        presets=presets.averages,
+        empty=_AS_ON_VNA,
+    ),
+    FieldSpec(
+        *("output_power", Message("Output power"), Tile.VNA, CHOSEN_WORD),
+        allowed=_always(Message("LOW or HIGH for the MS2026C")),
+        rules=frozenset([Rule.OUTPUT_POWER]),
+        choices=("", *OUTPUT_POWERS),
+        presets=presets.output_powers,
+        empty=_AS_ON_VNA,
+    ),
+    FieldSpec(
+        *("permittivity", Message("Relative permittivity"), Tile.SOIL),
+        *(Kind(Keys.NUMBER, _permittivity, number_text), "4"),
+        limits=_within(MIN_PERMITTIVITY, MAX_PERMITTIVITY),
+        presets=presets.soils,
+    ),
+)
+
+
+def _people(name: str, title: Message, most: int = MAX_NAME_CHARACTERS, **more: Any) -> FieldSpec:
+    """Return a text that people add to a survey."""
+    keys = Keys.LETTERS if most == MAX_NAME_CHARACTERS else Keys.LINES
+    return FieldSpec(
+        *(name, title, Tile.NAME),
+        Kind(keys, lambda text: getattr(Annotation(**{name: text}), name), metavar="TEXT"),
+        allowed=_always(Message("at most {most} characters", most=most)),
+        **more,
+    )
+
+
+_OF_THE_ROBOT = Message("that of the robot")
+PEOPLE: Tuple[FieldSpec, ...] = (
+    _people("name", Message("Name of the survey")),
+    _people("operator", Message("Operator"), empty=_OF_THE_ROBOT),
+    _people("site", Message("Site"), empty=_OF_THE_ROBOT),
+    FieldSpec(
+        *("position", Message("Position"), Tile.NAME, POSITION),
+        allowed=_always(
+            Message("latitude and longitude, WGS 84, such as {example}", example="4.6; -74.1")
+        ),
+        empty=_OF_THE_ROBOT,
+        remembered=False,
+    ),
+    _people("notes", Message("Notes"), MAX_NOTES_CHARACTERS, remembered=False),
+)
+SPECS: Dict[str, FieldSpec] = {spec.name: spec for spec in (*PLAN, *PEOPLE)}
+# What main_control measures; the others are of the plan alone.
+PARAMETERS = tuple(one for one in PLAN if one.name in SurveyParameters.__dataclass_fields__)
+TILE_FIELDS: Mapping[Tile, Tuple[str, ...]] = {
+    tile: tuple(one.name for one in SPECS.values() if one.tile is tile) for tile in Tile
+}
+# Those whose sheet has keys for all fields at once.
+VALUE_TILES = tuple(tile for tile in Tile if tile is not Tile.NAME)
+
+
+def default_parameters() -> SurveyParameters:
+    """Return the parameters with which a plan starts."""
+    return SurveyParameters(**{one.name: one.kind.read(one.default) for one in PARAMETERS})
+
+
+def texts_of(parameters: SurveyParameters) -> Dict[str, str]:
+    """Return the texts of parameters, by the name of the field."""
+    return {one.name: one.kind.write(getattr(parameters, one.name)) for one in PARAMETERS}

@@ -1,0 +1,105 @@
+"""Between the texts of a plan and their values."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from typing import Iterable, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.words import decimal_from_text, number_from_text, plain_text
+
+HERTZ_PER_MEGAHERTZ = 1.0e6
+MEGAHERTZ_EXPONENT = 6
+# Of a whole number; far more than any parameter needs.
+MAX_DIGITS = 18
+
+
+def hertz_from_megahertz(text: str) -> float:
+    """Return the frequency [Hz] nearest to a decimal number of megahertz.
+
+    A product of floats would be off by a fraction of a hertz for many inputs.
+
+    Raises:
+        InvalidValueError: The text is not a number.
+    """
+    try:
+        return float(decimal_from_text(text).scaleb(MEGAHERTZ_EXPONENT))
+    except InvalidValueError:
+        raise InvalidValueError(
+            Message("'{text}' is not a number of MHz, such as 600 or 5999.5", text=text)
+        ) from None
+
+
+def megahertz_text(frequency_hz: float) -> str:
+    """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
+    return plain_text(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
+
+
+def rotations_from_text(text: str) -> Tuple[float, ...]:
+    """Return the rotations [deg] of a list, such as "0, 90".
+
+    With semicolons between the rotations, as in "1,8; 90", a comma is a decimal comma.
+
+    Raises:
+        InvalidValueError: A part of the list is not a number.
+    """
+    separator = ";" if ";" in text else ","
+    try:
+        return tuple(number_from_text(part) for part in text.split(separator))
+    except InvalidValueError:
+        raise InvalidValueError(
+            Message("'{text}' is not a list of rotations in degrees, such as 0,90", text=text)
+        ) from None
+
+
+def rotations_text(rotations_deg: Iterable[float]) -> str:
+    """Return rotations [deg] as a list with commas."""
+    return ", ".join(f"{rotation_deg:.12g}" for rotation_deg in rotations_deg)
+
+
+def whole_from_text(text: str) -> int:
+    """Return a whole number of 0 or more.
+
+    Raises:
+        InvalidValueError: The text is none.
+    """
+    digits = text.strip()
+    # Not int() alone: it accepts digits of other scripts, underscores and signs, and refuses
+    # thousands of digits and some of the blanks that strip() removes.
+    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
+        raise InvalidValueError(
+            Message("'{text}' is not a whole number of 0 or more", text=text[:64])
+        )
+    return int(digits)
+
+
+def finite_from_text(text: str) -> float:
+    """Return a number that is not too large for a computer.
+
+    Raises:
+        InvalidValueError: The text is none.
+    """
+    value = number_from_text(text)
+    if not math.isfinite(value):  # an exponent beyond all floats
+        raise InvalidValueError(Message("'{text}' is not a number", text=text))
+    return value
+
+
+def number_text(value: float) -> str:
+    """Return a number with up to twelve digits."""
+    return f"{value:.12g}"
+
+
+def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
+    """Return the text of a number after an arrow, changed within its bounds.
+
+    A text that is no finite number is replaced by the lower bound.
+    """
+    lower, upper = (Decimal(repr(bound)) for bound in bounds)
+    try:
+        changed = decimal_from_text(text) + change
+    except (InvalidValueError, ArithmeticError):  # no number, or one beyond all numbers
+        return plain_text(lower)
+    return plain_text(min(max(changed, lower), upper))
