@@ -189,7 +189,7 @@ NO_WORKSPACE = Fault(
 NO_ROS_MASTER = Fault("analysis.no_ros_master", Message("Start roscore, then try again."))
 ROBOT_RUNS = Fault(
     "replay.robot_runs",
-    Message("Stop the robot or the other replay, or replay on another ROS master."),
+    Message("End the other replay or the robot, or replay in another namespace."),
 )
 CLUSTER = Fault(
     "analysis.cluster",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A recorded survey comes back on its topics, from MCAP and from JSON."""
+"""A recorded survey comes back in the namespace of the replay, from MCAP and from JSON."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Tuple
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from genpy.dynamic import generate_dynamic
 from mcap.writer import Writer
 from rosgraph_msgs.msg import Log
@@ -55,8 +56,8 @@ class ReplayTest(unittest.TestCase):
         self.traces = []
         self.metadata = []
         self.subscribers = [
-            rospy.Subscriber("/trace", Trace, self.on_trace),
-            rospy.Subscriber("/survey_metadata", String, self.on_metadata),
+            rospy.Subscriber("/replay/trace", Trace, self.on_trace),
+            rospy.Subscriber("/replay/survey_metadata", String, self.on_metadata),
         ]
         self.addCleanup(lambda: [one.unregister() for one in self.subscribers])
 
@@ -173,8 +174,8 @@ class ReplayTest(unittest.TestCase):
         )
         received = []
         for topic, kind in (
-            ("/height_sensor/description", NodeDescription),
-            ("/robot_configuration", RobotConfiguration),
+            ("/replay/height_sensor/description", NodeDescription),
+            ("/replay/robot_configuration", RobotConfiguration),
         ):
             self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
         self.run_node(recording, "--rate", "4")
@@ -207,8 +208,8 @@ class ReplayTest(unittest.TestCase):
         )
         received = []
         for topic, kind in (
-            ("/control_status", ControlStatus),
-            ("/survey_coverage", SurveyCoverage),
+            ("/replay/control_status", ControlStatus),
+            ("/replay/survey_coverage", SurveyCoverage),
         ):
             self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
         self.run_node(recording, "--rate", "4")
@@ -234,7 +235,7 @@ class ReplayTest(unittest.TestCase):
         received = {}
         for topic, kind in zip(topics, kinds):
             take = functools.partial(received.__setitem__, topic)
-            self.subscribers.append(rospy.Subscriber(topic, kind, take))
+            self.subscribers.append(rospy.Subscriber(f"/replay{topic}", kind, take))
         self.run_node(recording, "--rate", "4")
         deadline_s = time.monotonic() + TIME_LIMIT_S
         while len(received) < len(topics) and time.monotonic() < deadline_s:
@@ -253,7 +254,7 @@ class ReplayTest(unittest.TestCase):
         old = old_message(CurrentCoordinate, *ZERO, "string owner")
         write_latched(recording, ("/x_axis/current_coord", old(coordinate=20.0, homed=True)))
         received = []
-        topic = "/x_axis/current_coord"
+        topic = "/replay/x_axis/current_coord"
         self.subscribers.append(rospy.Subscriber(topic, CurrentCoordinate, received.append))
         self.run_node(recording, "--rate", "4")
         deadline_s = time.monotonic() + TIME_LIMIT_S
@@ -264,19 +265,51 @@ class ReplayTest(unittest.TestCase):
             (one.coordinate, one.homed, one.zero_epoch, one.owner), (20.0, True, 0, "")
         )
 
-    def test_beside_a_robot_it_is_refused_and_no_trace_is_published(self) -> None:
+    def test_beside_a_robot_it_is_published_elsewhere_and_never_on_its_topics(self) -> None:
         robot = rospy.Publisher("/trace", Trace, queue_size=1)
-        try:
-            for survey in (self.folder, self.folder / "traces"):
-                done = self.run_node(survey, "--rate", "100")
-                self.assertEqual(done.returncode, 3, done.stderr)
-                self.assertIn(f"/trace is published by {rospy.get_name()}", done.stderr)
-                self.assertIn("on another ROS master", done.stderr)
-        finally:
-            robot.unregister()
+        self.addCleanup(robot.unregister)
+        of_robot = []
+        own = rospy.Subscriber("/trace", Trace, of_robot.append)
+        self.addCleanup(own.unregister)
+        for survey in (self.folder, self.folder / "traces"):
+            done = self.run_node(survey, "--rate", "100", "--ns", "/")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn(f"/trace is published by {rospy.get_name()}", done.stderr)
+            self.assertIn("in another namespace", done.stderr)
         self.assertEqual(self.traces, [])
+        self.replay(self.folder, "--rate", "100")
+        self.assert_same()
+        self.assertEqual(of_robot, [])
 
-    def test_a_second_replay_is_refused_and_does_not_end_the_first(self) -> None:
+    def test_a_survey_of_a_robot_with_a_namespace_comes_in_that_of_the_replay(self) -> None:
+        names = ("robot1/main_control: state", "/robot2/main_control: state", "camera: state")
+        reports = DiagnosticArray(status=[DiagnosticStatus(name=name) for name in names])
+        recording = self.data / "robot1.mcap"
+        write_latched(
+            recording,
+            ("/robot1/survey_metadata", String("{}")),
+            ("/diagnostics", reports),
+        )
+        received = []
+        for topic, kind in (("survey_metadata", String), ("diagnostics", DiagnosticArray)):
+            name = f"/again/of_robot1/{topic}"
+            self.subscribers.append(rospy.Subscriber(name, kind, received.append))
+        self.run_node(recording, "--rate", "100", "--ns", "again/of_robot1")
+        deadline_s = time.monotonic() + TIME_LIMIT_S
+        while len(received) < 2 and time.monotonic() < deadline_s:
+            time.sleep(0.01)
+        (found,) = [one.status for one in received if isinstance(one, DiagnosticArray)]
+        self.assertEqual([one.name for one in found], ["/again/of_robot1/main_control: state"])
+
+    def test_what_is_no_namespace_is_refused(self) -> None:
+        for name in ("a b", "1st", "../x", "a//b"):
+            done = self.run_node(self.folder, "--ns", name)
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn("is no namespace of ROS", done.stderr)
+
+    def test_a_second_replay_is_refused_in_the_same_namespace_and_never_ends_the_first(
+        self,
+    ) -> None:
         command = [sys.executable, str(NODE), str(self.folder), "--rate", "100", "--hold"]
         first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
         self.addCleanup(first.wait)
@@ -285,7 +318,9 @@ class ReplayTest(unittest.TestCase):
             self.changed.wait_for(lambda: len(self.traces) >= len(POINTS), TIME_LIMIT_S)
         done = self.run_node(self.folder)
         self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertIn("another replay is running", done.stderr)
+        self.assertIn("another replay uses these topics", done.stderr)
+        beside = self.run_node(self.folder, "--ns", "replay2", "--rate", "100")
+        self.assertEqual(beside.returncode, 0, beside.stderr)
         self.assertEqual(len(self.traces), len(POINTS))
         self.assertIsNone(first.poll())
 
@@ -294,7 +329,7 @@ class ReplayTest(unittest.TestCase):
         write_latched(recording, ("/rosout_agg", Log(msg="recorded")))
         node = rospy.Publisher("/rosout_agg", Log, queue_size=1)
         self.addCleanup(node.unregister)
-        done = self.run_node(recording)
+        done = self.run_node(recording, "--ns", "/")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("1 messages", done.stdout)
 

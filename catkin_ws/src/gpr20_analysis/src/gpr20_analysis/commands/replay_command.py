@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -24,6 +25,12 @@ TOPICS_OF_A_ROBOT = ("control_status", TRACE_TOPIC, METADATA_TOPIC, REPLAY_TOPIC
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("survey", type=Path, help="folder of a survey, its .mcap, or JSON files")
+    parser.add_argument(
+        "--ns",
+        default="replay",
+        metavar="NAME",
+        help="namespace in which it is published; default: replay",
+    )
     parser.add_argument("--rate", type=float, default=1.0, help="speed relative to the recording")
     parser.add_argument(
         "--start",
@@ -78,14 +85,14 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             ),
             fault=faults.NO_ROS_MASTER,
         )
-    namespace = replayed.namespace or rospy.names.get_namespace()
-    # Before this joins the graph, which would end another replay.
+    namespace = _namespace(chosen.ns)
     refuse_beside_others(f"{namespace}{name}" for name in TOPICS_OF_A_ROBOT)
-    rospy.init_node("replay", anonymous=False)
+    # Two replays in different namespaces do not end each other.
+    rospy.init_node("replay", anonymous=True)
     playback = Playback(pace, Clock())
     rospy.on_shutdown(playback.stop)
-    marker = ReplayMarker(f"{namespace}{REPLAY_TOPIC}", replayed, playback)
-    node = ReplayNode(playback, marker, chosen.wait)
+    marker = ReplayMarker(namespace, replayed, playback)
+    node = ReplayNode(playback, marker, replayed, namespace, chosen.wait)
     node.run(recorded(chosen.survey))
     stopped = playback.stopped
     if not stopped:
@@ -103,8 +110,21 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     return REFUSED if stopped else DONE
 
 
+def _namespace(name: str) -> str:
+    """Return an absolute namespace with a slash at its end."""
+    own = name.strip("/")
+    if own and not re.fullmatch(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", own, re.ASCII):
+        raise AnalysisError(
+            Message(
+                "{name} is no namespace of ROS; use letters, digits and _, such as replay",
+                name=name,
+            )
+        )
+    return f"/{own}/" if own else "/"
+
+
 COMMAND = Command(
-    "Publish a recorded survey on its ROS topics. Needs ROS and a master. Bags: use rosbag play.",
+    "Publish a recorded survey on ROS topics. Needs ROS and a master. Bags: use rosbag play.",
     add_arguments,
     run,
 )

@@ -41,11 +41,9 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
         if others:
             raise AnalysisError(
                 Message(
-                    "a robot or another replay is running on {address}, and its data would be "
-                    "mixed with those of the recording; stop it, or replay on another ROS master "
-                    "(ROS_MASTER_URI=http://localhost:11411 roslaunch gpr20 replay.launch "
-                    "survey:=...)",
-                    address=rosgraph.get_master_uri(),
+                    "a robot or another replay uses these topics, and its data would be mixed "
+                    "with those of the recording; end it, or replay in another namespace "
+                    "(roslaunch gpr20 replay.launch ns:=replay2 survey:=...)",
                     details=f"{topic} is published by {', '.join(others)}",
                 ),
                 fault=faults.ROBOT_RUNS,

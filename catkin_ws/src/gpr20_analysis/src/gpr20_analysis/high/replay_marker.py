@@ -14,33 +14,36 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Replay
 from gpr20_msgs.srv import Command, CommandResponse, SetReplayRate, SetReplayRateResponse
+from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 
 PERIOD_S = 0.5
 
 
 class ReplayMarker:
-    """The latched topic `replay` and the services below it.
+    """The latched topic `replay`, and the services beside it.
 
     Attributes:
         publisher: Of the topic.
     """
 
-    def __init__(self, topic: str, replayed: ReplayedSurvey, playback: Playback) -> None:
+    def __init__(self, namespace: str, replayed: ReplayedSurvey, playback: Playback) -> None:
         """Publish the first message.
 
         Args:
-            topic: Absolute name.
+            namespace: Of the replay, absolute, with a slash at its end.
             replayed: The survey.
             playback: What is paused.
         """
         self._replayed = replayed
         self._playback = playback
         self._ended = False
-        self.publisher = rospy.Publisher(topic, Replay, latch=True, queue_size=10)
+        self.publisher = rospy.Publisher(
+            f"{namespace}{REPLAY_TOPIC}", Replay, latch=True, queue_size=10
+        )
         self._services = [
-            advertise(f"{topic}/pause", Command, self._pause),
-            advertise(f"{topic}/continue", Command, self._continue),
-            advertise(f"{topic}/set_rate", SetReplayRate, self._set_rate),
+            advertise(f"{namespace}pause", Command, self._pause),
+            advertise(f"{namespace}continue", Command, self._continue),
+            advertise(f"{namespace}set_rate", SetReplayRate, self._set_rate),
         ]
         self._periodic = Periodic(PERIOD_S, self._publish)
 

@@ -1,16 +1,20 @@
-"""Publishes a recorded survey on the topics of the recording."""
+"""Publishes a recorded survey in the namespace of the replay."""
 
 from __future__ import annotations
 
+import dataclasses
+import io
 from typing import Dict, Iterable, Type
 
+import genpy
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_analysis.high.graph import refuse_beside_others
 from gpr20_analysis.high.old_recordings import completed
 from gpr20_analysis.high.replay_marker import ReplayMarker
 from gpr20_analysis.read.playback import Playback
-from gpr20_analysis.read.replay import Due
+from gpr20_analysis.read.replay import Due, ReplayedSurvey
 from gpr20_common.high.raw_message import preserialized
 from gpr20_common.high.subscribers import subscriber_count
 from gpr20_common.low.clock import Clock
@@ -33,16 +37,27 @@ LINGER_S = 0.5
 class ReplayNode:
     """Publishes messages, with a publisher for each new topic."""
 
-    def __init__(self, playback: Playback, marker: ReplayMarker, window_wait_s: float) -> None:
+    def __init__(
+        self,
+        playback: Playback,
+        marker: ReplayMarker,
+        replayed: ReplayedSurvey,
+        namespace: str,
+        window_wait_s: float,
+    ) -> None:
         """Make the replay; the ROS node must be initialized.
 
         Args:
             playback: Gives out the messages.
             marker: Says that this is a replay.
+            replayed: The survey.
+            namespace: In which it is published, absolute, with a slash at its end.
             window_wait_s: How long to wait for a window before the first message [s].
         """
         self._playback = playback
         self._marker = marker
+        self._replayed = replayed
+        self._namespace = namespace
         self._window_wait_s = window_wait_s
         self._clock = Clock()
         self._publishers: Dict[str, rospy.Publisher] = {}
@@ -62,7 +77,7 @@ class ReplayNode:
             if isinstance(content, RecordedMessage):
                 self._publish_recorded(content)
             else:
-                publisher = self._publisher(rospy.resolve_name(TRACE_TOPIC), Trace, False)
+                publisher = self._publisher(f"{self._namespace}{TRACE_TOPIC}", Trace, False)
                 publisher.publish(preserialized(Trace, trace_message.encode(content)))
                 self.traces += 1
             self.published += 1
@@ -75,12 +90,35 @@ class ReplayNode:
         except TraceRefusedError as error:
             rospy.logwarn("%s", error)
             return
-        topic = rospy.resolve_name(message.topic)
+        if message.datatype == DiagnosticArray._type:
+            message = self._own_reports(message)
+        topic = self._replayed.name_in(self._namespace, message.topic)
         publisher = self._publisher(topic, _message_class(message), message.latching)
         raw = publisher.data_class()
         raw._buff = message.data
         publisher.publish(raw)
         self.traces += message.datatype == trace_message.DATATYPE
+
+    def _own_reports(self, message: RecordedMessage) -> RecordedMessage:
+        """Return the reports of the recorded robot, by the names of its nodes in the replay.
+
+        All robots of a master share the topic.
+        """
+        reports = DiagnosticArray()
+        try:
+            reports.deserialize(message.data)
+        except genpy.DeserializationError:
+            return message  # no subscriber can read it, and the replay continues
+        own = []
+        for status in reports.status:
+            name = f"/{status.name.lstrip('/')}"
+            if name.startswith(self._replayed.namespace):
+                status.name = self._replayed.name_in(self._namespace, name)
+                own.append(status)
+        reports.status = own
+        data = io.BytesIO()
+        reports.serialize(data)
+        return dataclasses.replace(message, data=data.getvalue())
 
     def _publisher(self, topic: str, kind: Type, latch: bool) -> rospy.Publisher:
         if topic not in self._publishers:

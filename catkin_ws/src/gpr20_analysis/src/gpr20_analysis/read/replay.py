@@ -47,6 +47,16 @@ class ReplayedSurvey:
     namespace: str = ""
     length_s: float = 0.0
 
+    def name_in(self, namespace: str, name: str) -> str:
+        """Return the name of a recorded topic or node in the namespace of a replay.
+
+        Args:
+            namespace: Absolute, with a slash at its end.
+            name: As it was recorded; what all robots share lies beside the robot's own.
+        """
+        recorded = self.namespace if name.startswith(self.namespace) else "/"
+        return f"{namespace}{name[len(recorded) :]}"
+
 
 def describe(survey: Path) -> ReplayedSurvey:
     """Return what a survey is.
@@ -66,7 +76,7 @@ def describe(survey: Path) -> ReplayedSurvey:
         # The metadata are the first message, behind the marker where there is one.
         if name == METADATA_TOPIC or len(found) > 2:
             break
-    own = found.get(METADATA_TOPIC) or next(iter(found.values()), None)
+    own = next((found[one] for one in (METADATA_TOPIC, REPLAY_TOPIC) if one in found), None)
     namespace = "/" if own is None else own.topic[: own.topic.rindex("/") + 1]
     length_s = mcap_length_s(path, own_name)
     return ReplayedSurvey(_survey_of_mcap(found, path, folder), namespace, length_s)

@@ -43,16 +43,18 @@ class ReplayMark:
     @property
     def survey(self) -> Message:
         """The survey, for a sentence."""
+        place = self.folder or self.survey_id[:8]
         if len(self.started) >= 16:
             time = self.started[:16].replace("T", " ")
-            return Message("Survey of {time} UTC, {folder}", time=time, folder=self._place)
-        if self.folder or self.survey_id:
-            return Message("Survey {folder}", folder=self._place)
-        return Message("Recorded survey")
+            return Message("Survey of {time} UTC, {folder}", time=time, folder=place)
+        return Message("Survey {folder}", folder=place) if place else Message("Recorded survey")
 
-    @property
-    def _place(self) -> str:
-        return self.folder or self.survey_id[:8]
+
+@dataclass(frozen=True)
+class PlayerLink:
+    """Event: whether a player of recordings is connected; once a second."""
+
+    connected: bool
 
 
 @dataclass(frozen=True)
@@ -61,18 +63,18 @@ class ReplayView:
 
     Attributes:
         mark: What is known of the survey.
-        gone: Whether its publisher has left the graph.
+        connected: Whether its player is; None: none has been yet.
         state: The last state of the recorded survey; None before the first.
     """
 
     mark: ReplayMark
-    gone: bool = False
+    connected: Optional[bool] = True
     state: Optional[SurveyState] = None
 
     @property
     def ended(self) -> bool:
         """Whether nothing more will come."""
-        return self.gone or self.mark.phase is ReplayPhase.ENDED
+        return self.connected is False or self.mark.phase is ReplayPhase.ENDED
 
     @property
     def paused(self) -> bool:
@@ -94,6 +96,8 @@ class ReplayView:
     @property
     def message(self) -> Message:
         """The survey, and its state or how it ended."""
+        if self.connected is None:
+            return Message("Waiting for a recording.")
         if self.state is None:
             return self.mark.survey
         if self.ended and self.state not in ENDED:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional, Protocol
+from typing import Optional, Protocol, Union
 
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.plan.preview import (
@@ -13,8 +13,9 @@ from gpr20_operator.plan.preview import (
     preview,
 )
 from gpr20_operator.robot.events import Request
-from gpr20_operator.robot.shown_model import ShownModel
-from gpr20_operator.robot.survey_model import Refusal, Snapshot
+from gpr20_operator.robot.replay_model import ReplayModel
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -66,7 +67,12 @@ class WindowPresenter:
         finer: The finer survey that was put into the fields; None: none.
     """
 
-    def __init__(self, model: ShownModel, control: SurveyControl, estimator: CostEstimator) -> None:
+    def __init__(
+        self,
+        model: Union[SurveyModel, ReplayModel],
+        control: SurveyControl,
+        estimator: CostEstimator,
+    ) -> None:
         self._model = model
         self._control = control
         self._estimator = estimator
@@ -84,10 +90,6 @@ class WindowPresenter:
                 self.preview = replace(self.preview, cost=event.cost)
             return None
         return self._model.handle(event)
-
-    def is_shown(self, event: object) -> bool:
-        """Return whether an event that was taken is about the robot or replay that is shown."""
-        return self._model.is_shown(event)
 
     def pause_replay(self) -> None:
         """Pause the replay, or continue it."""

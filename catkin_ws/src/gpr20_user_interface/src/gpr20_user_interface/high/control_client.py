@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
 from functools import partial
-from typing import Any, Callable, Dict, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import rosgraph
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
-from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
-from gpr20_doctor.high.node_reports import axis_position, node_healths
+from gpr20_doctor.high.node_reports import axis_position
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
@@ -37,14 +37,14 @@ from gpr20_operator.robot.events import (
     Event,
     Request,
 )
-from gpr20_operator.robot.message_source import is_player
+from gpr20_operator.robot.replay import PlayerLink
+from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_events import AxisMeasured
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
-from gpr20_user_interface.high.replay_watch import ReplayWatch
 from gpr20_user_interface.high.robot_stop import RobotStop
 from gpr20_user_interface.high.robot_travel import axis_limits
 from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
@@ -57,44 +57,46 @@ AXIS_PERIOD_S = 0.2
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
-
-
-def main_control_name() -> str:
-    """Return the full name of the robot's main control."""
-    return str(rospy.resolve_name("main_control"))
+# Between two looks whether a player is connected [s].
+PLAYER_PERIOD_S = 1.0
 
 
 class ControlClient(RosEvents):
     """Passes everything about the main control to a listener; asks it without waiting."""
 
-    def __init__(self, listener: Callable[[Event], None]) -> None:
-        super().__init__(listener)
+    def __init__(self, listener: Callable[[Event], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = RobotStop(self._emit)
         self._pause = ServiceClient("pause_survey", Command)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
-        self._pause_replay = ServiceClient("replay/pause", Command)
-        self._continue_replay = ServiceClient("replay/continue", Command)
+        self._pause_replay = ServiceClient("pause", Command)
+        self._continue_replay = ServiceClient("continue", Command)
+        self._player: Optional[Periodic] = None
+        self._player_seen = False
         self._master = MasterWatch()
-        self._watch = ReplayWatch(main_control_name(), self._emit)
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
         self._clock = Clock()
-        # The last report of each axis that was passed on, by its sender: whether it moved, and when
-        # [s].
-        self._reports: Dict[Tuple[AxisId, str], Tuple[bool, float]] = {}
+        # The last report of each axis that was passed on: whether it moved, and when [s].
+        self._reports: Dict[AxisId, Tuple[bool, float]] = {}
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
         self._stop.forget()
-        self._watch.close()
+        if self._player is not None:
+            self._player.stop()
         super().close()
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
-        self._subscribe_raw("replay", Replay, self._on_replay, None)
         self._subscribe_raw("control_status", ControlStatus, self._on_status, None)
+        if self._senders.replay:
+            self._subscribe("replay", Replay, conversions.replay_mark, None)
+            # Recordings of earlier versions lack the one topic, imported surveys the other.
+            topics = tuple(self._subscribers)
+            self._player = Periodic(PLAYER_PERIOD_S, lambda: self._check_player(topics))
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
         self._subscribe_raw("robot_configuration", RobotConfiguration, self._on_robot, None)
 
@@ -112,7 +114,9 @@ class ControlClient(RosEvents):
         subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
         subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
         subscribe("measured_height", Range, conversions.measured_height, 1)
-        self._subscribe_raw("/diagnostics", DiagnosticArray, self._on_diagnostics, 20)
+        self._subscribers.append(
+            self._diagnostics_subscriber(lambda health, _message: self._emit(health))
+        )
 
     def start_survey(
         self, parameters: SurveyParameters, annotation: Annotation = EMPTY, refines: str = ""
@@ -176,12 +180,9 @@ class ControlClient(RosEvents):
             self._checking_master.release()
 
     def _on_robot(self, message: RobotConfiguration) -> None:
-        limits = axis_limits(message)
-        self._emit_received(message, limits)
-        if is_player(connection_header(message)["callerid"]):
-            return
-        self._limits = limits
-        if limits.defaults is not None:
+        limits = self._limits = axis_limits(message)
+        self._emit(limits)
+        if limits.defaults is not None and not self._senders.replay:
             self._emit(AnnotationDefaults(limits.defaults.site.annotation))
 
     def _ask_start(self, parameters: SurveyParameters, annotation: Annotation, refines: str) -> Any:
@@ -196,29 +197,27 @@ class ControlClient(RosEvents):
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         in_background(lambda: self._emit(_answer(request, ask)))
 
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for health in node_healths(message, rospy.get_namespace()):
-            self._emit_received(message, health)
-
     def _on_axis(self, axis: AxisId, message: CurrentCoordinate) -> None:
-        source, now_s = (axis, connection_header(message)["callerid"]), self._clock.now_s()
-        moved, reported_s = self._reports.get(source, (False, -math.inf))
+        now_s = self._clock.now_s()
+        moved, reported_s = self._reports.get(axis, (False, -math.inf))
         # A motion that begins is passed on at once, however short it is.
         begins = message.moving and not moved
         if now_s - reported_s < AXIS_PERIOD_S and not begins:
             return
-        self._reports[source] = message.moving, now_s
+        self._reports[axis] = message.moving, now_s
         # Robots of an earlier version do not say who holds an axis.
         owner = message.owner
-        self._emit_received(message, AxisMeasured(axis, axis_position(message), owner))
-
-    def _on_replay(self, message: Replay) -> None:
-        self._watch.note(message)
-        self._emit_received(message, conversions.replay_mark(message))
+        self._emit(AxisMeasured(axis, axis_position(message), owner))
 
     def _on_status(self, message: ControlStatus) -> None:
-        self._watch.note(message)
-        self._emit_received(message, conversions.control_state(message))
+        state = conversions.control_state(message)
+        self._emit(replace(state, replay=self._senders.replay))
+
+    def _check_player(self, topics: Tuple[rospy.Subscriber, ...]) -> None:
+        connected = any(one.get_num_connections() for one in topics)
+        self._player_seen = self._player_seen or connected
+        if self._player_seen:
+            self._emit(PlayerLink(connected))
 
 
 def _call_or_log(service: ServiceClient) -> None:

@@ -29,6 +29,7 @@ from gpr20_operator.jobs.imaging import (
     VolumesFailed,
     VolumesListed,
 )
+from gpr20_operator.robot.senders import Senders
 from gpr20_survey.results.candidate_json import list_from
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
@@ -44,8 +45,8 @@ SHORT_TIMEOUT_S = 20.0
 class ImagingClient(RosEvents):
     """Asks the imaging node without waiting; passes its answers to a listener."""
 
-    def __init__(self, listener: Callable[[object], None]) -> None:
-        super().__init__(listener)
+    def __init__(self, listener: Callable[[object], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
         self._focus = ServiceClient("focus_survey", FocusSurvey)
         self._find = ServiceClient("find_candidates", FindCandidates)
         self._hide = ServiceClient("map_hidden", MapHidden)

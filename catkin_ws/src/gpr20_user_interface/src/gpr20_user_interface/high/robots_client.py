@@ -7,9 +7,11 @@ from typing import Any, Callable, Dict, FrozenSet
 import rosgraph
 import rospy
 
+from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.periodic import Periodic
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.robot.robots import RobotReported, RobotsFound, robots_on_master
+from gpr20_operator.robot.senders import Senders
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import RosEvents
 
@@ -19,8 +21,8 @@ PERIOD_S = 3.0
 class RobotsClient(RosEvents):
     """Asks the master for the robots, and listens to those while somebody looks at the list."""
 
-    def __init__(self, listener: Callable[[Any], None]) -> None:
-        super().__init__(listener)
+    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
         self._watched = False
         self._found: FrozenSet[str] = frozenset()
         self._statuses: Dict[str, rospy.Subscriber] = {}
@@ -65,4 +67,6 @@ class RobotsClient(RosEvents):
             )
 
     def _on_status(self, message: ControlStatus, namespace: str) -> None:
-        self._emit(RobotReported(namespace, conversions.control_state(message)))
+        senders = Senders(f"{namespace.rstrip('/')}/")
+        if senders.takes(connection_header(message)["callerid"]):
+            self._emit(RobotReported(namespace, conversions.control_state(message)))

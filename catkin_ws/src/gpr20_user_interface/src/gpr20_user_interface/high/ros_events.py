@@ -6,11 +6,14 @@ import threading
 from typing import Any, Callable, List
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.message import Message
+from gpr20_doctor.high.node_reports import node_healths
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, NodeHealth
 from gpr20_operator import faults
-from gpr20_operator.robot.message_source import Received
+from gpr20_operator.robot.senders import SenderIgnored, Senders
 
 
 class RosEvents:
@@ -18,10 +21,12 @@ class RosEvents:
 
     Args:
         listener: Called with each event, from threads of ROS and of the client.
+        senders: Decides which messages count; the others are never passed on.
     """
 
-    def __init__(self, listener: Callable[[Any], None]) -> None:
+    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         self._listener = listener
+        self._senders = senders
         self._emitting = threading.Lock()
         self._closed = False
         self._subscribers: List[rospy.Subscriber] = []
@@ -39,23 +44,61 @@ class RosEvents:
     ) -> None:
         """Emit an event for each message of a topic; `queue_size` None: any number may wait."""
         self._subscribe_raw(
-            name,
-            message_class,
-            lambda message: self._emit_received(message, convert(message)),
-            queue_size,
+            name, message_class, lambda message: self._emit(convert(message)), queue_size
         )
 
     def _subscribe_raw(
         self, name: str, message_class: Any, received: Callable[[Any], None], queue_size: Any
     ) -> None:
         """Call a function for each message of a topic; it may `_emit` any number of events."""
-        self._subscribers.append(
-            rospy.Subscriber(name, message_class, received, queue_size=queue_size)
-        )
+        self._subscribers.append(self._subscriber(name, message_class, received, queue_size))
 
-    def _emit_received(self, message: Any, event: Any) -> None:
-        """Emit an event with the node that sent it."""
-        self._emit(Received(connection_header(message)["callerid"], event))
+    def _subscriber(
+        self, name: str, message_class: Any, received: Callable[[Any], None], queue_size: Any
+    ) -> rospy.Subscriber:
+        def check(message: Any) -> None:
+            if self._takes(message):
+                received(message)
+
+        return rospy.Subscriber(name, message_class, check, queue_size=queue_size)
+
+    def _diagnostics_subscriber(
+        self, received: Callable[[NodeHealth, DiagnosticArray], None]
+    ) -> rospy.Subscriber:
+        """Call a function for each report of a node of this robot on `/diagnostics`."""
+
+        def check(message: DiagnosticArray) -> None:
+            for health in self._healths(message):
+                # Every node of the graph publishes there about itself: only who speaks for a node
+                # of this robot is no such node.
+                foreign = health.name not in EXPECTED_NODES
+                if self._takes(message, is_usual=foreign):
+                    received(health, message)
+
+        # A player has the topic below its own namespace, beside those of the robot.
+        name = "diagnostics" if self._senders.replay else "/diagnostics"
+        return rospy.Subscriber(name, DiagnosticArray, check, queue_size=20)
+
+    def _healths(self, message: DiagnosticArray) -> List[NodeHealth]:
+        namespace = self._senders.namespace
+        found = node_healths(message, namespace)
+        if self._senders.replay and not found:
+            # `rosbag play --prefix` changes the names of topics, not those in the messages.
+            found = node_healths(message, namespace.strip("/").partition("/")[2])
+        return found
+
+    def _takes(self, message: Any, is_usual: bool = False) -> bool:
+        """Return whether a message counts; else report its sender, unless that is usual."""
+        sender = connection_header(message)["callerid"]
+        if self._senders.takes(sender):
+            return True
+        if not is_usual:
+            report, log = self._senders.note_ignored(sender)
+            if log:
+                rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
+            if report:
+                self._emit(SenderIgnored(sender))
+        return False
 
     def _emit(self, event: Any) -> None:
         with self._emitting:

@@ -6,8 +6,10 @@ import dataclasses
 import os
 import queue
 import sys
+import threading
 from typing import Callable, Dict, Sequence
 
+import rosgraph
 import rospy
 
 from gpr20_common.catalogue import Catalogue
@@ -19,9 +21,9 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Request, StopRequested
-from gpr20_operator.robot.message_source import MessageSources
+from gpr20_operator.robot.senders import Senders
 from gpr20_survey.plan.survey_parameters import check
-from gpr20_user_interface.high.control_client import ControlClient, main_control_name
+from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
@@ -34,7 +36,7 @@ from gpr20_user_interface.terminal.displays import (
     terminal_line,
 )
 from gpr20_user_interface.terminal.follower import ExitStatus, Limits, Mode, Outcome, SurveyFollower
-from gpr20_user_interface.terminal.routing import REFUSAL, EventRouter, ReplayFollower
+from gpr20_user_interface.terminal.replay_follower import ReplayFollower
 from gpr20_user_interface.terminal.session import (
     Follower,
     SurveySession,
@@ -48,23 +50,30 @@ from gpr20_user_interface.terminal.survey_arguments import (
     terminal_language,
 )
 
+# Recordings of earlier versions lack the one topic, imported surveys the other.
+REPORTS = ("control_status", "replay")
+POLL_S = 0.2
+
 
 def main() -> int:
     """Run a survey as the command line asks; return the exit status."""
     arguments = rospy.myargv()[1:]
     catalogue = read_catalogue(terminal_language(arguments, os.environ))
     options = parse_arguments(arguments, catalogue)
-    router = EventRouter(MessageSources(main_control_name()))
+    # Unlike that of queue.Queue its put() may be interrupted by a signal that puts, too.
+    events: queue.SimpleQueue = queue.SimpleQueue()
     try:
-        with StopSignals(lambda name: router.stop(StopRequested(name))) as signals:
-            return _run(options, router, signals, catalogue)
+        with StopSignals(lambda name: events.put(StopRequested(name))) as signals:
+            return _run(options, events, signals, catalogue)
     except SecondStopSignal:
         left = catalogue.tr("Ended at once, without waiting: the robot may still move.")
         say("", left, file=sys.stderr)
         leave_now(ExitStatus.STOPPED)
 
 
-def _run(options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue) -> int:
+def _run(
+    options: Options, events: queue.SimpleQueue, signals: StopSignals, catalogue: Catalogue
+) -> int:
     try:
         # What can be refused at once needs no robot.
         _check(options)
@@ -76,7 +85,7 @@ def _run(options: Options, router: EventRouter, signals: StopSignals, catalogue:
             # At once: the exit handlers of rospy would wait for the master.
             leave_now(status)
         return status
-    return _follow(options, router, signals, catalogue)
+    return _follow(options, events, signals, catalogue)
 
 
 def _print_refusal(reason: Message, catalogue: Catalogue) -> None:
@@ -94,20 +103,14 @@ def _check(options: Options) -> None:
 
 
 def _follow(
-    options: Options, router: EventRouter, signals: StopSignals, catalogue: Catalogue
+    options: Options, events: queue.SimpleQueue, signals: StopSignals, catalogue: Catalogue
 ) -> int:
-    client = ControlClient(router.take)
     robot = SurveyFollower(options.mode, options.on_pause, Limits(wait_s=options.wait_s), Clock())
-    follower: Follower = robot
-    events = router.robot
+    replay = options.mode is Mode.ATTACH and _is_replay(options.wait_s, signals, Clock())
+    follower: Follower = ReplayFollower() if replay else robot
+    client = ControlClient(events.put, Senders(rospy.get_namespace(), replay))
     client.listen()
-    if router.wait_for_replay(options.wait_s, lambda: signals.received, Clock()):
-        if options.mode is not Mode.ATTACH:
-            client.close()
-            _print_refusal(REFUSAL, catalogue)
-            return ExitStatus.REFUSED
-        follower, events = ReplayFollower(), router.replay
-    keeper, link = ConnectionKeeper(), LinkWatch(router.take)
+    keeper, link = ConnectionKeeper(), LinkWatch(events.put)
     outcome = _run_session(options, client, follower, events, catalogue)
     if outcome.other_analyzer and _accepts(outcome.other_analyzer, signals, catalogue):
         options = dataclasses.replace(options, accept_analyzer=outcome.other_analyzer)
@@ -118,6 +121,23 @@ def _follow(
     if outcome.other_analyzer and signals.received:
         return ExitStatus.STOPPED
     return outcome.status
+
+
+def _is_replay(wait_s: float, signals: StopSignals, clock: Clock) -> bool:
+    """Wait until a survey is reported; return whether a player does that, and no robot."""
+    senders, never = Senders(rospy.get_namespace()), threading.Event()
+    topics = {rospy.resolve_name(name) for name in REPORTS}
+    deadline_s = clock.now_s() + wait_s
+    while not signals.received and clock.now_s() < deadline_s:
+        try:
+            published, _others, _services = rosgraph.Master(rospy.get_name()).getSystemState()
+        except (rosgraph.MasterException, OSError):
+            return False  # that nobody reports is noticed later
+        found = {node for topic, nodes in published if topic in topics for node in nodes}
+        if found:
+            return not any(senders.takes(node) for node in found)
+        clock.wait_s(never, POLL_S)
+    return False
 
 
 def _run_session(

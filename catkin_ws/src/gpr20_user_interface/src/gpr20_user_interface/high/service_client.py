@@ -6,6 +6,7 @@ import math
 import os
 import socket
 import threading
+from functools import partial
 from typing import Any, Callable, List, Mapping
 
 import rospy
@@ -15,12 +16,13 @@ from std_msgs.msg import Bool
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
-from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
+from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_msgs.msg import ServiceStatus
 from gpr20_msgs.srv import DailyCheck, GetHeight, ServiceMove, TestAnalyzer
 from gpr20_operator import faults
+from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_events import (
     AxisAction,
     AxisMoved,
@@ -49,8 +51,8 @@ ENDSTOP_AXES = (AxisId.X, AxisId.Y)
 class ServiceToolsClient(RosEvents):
     """Asks the main control and the height sensor without waiting; implements `ServiceRequests`."""
 
-    def __init__(self, listener: Callable[[Any], None]) -> None:
-        super().__init__(listener)
+    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
         self._move = ServiceClient("service_move", ServiceMove)
         self._height = ServiceClient("get_height", GetHeight)
         self._analyzer = ServiceClient("test_analyzer", TestAnalyzer)
@@ -84,15 +86,12 @@ class ServiceToolsClient(RosEvents):
 
     def _subscriptions(self) -> List[rospy.Subscriber]:
         endstops = [
-            rospy.Subscriber(
-                f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis, queue_size=10
+            self._subscriber(
+                f"{axis.value}_axis/endstop", Bool, partial(self._on_endstop, axis), 10
             )
             for axis in ENDSTOP_AXES
         ]
-        diagnostics = rospy.Subscriber(
-            "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20
-        )
-        return [*endstops, diagnostics]
+        return [*endstops, self._diagnostics_subscriber(self._on_health)]
 
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero; the answer is an event."""
@@ -159,10 +158,9 @@ class ServiceToolsClient(RosEvents):
 
         in_background(lambda: self._emit(look()))
 
-    def _on_endstop(self, message: Bool, axis: AxisId) -> None:
-        self._emit_received(message, EndstopState(axis, message.data))
+    def _on_endstop(self, axis: AxisId, message: Bool) -> None:
+        self._emit(EndstopState(axis, message.data))
 
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+    def _on_health(self, health: NodeHealth, message: DiagnosticArray) -> None:
         offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
-        for health in node_healths(message, rospy.get_namespace()):
-            self._emit_received(message, ClockOffset(health.name, offset_s))
+        self._emit(ClockOffset(health.name, offset_s))

@@ -20,6 +20,7 @@ from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     TraceEvent,
 )
+from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.trace import trace_message
@@ -39,8 +40,8 @@ TRACE_QUEUE = 200
 class StorageClient(RosEvents):
     """Passes everything about traces to a listener; asks the storage without waiting."""
 
-    def __init__(self, listener: Callable[[TraceEvent], None]) -> None:
-        super().__init__(listener)
+    def __init__(self, listener: Callable[[TraceEvent], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
@@ -101,7 +102,7 @@ class StorageClient(RosEvents):
         except TraceRefusedError as error:
             rospy.logwarn("not shown: %s", error)
         else:
-            self._emit_received(message, trace)
+            self._emit(trace)
 
     def _ask(
         self,

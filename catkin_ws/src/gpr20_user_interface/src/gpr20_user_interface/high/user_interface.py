@@ -9,7 +9,7 @@ import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, NoReturn, Optional
+from typing import Any, Callable, NoReturn, Optional, Union
 
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
@@ -31,13 +31,13 @@ from gpr20_operator.jobs.images import ImagingPresenter
 from gpr20_operator.plan.memory import PlanMemory, Settings
 from gpr20_operator.plan.preview import CostEstimator
 from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.robot.message_source import MessageSources
+from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import ServiceModel
-from gpr20_operator.robot.shown_model import ShownModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_user_interface.high.control_client import ControlClient, main_control_name
+from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.display import (
     check_display,
     draw_without_opengl,
@@ -100,7 +100,8 @@ class UserInterface:
 
     def __init__(
         self,
-        model: SurveyModel,
+        model: Union[SurveyModel, ReplayModel],
+        senders: Senders,
         languages: Languages,
         profiles: Profiles,
         plan_settings: Settings,
@@ -111,16 +112,15 @@ class UserInterface:
         # Namespace of the robot that a window is opened for when this one has ended.
         self.next_robot = ""
         self.signal = EventSignal()
-        self.control = ControlClient(self.signal.emit_event)
-        self.storage = StorageClient(self.signal.emit_event)
+        self.control = ControlClient(self.signal.emit_event, senders)
+        self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
-        self.service = ServiceToolsClient(self.signal.emit_event)
-        self.imaging = ImagingClient(self.signal.emit_event)
-        self.robots = RobotsClient(self.signal.emit_event)
-        shown = ShownModel(Clock(), MessageSources(main_control_name()), model)
+        self.service = ServiceToolsClient(self.signal.emit_event, senders)
+        self.imaging = ImagingClient(self.signal.emit_event, senders)
+        self.robots = RobotsClient(self.signal.emit_event, senders)
         self.window = MainWindow(
             Presenters(
-                WindowPresenter(shown, self.control, CostEstimator(self.signal.emit_event)),
+                WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 ImagingPresenter(self.imaging, time.monotonic),
                 ServiceModel(self.service, Clock()),
@@ -260,14 +260,16 @@ def _show(
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
+    senders = Senders(rospy.get_namespace(), bool(rospy.get_param("~replay", False)))
     interface = UserInterface(
-        SurveyModel(Clock()),
+        ReplayModel() if senders.replay else SurveyModel(Clock()),
+        senders,
         languages,
         Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),
-        bool(rospy.get_param("~choose_robot", True)),
+        bool(rospy.get_param("~choose_robot", True)) and not senders.replay,
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.

@@ -18,6 +18,7 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
+from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 from gpr20_user_interface.terminal import follower_messages
 
@@ -115,6 +116,7 @@ class SurveyFollower:
         self._state: Optional[ControlState] = None
         self.survey_id = ""
         self._seen = False
+        self._ignored = False
         self._awaits_begin = False
         self._stop_wanted_s: Optional[float] = None
         self._stop_due_s: Optional[float] = None
@@ -145,6 +147,8 @@ class SurveyFollower:
             return self._request_stop()
         if isinstance(event, LinkState):
             self._take_link(event)
+        if isinstance(event, SenderIgnored):
+            self._ignored = True
         return []
 
     def ask_again(self) -> List[Request]:
@@ -170,7 +174,8 @@ class SurveyFollower:
             self._received_s = now_s
         self._ticked_s = now_s
         if self._phase is _Phase.WAITING and now_s - self._began_s > self._limits.wait_s:
-            self._end(ExitStatus.REFUSED, follower_messages.not_there(self._limits.wait_s))
+            reason = follower_messages.not_there(self._limits.wait_s)
+            self._end(ExitStatus.REFUSED, follower_messages.REPLAY if self._ignored else reason)
         elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._silence_limit_s:
             self._end(ExitStatus.FAILED, follower_messages.lost(self._silence_limit_s))
         elif self._stop_wanted_s is not None:

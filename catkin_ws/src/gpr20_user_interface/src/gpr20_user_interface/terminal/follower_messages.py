@@ -8,6 +8,11 @@ from gpr20_common.message import Message
 from gpr20_operator import faults
 from gpr20_operator.robot.events import ControlState
 
+REPLAY = Message(
+    "A replay of a recorded survey is running here, and no robot. Only --attach can follow it. To "
+    "use a robot, end the replay and start the robot."
+).with_fault(faults.REPLAY_RUNS)
+
 
 def not_there(wait_s: float) -> Message:
     """Return what the follower says: the main control was never there.
