@@ -8,6 +8,7 @@ from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Qt,
 from PyQt5.QtGui import QMouseEvent, QTouchEvent, QWindow
 from PyQt5.QtWidgets import QPushButton, QStackedWidget, QWidget
 
+from gpr20_user_interface.look.look import look_of
 from gpr20_user_interface.touch.guard import TouchGuard, TouchTarget
 
 TOUCH_CHANGE = QEvent.Type(QEvent.registerEventType())
@@ -38,19 +39,26 @@ class TouchFilter(QObject):
         guard: Decides.
         stop: The button that always works.
         unlock: The button that works while the screen is locked.
+        views: Work on a screen that is too small to operate the robot, where nothing else does.
     """
 
-    # A touch came that does not count because the screen is locked.
+    # A touch came that does not count because the screen is locked, or too small.
     refused = pyqtSignal()
 
     def __init__(
-        self, window: QWidget, guard: TouchGuard, stop: QPushButton, unlock: QWidget
+        self,
+        window: QWidget,
+        guard: TouchGuard,
+        stop: QPushButton,
+        unlock: QWidget,
+        views: Sequence[QWidget] = (),
     ) -> None:
         super().__init__(window)
         self._window = window
         self.guard = guard
         self._stop = stop
         self._unlock = unlock
+        self._views = views
         self._screen: Optional[QWindow] = None
         window.installEventFilter(self)
 
@@ -114,8 +122,9 @@ class TouchFilter(QObject):
         if self.guard.touching and event.buttons() != event.button():
             self._drop(self.guard.note_second_finger())
             return self.guard.taken
-        taken = self.guard.press(self._target(event))
-        if not taken and self.guard.locked:
+        target = self._target(event)
+        taken = self.guard.press(target)
+        if not taken and (self.guard.locked or target is TouchTarget.TOO_SMALL):
             self.refused.emit()
         return taken
 
@@ -123,7 +132,12 @@ class TouchFilter(QObject):
         touched = self._window.childAt(event.pos())
         if touched is self._stop:
             return TouchTarget.STOP
-        return TouchTarget.UNLOCK if touched is self._unlock else TouchTarget.OTHER
+        if touched is self._unlock:
+            return TouchTarget.UNLOCK
+        seen = any(one is touched or one.isAncestorOf(touched) for one in self._views)
+        return (
+            TouchTarget.OTHER if seen or look_of(self._window).touchable else TouchTarget.TOO_SMALL
+        )
 
     def _drop(self, dropped: bool) -> None:
         """Let the widget that has a touch forget it, without acting."""

@@ -76,6 +76,8 @@ class TouchTarget(enum.Enum):
     STOP = "stop"
     UNLOCK = "unlock"
     OTHER = "other"
+    TOO_SMALL = "too small"
+    """What a gloved finger does not hit alone on this screen."""
 
 
 class _Touch(enum.Enum):
@@ -160,7 +162,7 @@ class TouchGuard:
         return self.note_change()
 
     def _allows(self, target: TouchTarget) -> bool:
-        if self.quiet:
+        if self.quiet or target is TouchTarget.TOO_SMALL:
             return False
         return not self.locked or target is TouchTarget.UNLOCK
 

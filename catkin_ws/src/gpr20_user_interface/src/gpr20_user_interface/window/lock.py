@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Sequence
+
 from PyQt5.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
@@ -20,7 +22,7 @@ FLASH_MS = 600
 
 
 class LockBand(TranslatedWidget):
-    """Covers the top of every tab while the screen is locked; hidden at first."""
+    """Says why touches have no effect: over the top of a locked screen, below a small one."""
 
     unlocked = pyqtSignal()
 
@@ -31,6 +33,8 @@ class LockBand(TranslatedWidget):
         self.unlock.held.connect(self.unlocked)
         self.text = QLabel()
         self.text.setObjectName("locked")
+        self.text.setWordWrap(True)
+        self.locked = False
         self._flash = QTimer(self)
         self._flash.setSingleShot(True)
         self._flash.setInterval(FLASH_MS)
@@ -45,22 +49,32 @@ class LockBand(TranslatedWidget):
         window.installEventFilter(self)
         self.retranslate()
 
-    def cover(self) -> None:
+    def show_state(self, locked: bool) -> None:
+        """Show whether the screen is locked; a screen that is too small always says so."""
+        self.locked = locked
+        self.unlock.setVisible(locked)
+        self.setVisible(locked or not look_of(self).touchable)
+        self.retranslate()
+        if self.isVisible():
+            self._cover()
+
+    def _cover(self) -> None:
         """Lie over everything that is there."""
         look, window = look_of(self), self.parentWidget()
-        self.setGeometry(0, look.px(TOP_BAR_PX), window.width(), look.px(BAND_PX))
+        height_px = look.px(BAND_PX)
+        top_px = look.px(TOP_BAR_PX) if self.locked else window.height() - height_px
+        self.setGeometry(0, top_px, window.width(), height_px)
         self.raise_()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Qt: something happens to the window."""
         if event.type() == QEvent.Type.Resize and self.isVisible():
-            self.cover()
+            self._cover()
         return super().eventFilter(watched, event)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        if self.isVisible():
-            self.cover()
+        self.show_state(self.locked)
 
     def flash(self) -> None:
         """Let the operator see why a touch does nothing."""
@@ -70,7 +84,8 @@ class LockBand(TranslatedWidget):
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
         self.unlock.setText(self.tr("HOLD TO UNLOCK"))
-        self.text.setText(self.tr("Screen locked. STOP works."))
+        small = self.tr("This screen is too small to operate the robot. Use 800x480 or larger.")
+        self.text.setText(self.tr("Screen locked. STOP works.") if self.locked else small)
 
 
 class TouchBinding(Page):
@@ -79,6 +94,7 @@ class TouchBinding(Page):
     Args:
         window: The window.
         stop: STOP, which always works.
+        views: Work on a screen that is too small to operate the robot.
         clock: Measures the time after something has opened or closed.
 
     Attributes:
@@ -86,21 +102,29 @@ class TouchBinding(Page):
         touches: Takes the touches.
     """
 
-    def __init__(self, window: QWidget, stop: QPushButton, clock: Clock) -> None:
+    def __init__(
+        self, window: QWidget, stop: QPushButton, views: Sequence[QWidget], clock: Clock
+    ) -> None:
         self._window = window
         self.band = LockBand(window)
         self.band.unlock.set_clock(clock)
         self.band.unlocked.connect(lambda: self.set_locked(False))
-        self.touches = TouchFilter(window, TouchGuard(clock), stop, self.band.unlock)
+        self.touches = TouchFilter(window, TouchGuard(clock), stop, self.band.unlock, views)
         self.touches.watch_pages()
-        self.touches.refused.connect(self.band.flash)
+        self.touches.refused.connect(self._on_refused)
 
     def set_locked(self, locked: bool) -> None:
         """Lock or unlock the screen, and show which it is."""
         self.touches.set_locked(locked)
-        self.band.setVisible(locked)
+        self.band.show_state(locked)
         for overlay in self._window.findChildren(Overlay):
             if isinstance(overlay, Overlay):
                 overlay.leave_free(BAND_PX if locked else 0)
-        if locked:
-            self.band.cover()
+
+    def _on_refused(self) -> None:
+        self.band.flash()
+        if not self.band.locked:
+            # Nothing on a small screen could close them.
+            for overlay in self._window.findChildren(Overlay):
+                if isinstance(overlay, Overlay):
+                    overlay.hide()

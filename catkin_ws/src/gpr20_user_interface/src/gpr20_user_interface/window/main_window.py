@@ -96,7 +96,8 @@ class MainWindow(TranslatedWidget):
             self._timer(MASTER_CHECK_MS, self.survey.check_master),
         ]
         self._lay_out()
-        self.touch_binding = TouchBinding(self, self.top_bar.stop, clock)
+        views = (self.top_bar, *self.rail.tabs.values())
+        self.touch_binding = TouchBinding(self, self.top_bar.stop, views, clock)
         self.rail.settings.clicked.connect(lambda: self.settings.open())
         self.rail.lock.clicked.connect(lambda: self.touch_binding.set_locked(True))
         self._refresh_after_requests()
