@@ -1,16 +1,18 @@
-"""Between the storage and MAP and RADAR: markers, related surveys, candidates, a finer plan."""
+"""Between the storage and GROUND: markers, related surveys, candidates, a finer plan."""
 
 from __future__ import annotations
 
 import uuid
 from dataclasses import dataclass
-from typing import Callable, Dict, Optional, Protocol, Set, Tuple
+from functools import singledispatchmethod
+from typing import Callable, Optional, Protocol, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.laid_over import laid_over
 from gpr20_operator.jobs.imaging import HidingMapped, ImageFocused
+from gpr20_operator.jobs.pictures import Pictures
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
@@ -87,70 +89,61 @@ class AdditionsSource(Protocol):
 
 # How often a survey is asked for again after a failure, in refreshes of 100 ms.
 RETRY_REFRESHES = 100
-# Images of other surveys are kept for their return: the one that is refined, and its finer ones.
-IMAGES_KEPT = 4
-
-
-@dataclass(frozen=True)
-class NoAdditions:
-    """What a map without anything over its stops shows."""
-
-    related: Tuple[RelatedSurvey, ...] = ()
-    plan: Optional[FinerPlan] = None
-    candidates: Tuple[Candidate, ...] = ()
-    markers: Tuple[Marker, ...] = ()
-    image: Optional[FocusedImage] = None
-    hiding: Optional[HidingMap] = None
 
 
 class AdditionsPresenter:
-    """Knows what belongs to the survey that MAP and RADAR show. Belongs to one thread.
+    """Knows what belongs to the survey that GROUND shows. Belongs to one thread.
 
     Args:
         source: The storage.
         author: Returns who makes markers now.
-        focus: Asks for the focused image of a survey, by its id and the permittivity.
+        pictures: Images and hiding maps of surveys.
+        focus: Asks for the focused image of a survey, by its id and the permittivity; returns
+            whether that was possible.
 
     Attributes:
         survey_id: The survey that is shown; empty: none.
         markers: Its markers.
         related: The surveys that refine it, and the one that it refines.
         plan: A finer survey that is planned, but did not begin yet.
-        problem: Why the last marker was not stored or removed, until it is taken.
-        revision: Changes with everything that a view shows of this.
     """
 
     def __init__(
         self,
         source: AdditionsSource,
         author: Callable[[], str],
-        focus: Callable[[str, float], None] = lambda _survey, _permittivity: None,
+        pictures: Optional[Pictures] = None,
+        focus: Callable[[str, float], object] = lambda _survey, _permittivity: True,
     ) -> None:
         self._source = source
-        self._focus = focus
         self._author = author
+        self.pictures = pictures or Pictures()
+        self._focus = focus
         self.survey_id = ""
         self.markers: Tuple[Marker, ...] = ()
         self.related: Tuple[RelatedSurvey, ...] = ()
         self.plan: Optional[FinerPlan] = None
-        self.problem: Optional[Message] = None
-        self.revision = 0
-        self._images: Dict[str, FocusedImage] = {}
-        self._hiding: Dict[str, HidingMap] = {}
+        self._problem: Optional[Message] = None
+        self._revision = 0
         self._asked_images: Set[str] = set()
         self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
         self._can_read = False
         self._due: Optional[int] = None
 
     @property
+    def revision(self) -> Tuple[int, int]:
+        """Changes with everything that a view shows of this."""
+        return self._revision, self.pictures.revision
+
+    @property
     def image(self) -> Optional[FocusedImage]:
         """The focused image of the survey that is shown; None: none yet."""
-        return self._images.get(self.survey_id)
+        return self.pictures.image(self.survey_id)
 
     @property
     def hiding(self) -> Optional[HidingMap]:
         """Where a mine could hide in the survey that is shown; None: nobody asked."""
-        return self._hiding.get(self.survey_id)
+        return self.pictures.hiding(self.survey_id)
 
     @property
     def candidates(self) -> Tuple[Candidate, ...]:
@@ -160,8 +153,8 @@ class AdditionsPresenter:
     @property
     def finer_images(self) -> Tuple[FocusedImage, ...]:
         """The images of the surveys that refine the one that is shown."""
-        finer = [one.survey_id for one in self.related if one.is_finer]
-        return tuple(self._images[one] for one in finer if one in self._images)
+        found = (self.pictures.image(one.survey_id) for one in self.related if one.is_finer)
+        return tuple(one for one in found if one is not None)
 
     @property
     def laid_image(self) -> Optional[FocusedImage]:
@@ -183,7 +176,7 @@ class AdditionsPresenter:
         """Show what belongs to another survey.
 
         Args:
-            survey_id: The survey that MAP and RADAR show; empty: none.
+            survey_id: The survey that GROUND shows; empty: none.
             can_read: Whether the storage holds it; it has none of a replay.
         """
         if (survey_id, can_read) == (self.survey_id, self._can_read):
@@ -191,7 +184,7 @@ class AdditionsPresenter:
         self.survey_id, self._can_read = survey_id, can_read
         self.markers, self.related = (), ()
         self._asked_images.clear()
-        self.revision += 1
+        self._revision += 1
         self.read_again()
 
     def read_again(self) -> None:
@@ -206,10 +199,10 @@ class AdditionsPresenter:
         if image is None:
             return
         for one in self.related:
-            known = one.survey_id in self._images or one.survey_id in self._asked_images
+            known = one.survey_id in self._asked_images or self.pictures.image(one.survey_id)
             if one.is_finer and not known:
-                self._asked_images.add(one.survey_id)
-                self._focus(one.survey_id, image.found.permittivity)
+                if self._focus(one.survey_id, image.found.permittivity) is not False:
+                    self._asked_images.add(one.survey_id)
                 return  # the next one later
 
     def refresh(self) -> None:
@@ -219,27 +212,42 @@ class AdditionsPresenter:
             if self._due <= 0:
                 self.read_again()
 
+    @singledispatchmethod
     def on_event(self, event: object) -> None:
-        """Take an event about additions or images."""
-        if isinstance(event, ImageFocused):
-            self._take_image(event.image)
-        elif isinstance(event, HidingMapped):
-            self._hiding[event.found.survey_id] = event.found
-            self.revision += 1
-        elif isinstance(event, AdditionsRead) and event.survey_id == self.survey_id:
+        """Take an event about additions or images; others are ignored."""
+
+    @on_event.register
+    def _(self, event: ImageFocused) -> None:
+        self.pictures.add_image(event.image)
+
+    @on_event.register
+    def _(self, event: HidingMapped) -> None:
+        self.pictures.add_hiding(event.found)
+
+    @on_event.register
+    def _(self, event: AdditionsRead) -> None:
+        if event.survey_id == self.survey_id:
             self.markers, self.related = event.markers, event.related
-            self.revision += 1
-        elif isinstance(event, MarkersStored) and event.survey_id == self.survey_id:
+            self._revision += 1
+
+    @on_event.register
+    def _(self, event: MarkersStored) -> None:
+        if event.survey_id == self.survey_id:
             self.markers = event.markers
-            self.revision += 1
-        elif isinstance(event, AdditionsFailed) and event.survey_id == self.survey_id:
+            self._revision += 1
+
+    @on_event.register
+    def _(self, event: AdditionsFailed) -> None:
+        if event.survey_id == self.survey_id:
             self._due = RETRY_REFRESHES
-        elif isinstance(event, MarkingFailed):
-            self.problem = event.reason
+
+    @on_event.register
+    def _(self, event: MarkingFailed) -> None:
+        self._problem = event.reason
 
     def take_problem(self) -> Optional[Message]:
         """Return why the last marker was not stored or removed, once; None: nothing failed."""
-        problem, self.problem = self.problem, None
+        problem, self._problem = self._problem, None
         return problem
 
     def add_marker(
@@ -267,13 +275,4 @@ class AdditionsPresenter:
     def keep_plan(self, plan: Optional[FinerPlan]) -> None:
         """Keep a finer survey for later; None: it has begun, or is not wanted."""
         self.plan = plan
-        self.revision += 1
-
-    def _take_image(self, image: FocusedImage) -> None:
-        # Taken out first, so that the newest ones are those that are kept.
-        self._images.pop(image.survey_id, None)
-        self._images[image.survey_id] = image
-        while len(self._images) > IMAGES_KEPT:
-            oldest = next(one for one in self._images if one != self.survey_id)
-            del self._images[oldest]
-        self.revision += 1
+        self._revision += 1

@@ -8,6 +8,7 @@ from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
@@ -45,28 +46,20 @@ class FinerPlan:
     parameters: SurveyParameters
 
     @property
-    def x_range_mm(self) -> Tuple[float, float]:
-        """First and last stop along X."""
-        return self.parameters.x_start_mm, self.parameters.x_stop_mm
-
-    @property
-    def y_range_mm(self) -> Tuple[float, float]:
-        """First and last stop along Y."""
-        return self.parameters.y_start_mm, self.parameters.y_stop_mm
+    def area(self) -> Area:
+        """From the first stop to the last one."""
+        p = self.parameters
+        return Area(p.x_start_mm, p.x_stop_mm, p.y_start_mm, p.y_stop_mm)
 
     def refined_by(self, parameters: SurveyParameters) -> str:
         """Return the id of the survey that other parameters refine; empty if they do not.
 
         Spacing and sweep may have been changed meanwhile, the area may have been made smaller.
         """
-        p = parameters
+        p, area = parameters, self.area.grown(1e-6)
         inside = all(
-            low - 1e-6 <= one <= high + 1e-6
-            for (low, high), ends in (
-                (self.x_range_mm, (p.x_start_mm, p.x_stop_mm)),
-                (self.y_range_mm, (p.y_start_mm, p.y_stop_mm)),
-            )
-            for one in ends
+            area.holds(x_mm, y_mm)
+            for x_mm, y_mm in ((p.x_start_mm, p.y_start_mm), (p.x_stop_mm, p.y_stop_mm))
         )
         return self.refines if inside else ""
 

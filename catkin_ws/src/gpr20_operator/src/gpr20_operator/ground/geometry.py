@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Iterable, Tuple
+from typing import Iterable
 
 import numpy as np
 
@@ -53,6 +53,10 @@ class Area:
             self.low_mm - margin_mm,
             self.high_mm + margin_mm,
         )
+
+    def holds(self, x_mm: float, y_mm: float) -> bool:
+        """Return whether a place is in it."""
+        return self.left_mm <= x_mm <= self.right_mm and self.low_mm <= y_mm <= self.high_mm
 
 
 def survey_area(xs_mm: np.ndarray, ys_mm: np.ndarray) -> Area:
@@ -112,15 +116,16 @@ class Division:
     above_px: int
 
 
-def divided(area: Area, width_px: int, height_px: int) -> Division:
+def divided(width_mm: float, height_mm: float, width_px: int, height_px: int) -> Division:
     """Return the division in which the view from above, true to scale, leaves the least unused.
 
     Args:
-        area: What the view from above shows.
+        width_mm: Width of what the view from above shows.
+        height_mm: Height of that.
         width_px: Width of the room for all pictures.
         height_px: Height of that room.
     """
-    shape = max(area.width_mm, 1e-6) / max(area.height_mm, 1e-6)
+    shape = max(width_mm, 1e-6) / max(height_mm, 1e-6)
     found = []
     for beside, along_px, across_px, part in (
         (True, width_px, height_px, shape),
@@ -133,80 +138,3 @@ def divided(area: Area, width_px: int, height_px: int) -> Division:
         found.append((unused * above_px * across_px, not beside, round(above_px)))
     _unused, below, above_px = min(found)
     return Division(not below, above_px)
-
-
-@dataclass(frozen=True)
-class MapGeometry:
-    """The survey area in a widget, to scale, X to the right and Y up.
-
-    Args:
-        area: The stops, each with its share of the ground around it.
-        shown: All that is drawn: the stops, and what is shown around them.
-        left_px: Where the left edge of the area is drawn.
-        bottom_px: Where its lower edge is drawn.
-        px_per_mm: Scale, the same in both directions.
-    """
-
-    area: Area
-    shown: Area
-    left_px: float
-    bottom_px: float
-    px_per_mm: float
-
-    def to_screen(self, x_mm: float, y_mm: float) -> Tuple[float, float]:
-        """Return where a place is drawn [px]."""
-        return (
-            self.left_px + (x_mm - self.area.left_mm) * self.px_per_mm,
-            self.bottom_px - (y_mm - self.area.low_mm) * self.px_per_mm,
-        )
-
-    def to_ground(self, x_px: float, y_px: float) -> Tuple[float, float]:
-        """Return the place that is drawn there [mm]."""
-        return (
-            self.area.left_mm + (x_px - self.left_px) / self.px_per_mm,
-            self.area.low_mm + (self.bottom_px - y_px) / self.px_per_mm,
-        )
-
-    def clamped(self, x_mm: float, y_mm: float) -> Tuple[float, float, bool]:
-        """Return the nearest place in the area, and whether that is the place itself."""
-        x = min(max(x_mm, self.area.left_mm), self.area.right_mm)
-        y = min(max(y_mm, self.area.low_mm), self.area.high_mm)
-        return x, y, (x, y) == (x_mm, y_mm)
-
-
-def fit(
-    xs_mm: np.ndarray,
-    ys_mm: np.ndarray,
-    screen_px: Tuple[float, float, float, float],
-    around: Iterable[Area] = (),
-) -> MapGeometry:
-    """Return the largest drawing of the stops, each with its share of the ground around it.
-
-    Args:
-        xs_mm: Columns, evenly spaced.
-        ys_mm: Rows, evenly spaced.
-        screen_px: Left, top, width and height of the room for it.
-        around: Areas of other surveys that should be seen too, unless the stops would become
-            too small.
-    """
-    own = Area(*_span(xs_mm, ys_mm), *_span(ys_mm, xs_mm))
-    shown = shown_area(own, around)
-    left_px, top_px, room_width_px, room_height_px = screen_px
-    scale = max(min(room_width_px / shown.width_mm, room_height_px / shown.height_mm), 1e-6)
-    return MapGeometry(
-        own,
-        shown,
-        left_px
-        + (room_width_px - shown.width_mm * scale) / 2.0
-        + (own.left_mm - shown.left_mm) * scale,
-        top_px
-        + (room_height_px + shown.height_mm * scale) / 2.0
-        - (own.low_mm - shown.low_mm) * scale,
-        scale,
-    )
-
-
-def _span(places_mm: np.ndarray, others_mm: np.ndarray) -> Tuple[float, float]:
-    spacing_mm = share_mm(places_mm, others_mm)
-    lowest_mm, highest_mm = float(places_mm.min()), float(places_mm.max())
-    return lowest_mm - spacing_mm / 2.0, highest_mm + spacing_mm / 2.0

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import List
 
 import numpy as np
-from PyQt5.QtGui import qRgb, qRgba
 
 from gpr20_operator.ground.records import Colours
 
 # A picture has a number per pixel: that of a shade, or this one where nothing was measured.
 NOT_MEASURED = 255
 LAST_SHADE = NOT_MEASURED - 1
-TRANSPARENT = qRgba(0, 0, 0, 0)
 # What is written over a dark picture, in both themes.
 NOTICE_INK, NOTICE_GROUND = "#ffffff", "#2b0138"
 
@@ -40,17 +37,6 @@ def colour_table(colours: Colours) -> np.ndarray:
         table[: LAST_SHADE + 1, channel] = np.rint(found)
     table[: LAST_SHADE + 1, 3] = 255
     return table
-
-
-@lru_cache(maxsize=None)
-def shade_colours(colours: Colours) -> List[int]:
-    """Return the colour of each number of a picture; what was not measured is transparent."""
-    stops = np.array([list(bytes.fromhex(one)) for one in _STOPS[colours].split()], np.float64)
-    places = np.linspace(0.0, len(stops) - 1.0, LAST_SHADE + 1)
-    numbers = np.arange(len(stops))
-    channels = [np.interp(places, numbers, stops[:, one]) for one in range(3)]
-    shades = [qRgb(*(round(one) for one in pixel)) for pixel in zip(*channels)]
-    return [*shades, TRANSPARENT]
 
 
 def shade_numbers(shades: np.ndarray, signed: bool) -> np.ndarray:

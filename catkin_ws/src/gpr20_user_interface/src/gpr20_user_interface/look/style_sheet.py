@@ -165,7 +165,7 @@ QPushButton:disabled, QPushButton#start:disabled, QPushButton#stop:disabled,
 QPushButton#choice:disabled {{ {css(TextColours.DISABLED)}
     border-style: dashed; }}
 QPushButton#ground_key {{ {css(TextColours.ARROW)} font-size: {px(TEXT_PX - 2)}px;
-    padding: 0 {px(2)}px; }}
+    padding: 0; min-width: {px(48) - 2 * frame}px; min-height: {px(48) - 2 * frame}px; }}
 QPushButton#ground_key:checked {{ {css(TextColours.CHOSEN)} }}
 QPushButton#ground_key:pressed {{ {css(TextColours.PRESSED)} }}
 QPushButton#ground_key:disabled {{ {css(TextColours.DISABLED)} }}

@@ -12,7 +12,7 @@ from PyQt5.QtGui import QColor, QImage, QPainter
 
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.geometry import Area, share_mm, shown_area, survey_area
-from gpr20_operator.ground.grid import Stop, SurveyGrid
+from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.map_model import MapModel
 from gpr20_operator.ground.records import Colours, Picture
 from gpr20_survey.results.hiding_map import MM_PER_M, HidingMap
@@ -55,24 +55,28 @@ def _tiles() -> np.ndarray:
     y, x = np.mgrid[:TILE_PX, :TILE_PX]
     rising, falling = (x + y) % 8, (x - y) % 8
     tiles = np.zeros((len(Cell), TILE_PX, TILE_PX), np.uint8)
-    # Missing: empty, with dots. Loading: empty, with dashes.
+    # Missing: empty, with dots.
     tiles[Cell.MISSING] = np.where((x % 8 < 2) & (y % 8 < 2), _no(Mark.STOP_MISSING), _PAPER)
-    tiles[Cell.LOADING] = np.where((x % 16 < 11) & (y % 8 < 2), _no(Mark.STOP_DONE), _PAPER)
     # Partly: half of it is done. Failed: a lattice.
     tiles[Cell.PARTLY] = np.where(rising < 4, _no(Mark.STOP_DONE), _no(Mark.STOP_PARTLY))
     tiles[Cell.DONE] = _no(Mark.STOP_DONE)
     tiles[Cell.FAILED] = np.where(np.minimum(rising, falling) < 2, _PAPER, _no(Mark.STOP_FAILED))
-    # Over whatever is below, so each line has a rim.
-    for cell, place in ((Cell.HIDING, (x + y) % 16), (Cell.HIDING_SHALLOW, rising)):
-        tiles[cell] = np.select([place < 2, place < 4], [_no(Mark.INK), _PAPER], 0)
+    # Over whatever is below, so each line has a rim: dashes and diagonals.
+    for cell, line in (
+        (Cell.LOADING, np.where(x < 11, y % 8, TILE_PX)),
+        (Cell.HIDING, (x + y) % 16),
+        (Cell.HIDING_SHALLOW, rising),
+    ):
+        tiles[cell] = np.select([line < 2, line < 4], [_no(Mark.INK), _PAPER], 0)
     return tiles
 
 
 def _no(mark: Mark) -> int:
-    return mark.value
+    return MARKS.index(mark) + 1
 
 
-_PAPER = Mark.PAPER.value
+MARKS = tuple(Mark)
+_PAPER = _no(Mark.PAPER)
 TILES = _tiles()
 
 
@@ -89,9 +93,6 @@ class GroundPicture(Plot):
 
     Args:
         interactive: Whether it takes touches.
-
-    Attributes:
-        hiding: Where a mine could hide; None: that is not shown.
     """
 
     # A place that was touched, X and Y in mm: no mark is near.
@@ -108,9 +109,9 @@ class GroundPicture(Plot):
         self._failed: List[Tuple[float, float]] = []
         self._frames: Tuple[Frame, ...] = ()
         self._carriage_mm: Optional[Tuple[float, float]] = None
-        self._chosen_mm: Optional[Tuple[float, float]] = None
-        self.hiding: Optional[HidingMap] = None
-        self._hatching: Tuple[object, Optional[QImage]] = (None, None)
+        self._loading: Optional[np.ndarray] = None
+        self._hiding: Optional[HidingMap] = None
+        self._patterns: Dict[str, Tuple[object, QImage]] = {}
 
     @property
     def cells(self) -> Optional[np.ndarray]:
@@ -125,10 +126,7 @@ class GroundPicture(Plot):
             self.set_extent(QRectF(left, low, right - left, high - low))
 
     def show_coverage(
-        self,
-        model: MapModel,
-        loading: Optional[np.ndarray] = None,
-        states: bool = True,
+        self, model: MapModel, loading: Optional[np.ndarray] = None, states: bool = True
     ) -> None:
         """Draw the states of the stops.
 
@@ -138,26 +136,35 @@ class GroundPicture(Plot):
             states: Whether states are shown; else only what is not there.
         """
         grid, found = model.grid, model.stop_states
-        self._current = self._place_of(grid, model.current)
-        shown = (model, model.revision, states)
         if grid is not self._grid:
             self._grid = grid
             self._fit()
-        if shown == self._cells_of and loading is None:
-            self.viewport().update()
-            return
-        self._cells_of = shown if loading is None else None
-        self._cells, self._failed = None, []
-        if grid is not None and found is not None:
+        stop = model.current
+        self._current = None
+        if grid is not None and stop is not None:
+            self._current = float(grid.xs_mm[stop.column]), float(grid.ys_mm[stop.row])
+        self._loading = None
+        if grid is not None and loading is not None:
             order = ascending(grid)
-            cells = found if states else np.where(found == StopState.DONE, Cell.BLANK, found)
-            if loading is not None:
-                cells = np.where(loading, Cell.LOADING, cells)
-            self._cells = cells[order].astype(np.uint8)
-            rings = np.argwhere(found == StopState.FAILED)[:MAX_RINGS] if states else ()
-            self._failed = [(grid.xs_mm[column], grid.ys_mm[row]) for row, column in rings]
-        self.resetCachedContent()
+            self._loading = np.where(loading, Cell.LOADING, Cell.BLANK)[order].astype(np.uint8)
+        shown = (model, model.revision, states)
+        if shown != self._cells_of:
+            self._cells_of = shown
+            self._take_states(grid, found, states)
+            self.resetCachedContent()
         self.viewport().update()
+
+    def _take_states(
+        self, grid: Optional[SurveyGrid], found: Optional[np.ndarray], states: bool
+    ) -> None:
+        self._cells, self._failed = None, []
+        if grid is None or found is None:
+            return
+        cells = found if states else np.where(found == StopState.DONE, Cell.BLANK, found)
+        self._cells = cells[ascending(grid)].astype(np.uint8)
+        if states:
+            rings = np.argwhere(found == StopState.FAILED)[:MAX_RINGS]
+            self._failed = [(grid.xs_mm[column], grid.ys_mm[row]) for row, column in rings]
 
     def set_frames(self, frames: Sequence[Frame]) -> None:
         """Frame other surveys and those that are planned."""
@@ -165,16 +172,17 @@ class GroundPicture(Plot):
             self._frames = tuple(frames)
             self._fit()
 
+    def set_hiding(self, found: Optional[HidingMap]) -> None:
+        """Hatch where a mine could hide; None: nowhere."""
+        if found is not self._hiding:
+            self._hiding = found
+            self.viewport().update()
+
     def set_carriage(self, place_mm: Optional[Tuple[float, float]]) -> None:
         """Note where the antennas are [mm]; None: not known."""
         if place_mm != self._carriage_mm:
             self._carriage_mm = place_mm
             self.viewport().update()
-
-    def set_chosen(self, place_mm: Optional[Tuple[float, float]]) -> None:
-        """Frame the stop that was touched [mm]; None: none."""
-        self._chosen_mm = place_mm
-        self.viewport().update()
 
     def _fit(self) -> None:
         """Show the survey, with the others around it."""
@@ -193,14 +201,6 @@ class GroundPicture(Plot):
         else:
             self.place_touched.emit(*self.to_data(place))
 
-    @staticmethod
-    def _place_of(
-        grid: Optional[SurveyGrid], stop: Optional[Stop]
-    ) -> Optional[Tuple[float, float]]:
-        if grid is None or stop is None:
-            return None
-        return float(grid.xs_mm[stop.column]), float(grid.ys_mm[stop.row])
-
     def _paint_below(self, painter: QPainter, look: Look) -> None:
         if self._grid is None or self._cells is None:
             return
@@ -211,7 +211,7 @@ class GroundPicture(Plot):
         painter.drawRect(self._pixels_of(area))
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
-        self._paint_hiding(painter, look)
+        self._paint_patterns(painter, look)
         for one in self._frames:
             for pen in rimmed(look, Mark.CURRENT if one.planned else Mark.INK, 3):
                 if one.planned:
@@ -224,21 +224,28 @@ class GroundPicture(Plot):
             for place_mm in self._failed:
                 painter.drawEllipse(self.to_screen(*place_mm), radius, radius)
         self._paint_stop(painter, look, self._current, Mark.CURRENT)
-        self._paint_stop(painter, look, self._chosen_mm, Mark.SELECTED)
         # Below the marks: it must not hide a candidate.
         self._paint_carriage(painter, look)
 
-    def _paint_hiding(self, painter: QPainter, look: Look) -> None:
-        """Hatch where a mine could hide, the more densely the shallower; drawn after a change."""
-        found = self.hiding
-        if found is None:
-            return
-        state = (id(found), self.to_screen(0.0, 0.0), self.to_screen(1.0, 1.0), self.size(), look)
-        if self._hatching[0] != state:
-            cells, area = hiding_cells(found)
-            self._hatching = state, cells_image(self, cells, area, look)
-        if self._hatching[1] is not None:
-            painter.drawImage(0, 0, self._hatching[1])
+    def _paint_patterns(self, painter: QPainter, look: Look) -> None:
+        """Hatch what is loading and where a mine could hide, the more densely the shallower."""
+        if self._loading is not None and self._grid is not None:
+            area = survey_area(self._grid.xs_mm, self._grid.ys_mm)
+            self._paint_over(painter, look, "loading", self._loading, area)
+        if self._hiding is not None:
+            self._paint_over(painter, look, "hiding", *hiding_cells(self._hiding))
+
+    def _paint_over(
+        self, painter: QPainter, look: Look, name: str, cells: np.ndarray, area: Area
+    ) -> None:
+        """Paint patterns over the image; they are made again only after a change."""
+        ends = self.to_screen(area.left_mm, area.low_mm), self.to_screen(area.right_mm, 0.0)
+        state = (cells.tobytes(), ends, self.size(), look)
+        known = self._patterns.get(name)
+        if known is None or known[0] != state:
+            known = state, cells_image(self, cells, area, look)
+            self._patterns[name] = known
+        painter.drawImage(0, 0, known[1])
 
     def _paint_stop(
         self, painter: QPainter, look: Look, place_mm: Optional[Tuple[float, float]], mark: Mark
@@ -344,6 +351,15 @@ def cells_image(
     return image.copy()  # its own memory
 
 
+def pattern_image(cell: Cell, size_px: int, look: Look) -> QImage:
+    """Return a square of a pattern, for a legend."""
+    at = np.arange(size_px) % TILE_PX
+    pixels = _inks(look)[TILES[cell][at][:, at]]
+    pixels[[0, -1]] = pixels[:, [0, -1]] = QColor(look.colour(Mark.BORDER)).rgba()
+    image = QImage(pixels.tobytes(), size_px, size_px, 4 * size_px, QImage.Format.Format_ARGB32)
+    return image.copy()  # its own memory
+
+
 def _places(
     first: float, last: float, size_px: int, begin: float, length: float, count: int
 ) -> np.ndarray:
@@ -354,7 +370,5 @@ def _places(
 
 
 def _inks(look: Look) -> np.ndarray:
-    colours: Dict[int, int] = {mark.value: QColor(look.colour(mark)).rgba() for mark in Mark}
-    inks = np.zeros(max(colours) + 1, np.uint32)
-    inks[list(colours)] = list(colours.values())
-    return inks
+    colours = [QColor(look.colour(mark)).rgba() for mark in MARKS]
+    return np.array([0, *colours], np.uint32)

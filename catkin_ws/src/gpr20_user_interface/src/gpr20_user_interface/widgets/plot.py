@@ -121,6 +121,7 @@ class Plot(pyqtgraph.GraphicsView):
     touched = pyqtSignal(float, float)
     dragged = pyqtSignal(float, float)
     double_tapped = pyqtSignal()
+    pressed = pyqtSignal()
     # What is shown of both axes has changed.
     moved = pyqtSignal()
 
@@ -312,6 +313,8 @@ class Plot(pyqtgraph.GraphicsView):
             return
         self._pressed = self._finger = event.localPos()
         self._pressed_ms = event.timestamp()
+        self._begin_drag(event.localPos())
+        self.pressed.emit()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: a finger comes again soon."""
@@ -366,6 +369,9 @@ class Plot(pyqtgraph.GraphicsView):
         middle = self._centre or self._middle()
         self.centre_on(middle.x() + before[0] - after[0], middle.y() + before[1] - after[1])
         self.zoom_by(pinch.scaleFactor(), QPointF(centre))
+
+    def _begin_drag(self, place: QPointF) -> None:
+        """Note where a finger has come."""
 
     def _touch(self, place: QPointF) -> None:
         self.touched.emit(*self.to_data(place))

@@ -22,8 +22,7 @@ class TabName(enum.Enum):
     """The tabs, in their order; the values are the names of their signs."""
 
     SURVEY = "survey"
-    MAP = "ground"
-    RADAR = "replay"
+    GROUND = "ground"
     SURVEYS = "surveys"
     ROBOT = "robot"
 
@@ -97,8 +96,7 @@ class Rail(TranslatedWidget):
         """Write the texts in the language of the application."""
         titles = {
             TabName.SURVEY: self.tr("Survey"),
-            TabName.MAP: self.tr("MAP"),
-            TabName.RADAR: self.tr("RADAR"),
+            TabName.GROUND: self.tr("Ground"),
             TabName.SURVEYS: self.tr("Stored"),
             TabName.ROBOT: self.tr("ROBOT"),
         }

@@ -1,1 +1,1 @@
-"""MAP and RADAR: the ground from above and in sections."""
+"""GROUND: the survey from above, its sections and what belongs to it."""

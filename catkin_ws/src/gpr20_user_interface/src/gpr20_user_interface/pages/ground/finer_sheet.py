@@ -141,7 +141,7 @@ class FinerSheet(Overlay):
         for key, size_mm in zip(self.sizes, SIZES_MM):
             key.setChecked(size_mm == self._size_mm)
         self.spacing.setText(f"{self._spacing_mm:g} mm")
-        self.use.setText(self.tr("Keep for later") if self._running else self.tr("To CONTROL"))
+        self.use.setText(self.tr("Keep for later") if self._running else self.tr("To the plan"))
         self.use.setEnabled(self.plan is not None)
         self.figures.setText(self._problem if self.plan is None else self._figures(self.plan))
         self.note.setText(self._note())

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Optional
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout
 
-from gpr20_operator.ground.additions import NoAdditions
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.condition import condition_of, left_of
@@ -15,7 +14,7 @@ from gpr20_operator.robot.job import area_of, line_of, percent_of, survey_name
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
-from gpr20_user_interface.pages.ground.map_canvas import MapCanvas
+from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import ASKING
@@ -52,9 +51,7 @@ class JobPage(TranslatedWidget, Page):
         self.remedy = QLabel()
         self.remedy.setObjectName("first")
         self.remedy.setWordWrap(True)
-        self.map = MapCanvas(traces.running.map, NoAdditions())
-        self.map.setMinimumSize(1, 1)
-        self.map.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.map = GroundPicture(interactive=False)
         self.plan = new_button(self.plan_pressed.emit)
         self.notes = new_button(self.notes_pressed.emit)
         self.card = new_button(self.card_pressed.emit)
@@ -113,7 +110,7 @@ class JobPage(TranslatedWidget, Page):
         state = model, model.revision, model.current
         if self.isVisible() and state != self._drawn:
             self._drawn = state
-            self.map.set_model(model)
+            self.map.show_coverage(model)
 
     def _lay_out(self) -> None:
         self.percent.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignLeft)

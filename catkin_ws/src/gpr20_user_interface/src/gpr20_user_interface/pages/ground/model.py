@@ -1,0 +1,487 @@
+"""The GROUND page without its widgets: what is chosen, where the crosshair is, what is shown."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import math
+from dataclasses import dataclass
+from typing import FrozenSet, Optional, Tuple, Union
+
+import numpy as np
+
+from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.grid import Cell, Stop
+from gpr20_operator.ground.pictures import DEPTH_STEP_M
+from gpr20_operator.ground.records import Axis, Curve, Picture, Place, RadarSettings
+from gpr20_operator.ground.shown_survey import ShownSurvey
+from gpr20_operator.ground.sources import EchoSource, FocusedSource, RadarSource
+from gpr20_survey.plan.markers import Marker
+from gpr20_survey.radar.depth import (
+    delay_of_depth,
+    depth_of_delay_m,
+    one_way_path_m,
+    two_way_delay_s,
+)
+from gpr20_survey.radar.hyperbola import Hyperbola
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_user_interface.widgets.ground_picture import GroundMark, MarkKind
+
+# What is nearer than this to a slice or section lies in it.
+NEAR_MM = 25.0
+# Points of the hyperbola that are drawn.
+HYPERBOLA_POINTS = 81
+
+Found = Union[Candidate, Marker]
+
+
+class Layer(enum.Enum):
+    """What is drawn of the ground from above; of both images one at most."""
+
+    COVERAGE = "coverage"
+    ECHOES = "echoes"
+    FOCUSED = "focused"
+    CANDIDATES = "candidates"
+    MARKERS = "markers"
+    HIDING = "hiding"
+
+
+ALL_LAYERS = frozenset(Layer) - {Layer.FOCUSED}
+IMAGES = frozenset({Layer.ECHOES, Layer.FOCUSED})
+
+
+class Grip(enum.Enum):
+    """What of the hyperbola is dragged."""
+
+    APEX = "apex"
+    FLANK = "flank"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The pictures at a moment; None: nothing to show.
+
+    Attributes:
+        level_db: Level at the crosshair [dB above noise].
+        curve: The trace at the crosshair.
+        sections: The sections through the crosshair, along each axis that was asked for.
+        above: The image from above, at the depth of the crosshair.
+    """
+
+    level_db: Optional[float]
+    curve: Optional[Curve]
+    sections: Tuple[Optional[Picture], ...]
+    above: Optional[Picture]
+
+
+class GroundModel:
+    """Belongs to one thread.
+
+    Until the operator chooses a place, the crosshair follows the trace that came last; in a
+    focused image, and once everything is measured, it is at the first candidate.
+
+    Args:
+        survey: What is shown.
+        additions: What belongs to it besides its traces.
+
+    Attributes:
+        settings: How echoes are shown.
+        layers: What is drawn from above.
+        mark: The candidate or marker that was touched; None: a place, or nothing.
+        hyperbola: The hyperbola that is being fitted.
+    """
+
+    def __init__(self, survey: ShownSurvey, additions: AdditionsPresenter) -> None:
+        self.additions = additions
+        self.settings = RadarSettings()
+        self.layers: FrozenSet[Layer] = ALL_LAYERS
+        self._focused: Optional[FocusedSource] = None
+        self._planned_permittivity: Optional[float] = None
+        self.show_survey(survey)
+
+    def show_survey(self, survey: ShownSurvey) -> None:
+        """Show another survey."""
+        self.survey = survey
+        self._echoes = EchoSource(survey.radar)
+        self._forget("")
+
+    def notice_survey(self) -> None:
+        """Begin again if another survey has begun, and leave a mark that is gone."""
+        if self.survey.survey_id != self._survey_id:
+            self._forget(self.survey.survey_id)
+        grid = self.survey.radar.grid
+        if grid is not None and self.settings.polarization >= len(grid.rotations_deg):
+            self.change(polarization=0)
+        marks = (*self.additions.candidates, *self.additions.markers)
+        if self.mark is not None and self.mark not in marks:
+            self.mark = self._chosen = None
+
+    def _forget(self, survey_id: str) -> None:
+        self._survey_id = survey_id
+        self._chosen: Optional[Place] = None
+        self.mark: Optional[Found] = None
+        self.hyperbola: Optional[Hyperbola] = None
+
+    @property
+    def state(self) -> Tuple[object, ...]:
+        """Everything that the pictures depend on."""
+        shown = self.survey
+        return (
+            *(shown, shown.map.revision, shown.map.current, shown.radar.revision),
+            *(self.settings, self.layers, self._chosen, self.mark, self.hyperbola),
+            *(self.additions.revision, id(self.additions.laid_image)),
+        )
+
+    @property
+    def image(self) -> Optional[FocusedImage]:
+        """The focused image of the survey that is shown; None: none yet."""
+        return self.additions.laid_image
+
+    @property
+    def shows_focused(self) -> bool:
+        """Whether the pictures are those of the focused image."""
+        return Layer.FOCUSED in self.layers and self.image is not None
+
+    @property
+    def is_loading(self) -> bool:
+        """Whether stored traces that would be drawn are not here yet."""
+        waiting = self.survey.loading.waiting
+        number = self.settings.polarization
+        return not self.shows_focused and bool(waiting[number : number + 1].any())
+
+    @property
+    def is_partial(self) -> bool:
+        """Whether a part of the survey is not measured."""
+        counts = self.survey.map.counts()
+        return counts is None or counts[StopState.DONE] < sum(counts.values())
+
+    @property
+    def _source(self) -> RadarSource:
+        image = self.image
+        if image is None or not self.shows_focused:
+            return self._echoes
+        before = self._focused
+        if before is not None and before.image is image:
+            return before
+        same = before is not None and before.image.survey_id == image.survey_id
+        focused = FocusedSource(image, before.steady if same and before is not None else None)
+        self._focused = focused
+        return focused
+
+    def pictures(self, alongs: Tuple[Axis, ...]) -> Shown:
+        """Return what is shown now.
+
+        Args:
+            alongs: The directions of the sections.
+        """
+        source, settings, place = self._source, self.settings, self.place
+        above = source.slice(settings) if self.layers & IMAGES else None
+        if above is not None and self.is_loading:
+            above = self._coarse(above)
+        if place is None:
+            return Shown(None, None, (None,) * len(alongs), above)
+        sections = tuple(
+            source.line(place, dataclasses.replace(settings, along=one)) for one in alongs
+        )
+        level_db, curve = source.level_db(place, settings), source.curve(place, settings)
+        return Shown(level_db, curve, sections, above)
+
+    def _coarse(self, picture: Picture) -> Picture:
+        """Return a picture in which stops that are not loaded look like one near them."""
+        loading, grid = self.survey.loading, self.survey.map.grid
+        if grid is None or loading.step < 2:
+            return picture
+        rows, columns = (
+            np.arange(count)[:: 1 if places[0] <= places[-1] else -1]
+            for count, places in zip(grid.shape, (grid.ys_mm, grid.xs_mm))
+        )
+        waits = loading.waiting[self.settings.polarization][rows][:, columns]
+        at_row = np.argsort(rows)[rows // loading.step * loading.step]
+        at_column = np.argsort(columns)[columns // loading.step * loading.step]
+        near = picture.shades[at_row][:, at_column]
+        return dataclasses.replace(picture, shades=np.where(waits, near, picture.shades))
+
+    @property
+    def follows(self) -> bool:
+        """Whether the crosshair follows the trace that came last."""
+        return self._chosen is None
+
+    @property
+    def place(self) -> Optional[Place]:
+        """Where the crosshair is; None before the first trace."""
+        if self._chosen is not None:
+            return self._source.nearest(self._chosen)
+        candidates = self.additions.candidates
+        if candidates and (self.shows_focused or not self.is_partial):
+            # The newest stop may not be in the image yet.
+            return self._source.nearest(Place(candidates[0].x_mm, candidates[0].y_mm))
+        radar = self.survey.radar
+        # Of this polarization: the other one may not be measured yet at the newest stop.
+        latest = radar.latest_of.get(self.settings.polarization, radar.latest)
+        if radar.grid is None or latest is None:
+            return None
+        return self._source.nearest(self._place_of(latest.stop))
+
+    @property
+    def stop(self) -> Optional[Stop]:
+        """The stop nearest to the crosshair."""
+        grid, place = self.survey.map.grid, self._chosen or self.place
+        if grid is None or place is None:
+            return None
+        return grid.closest_stop(place.x_mm, place.y_mm)
+
+    @property
+    def cell(self) -> Optional[Cell]:
+        """The trace of the crosshair."""
+        return None if self.stop is None else Cell(self.stop, self.settings.polarization)
+
+    @property
+    def point(self) -> Optional[Tuple[float, float, Optional[float]]]:
+        """What a marker or a finer survey is for: X, Y and depth [mm]; depth None: not known."""
+        if self.mark is not None:
+            return self.mark.x_mm, self.mark.y_mm, self.mark.depth_mm
+        place = self.place or self._chosen
+        if place is None:
+            return None
+        depth_mm = self.settings.depth_m * 1000.0 if self.layers & IMAGES else None
+        return place.x_mm, place.y_mm, depth_mm
+
+    def choose_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
+        """Move the crosshair to a place; depth None: as deep as it is."""
+        self.mark = None
+        place = Place(x_mm, y_mm)
+        self._chosen = self._source.nearest(place) or place
+        if depth_mm is not None:
+            self.set_depth(depth_mm / 1000.0)
+
+    def choose_mark(self, mark: Found) -> None:
+        """Move the crosshair to a candidate or a marker."""
+        self.choose_place(mark.x_mm, mark.y_mm, mark.depth_mm)
+        self.mark = mark
+
+    def choose_next_candidate(self) -> None:
+        """Go to the candidate after the one that is chosen."""
+        candidates = self.additions.candidates
+        if candidates:
+            known = self.mark in candidates
+            number = candidates.index(self.mark) + 1 if known else 0  # type: ignore[arg-type]
+            self.choose_mark(candidates[number % len(candidates)])
+
+    def choose_next_problem(self) -> None:
+        """Go to the unfinished stop after the one that is chosen."""
+        after = None if self.follows else self.stop
+        stop = self.survey.map.next_problem(after)
+        if stop is not None:
+            place = self._place_of(stop)
+            self.choose_place(place.x_mm, place.y_mm)
+
+    def follow(self, follows: bool) -> None:
+        """Let the crosshair follow the trace that came last, or stay where it is."""
+        self.mark, self._chosen = None, None if follows else self.place
+
+    def touch_section(self, along: Axis, across_mm: float, second: float, axis: Axis) -> None:
+        """Move the crosshair to a place of a section.
+
+        Args:
+            along: Direction of the section.
+            across_mm: Place along it [mm].
+            second: Depth [mm] or delay [ns].
+            axis: What the second one is.
+        """
+        place = self.place
+        if place is not None:
+            x_mm = across_mm if along is Axis.X_MM else place.x_mm
+            y_mm = place.y_mm if along is Axis.X_MM else across_mm
+            self.choose_place(x_mm, y_mm)
+        self.touch_depth(second, axis)
+
+    def touch_depth(self, second: float, axis: Axis) -> None:
+        """Move the crosshair to a depth [mm] or delay [ns]."""
+        depth_m = self._depth_m(second, axis)
+        if depth_m is not None:
+            self.mark = None
+            self.set_depth(depth_m)
+
+    def _place_of(self, stop: Stop) -> Place:
+        grid = self.survey.map.grid
+        if grid is None:
+            raise ValueError("a stop has a place only in a plan")
+        return Place(float(grid.xs_mm[stop.column]), float(grid.ys_mm[stop.row]))
+
+    def switch(self, layer: Layer) -> None:
+        """Show or hide a layer; an image takes the place of the other one."""
+        if layer in self.layers:
+            self.layers -= {layer}
+        else:
+            self.layers = (self.layers - IMAGES if layer in IMAGES else self.layers) | {layer}
+
+    def change(self, **changes: object) -> None:
+        """Change some of the settings, by their names."""
+        self.settings = dataclasses.replace(self.settings, **changes)  # type: ignore[arg-type]
+        if "permittivity" in changes:
+            self.set_depth(self.settings.depth_m)
+
+    def take_plan(self, permittivity: Optional[float]) -> None:
+        """Use the soil of the plan when it changes; None: it is wrong, keep the last one.
+
+        A soil that is chosen here after that stays until the plan has another one.
+        """
+        if permittivity is not None and permittivity != self._planned_permittivity:
+            self._planned_permittivity = permittivity
+            self.change(permittivity=permittivity)
+
+    def next_polarization(self) -> None:
+        """Show the next antenna rotation."""
+        grid = self.survey.radar.grid
+        count = 1 if grid is None else len(grid.rotations_deg)
+        self.change(polarization=(self.settings.polarization + 1) % count)
+
+    @property
+    def deepest_m(self) -> Optional[float]:
+        """The largest depth that can be chosen [m]; None while no depth is known."""
+        return self._source.deepest_m(self.settings)
+
+    def set_depth(self, depth_m: float) -> None:
+        """Move crosshair and view from above to a depth [m], on a step, as far as is shown."""
+        deepest = self.deepest_m
+        steps = round(depth_m / DEPTH_STEP_M)
+        last = steps if deepest is None else int(deepest / DEPTH_STEP_M + 1e-6)
+        depth_m = round(max(0, min(steps, last)) * DEPTH_STEP_M, 4)
+        self.settings = dataclasses.replace(self.settings, depth_m=depth_m)
+
+    def step_depth(self, steps: int) -> None:
+        """Move the depth by steps."""
+        self.mark = None
+        self.set_depth(self.settings.depth_m + steps * DEPTH_STEP_M)
+
+    def _depth_m(self, second: float, axis: Axis) -> Optional[float]:
+        if axis is Axis.DEPTH_MM:
+            return second / 1000.0
+        height_m = self.survey.radar.typical_height_m()
+        if not math.isfinite(height_m):
+            return None
+        return depth_of_delay_m(second * 1e-9, height_m, self.settings.permittivity)
+
+    def second_of(self, depth_m: float, axis: Axis) -> Optional[float]:
+        """Return where a depth [m] is on a second axis; None if it is not known."""
+        if axis is Axis.DEPTH_MM:
+            return depth_m * 1000.0
+        height_m = self.survey.radar.typical_height_m()
+        if not math.isfinite(height_m):
+            return None
+        return float(delay_of_depth(depth_m, height_m, self.settings.permittivity)) * 1e9
+
+    def marks_above(self) -> Tuple[GroundMark, ...]:
+        """Return what is marked from above; what must not be overlooked comes last."""
+        depth_mm = self.settings.depth_m * 1000.0
+        images = bool(self.layers & IMAGES)
+        found = []
+        for one in self._marked():
+            near = not images or one.depth_mm is None or abs(one.depth_mm - depth_mm) <= NEAR_MM
+            # A candidate that is not doubtful has its number at every depth.
+            sure = isinstance(one, Candidate) and not one.is_doubtful
+            found.append(self._mark(one, one.x_mm, one.y_mm, near or sure or one == self.mark))
+        return tuple(found)
+
+    def marks_in_section(self, along: Axis) -> Tuple[GroundMark, ...]:
+        """Return what is marked in the section along an axis; what is far from it is left out."""
+        place = self.place
+        if place is None or self.hyperbola is not None:
+            # Nothing lies over the hyperbola while it is fitted.
+            return ()
+        found = []
+        for one in self._marked():
+            away_mm, across_mm = one.y_mm - place.y_mm, one.x_mm
+            if along is Axis.Y_MM:
+                away_mm, across_mm = one.x_mm - place.x_mm, one.y_mm
+            if abs(away_mm) <= NEAR_MM and one.depth_mm is not None:
+                found.append(self._mark(one, across_mm, one.depth_mm, True))
+        return tuple(found)
+
+    def _marked(self) -> Tuple[Found, ...]:
+        """Return candidates and markers, those that must not be overlooked last."""
+        additions, found = self.additions, []
+        if Layer.MARKERS in self.layers:
+            found.extend(additions.markers)
+        if Layer.CANDIDATES in self.layers:
+            found.extend(reversed(additions.candidates))
+        found.sort(key=lambda one: (one == self.mark, getattr(one, "is_doubtful", True) is False))
+        return tuple(found)
+
+    def _mark(self, one: Found, across_mm: float, second_mm: float, near: bool) -> GroundMark:
+        if isinstance(one, Marker):
+            return GroundMark(
+                *(across_mm, second_mm, "", MarkKind.MARKER),
+                chosen=one == self.mark, near=near, about=one,
+            )  # fmt: skip
+        return GroundMark(
+            *(across_mm, second_mm, str(one.number), MarkKind.CANDIDATE),
+            doubtful=one.is_doubtful, chosen=one == self.mark, near=near, about=one,
+            measured=self.is_measured(one.x_mm, one.y_mm),
+        )  # fmt: skip
+
+    def is_measured(self, x_mm: float, y_mm: float) -> bool:
+        """Return whether something is stored of the ground at a place."""
+        grid, states = self.survey.map.grid, self.survey.map.stop_states
+        if grid is None or states is None:
+            return True
+        stop = grid.nearest_stop(x_mm, y_mm)
+        if stop is None:
+            return False
+        return bool(states[stop.row, stop.column] in (StopState.DONE, StopState.PARTLY))
+
+    @property
+    def can_fit(self) -> bool:
+        """Whether a hyperbola can be put at the crosshair: its height must be known."""
+        return self.place is not None and math.isfinite(self.survey.radar.typical_height_m())
+
+    def begin_hyperbola(self) -> None:
+        """Put a hyperbola at the crosshair, if it can be put there."""
+        # It is one of echoes: a focused image has none.
+        self.layers -= {Layer.FOCUSED}
+        place, height_m = self.place, self.survey.radar.typical_height_m()
+        if place is not None and self.can_fit:
+            settings = self.settings
+            delay_s = float(delay_of_depth(settings.depth_m, height_m, settings.permittivity))
+            self.hyperbola = Hyperbola(
+                place.along(settings.along), delay_s, height_m, settings.permittivity
+            )
+
+    def drag_hyperbola(self, grip: Grip, across_mm: float, second: float, axis: Axis) -> None:
+        """Move the apex to a point of the section, or bend the hyperbola through it."""
+        hyperbola = self.hyperbola
+        if hyperbola is None:
+            return
+        delay_s = second * 1e-9
+        if axis is Axis.DEPTH_MM:
+            permittivity = self.settings.permittivity
+            delay_s = float(delay_of_depth(second / 1000.0, hyperbola.height_m, permittivity))
+        if grip is Grip.APEX:
+            self.hyperbola = dataclasses.replace(
+                hyperbola, across_mm=across_mm, apex_delay_s=delay_s
+            )
+        else:
+            self.hyperbola = hyperbola.through(across_mm, delay_s)
+
+    def hyperbola_points(self, section: Picture) -> Tuple[np.ndarray, np.ndarray]:
+        """Return the hyperbola on a section: places along it [mm], and along its second axis."""
+        hyperbola = self.hyperbola
+        if hyperbola is None:
+            return np.zeros(0), np.zeros(0)
+        across_mm = np.linspace(*section.across_mm, HYPERBOLA_POINTS)
+        # With the apex, which may lie between two points.
+        across_mm = np.sort(np.append(across_mm, hyperbola.across_mm))
+        delays_s = hyperbola.delays_s(across_mm)
+        if section.axis is Axis.DELAY_NS:
+            return across_mm, delays_s * 1e9
+        in_ground_s = delays_s - two_way_delay_s(hyperbola.height_m)
+        return across_mm, 1000.0 * one_way_path_m(in_ground_s, self.settings.permittivity)
+
+    def end_hyperbola(self, use: bool) -> None:
+        """Remove the hyperbola; if it is to be used, take its permittivity and go to its apex."""
+        hyperbola, self.hyperbola = self.hyperbola, None
+        if use and hyperbola is not None:
+            self.change(permittivity=round(hyperbola.permittivity, 1))
+            self.set_depth(hyperbola.depth_m)

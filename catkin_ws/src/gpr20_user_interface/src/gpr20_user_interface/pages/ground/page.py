@@ -1,0 +1,216 @@
+"""GROUND: follows the survey that is shown, and passes the operator's wishes on."""
+
+from __future__ import annotations
+
+from typing import Callable, Optional
+
+from PyQt5.QtCore import QObject, pyqtSignal
+from PyQt5.QtWidgets import QWidget
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.plan.spec import Keys
+from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.notices import Refused
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_survey.plan.annotation import check_text
+from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT
+from gpr20_survey.plan.survey_cost import survey_cost
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.pages.ground.finer_sheet import FinerSheet
+from gpr20_user_interface.pages.ground.layers_sheet import LayersSheet
+from gpr20_user_interface.pages.ground.markers_sheet import MarkersSheet
+from gpr20_user_interface.pages.ground.model import GroundModel
+from gpr20_user_interface.pages.ground.view import GroundView
+from gpr20_user_interface.widgets.keys import Pad
+from gpr20_user_interface.widgets.page import Page
+
+ShowRefusal = Callable[[Refused, Message], None]
+
+
+class GroundPage(QObject, Page):
+    """Shows the running survey, or a past one that was opened, with what belongs to it.
+
+    Args:
+        window: The window that the sheets cover.
+        survey: The survey that runs.
+        traces: Which survey is shown.
+        additions: What belongs to that survey.
+        image_problem: Returns why there is no newer focused image; None: nothing went wrong.
+        show_refusal: Shows why something did not succeed.
+
+    Attributes:
+        model: What is chosen and shown.
+        view: The widget of the page.
+        layers: The sheet of the layers and settings.
+        finer: The sheet of the plan of a finer survey.
+        markers: The sheet of the markers.
+        note_pad: The keys for the text of a marker.
+    """
+
+    # A FinerPlan that is to be measured now.
+    finer_chosen = pyqtSignal(object)
+    # A past survey was opened: the page should be seen.
+    wanted = pyqtSignal()
+
+    def __init__(
+        self,
+        window: QWidget,
+        survey: WindowPresenter,
+        traces: TracePresenter,
+        additions: AdditionsPresenter,
+        image_problem: Callable[[], Optional[Message]],
+        show_refusal: ShowRefusal,
+    ) -> None:
+        super().__init__(window)
+        self._survey, self._traces, self._additions = survey, traces, additions
+        self._image_problem, self._show_refusal = image_problem, show_refusal
+        self._running = False
+        self.model = GroundModel(traces.shown, additions)
+        self.view = GroundView(self.model)
+        self.layers = LayersSheet(window, self.model)
+        self.finer = FinerSheet(window, self._duration_s)
+        self.markers = MarkersSheet(window)
+        self.note_pad = Pad(window)
+        self._connect()
+
+    def show_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
+        """Bring crosshair, picture and depth to a place of the survey that is shown."""
+        self.model.choose_place(x_mm, y_mm, depth_mm)
+        self.view.pictures.enlarge(None)
+        self.view.pictures.above.centre_on(x_mm, y_mm)
+        self.view.refresh()
+
+    def on_event(self, event: object) -> None:
+        """Take what belongs to a survey."""
+        self._traces.on_event(event)
+        self._follow()
+        self._additions.on_event(event)
+        problem = self._additions.take_problem()
+        if problem is not None:
+            self._show_refusal(Refused.MARKER, problem)
+        if isinstance(event, Answer) and event.request is Request.START and event.success:
+            if self._survey.finer is not None and self._survey.finer == self._additions.plan:
+                self._additions.keep_plan(None)
+            self._survey.finer = None
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Follow the survey that is shown, and whether one runs."""
+        self._traces.note_state(snapshot)
+        self._follow()
+        additions = self._additions
+        additions.follow(self._traces.shown.survey_id, snapshot.replay is None)
+        additions.refresh()
+        if not snapshot.running and snapshot.replay is None:
+            additions.focus_finer()
+        self.finer.note_running(snapshot.running)
+        self.markers.set_markers(additions.markers)
+        if snapshot.running != self._running:
+            # A finer survey may have begun or ended.
+            self._running = snapshot.running
+            additions.read_again()
+
+    def draw(self) -> None:
+        """Request the missing traces and draw what is new."""
+        self._traces.refresh()
+        self.view.set_problem(self._image_problem())
+        self.view.set_carriage(self._traces.carriage_mm)
+        self.view.refresh()
+
+    def ask_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float]) -> None:
+        """Ask for the text of a marker, and store it."""
+        if not self._additions.can_mark:
+            return
+        # Another survey may begin while the text is written.
+        survey = self._additions.survey_id
+
+        def add(text: str) -> None:
+            try:
+                self._additions.add_marker(survey, x_mm, y_mm, depth_mm, text)
+            except InvalidValueError as error:
+                self._show_refusal(Refused.MARKER, error.message)
+
+        self.note_pad.ask(
+            add,
+            shown_text(Message("Text of the marker")),
+            shown_text(Message("at most {count} characters", count=MAX_TEXT_CHARACTERS)),
+            "",
+            _problem_of_text,
+            Keys.LETTERS,
+        )
+
+    def ask_finer(self, x_mm: float, y_mm: float) -> None:
+        """Ask how to measure a place of the survey that is shown more finely."""
+        grid = self._traces.shown.map.grid
+        if grid is not None and grid.plan is not None:
+            self.finer.show_place(grid, x_mm, y_mm)
+
+    def _connect(self) -> None:
+        view, additions = self.view, self._additions
+        view.marker_wanted.connect(self.ask_marker)
+        view.finer_wanted.connect(self.ask_finer)
+        view.plan_wanted.connect(self._on_plan_wanted)
+        view.layers_wanted.connect(self.layers.open)
+        view.back_wanted.connect(self._on_back_to_live)
+        view.opened.connect(additions.read_again)
+        self.layers.changed.connect(view.refresh)
+        self.layers.fit_wanted.connect(view.begin_fit)
+        self.layers.markers_wanted.connect(lambda: self.markers.show_markers(additions.markers))
+        self.finer.chosen.connect(self._on_plan)
+        self.finer.dropped.connect(lambda: self._keep(None))
+        self.markers.show_wanted.connect(self._on_marker)
+        self.markers.remove_wanted.connect(lambda one: additions.remove_marker(one.marker_id))
+
+    def _on_back_to_live(self) -> None:
+        self._traces.show_live()
+        self._follow()
+
+    def _on_marker(self, marker: object) -> None:
+        self.model.choose_mark(marker)  # type: ignore[arg-type]
+        self.view.refresh()
+
+    def _on_plan_wanted(self) -> None:
+        grid, plan = self._traces.shown.map.grid, self._additions.plan
+        if grid is not None and plan is not None:
+            self.finer.show_plan(grid, plan)
+
+    def _on_plan(self, plan: FinerPlan) -> None:
+        self._keep(plan)
+        if not self._running:
+            self._survey.finer = plan
+            self.finer_chosen.emit(plan)
+
+    def _keep(self, plan: Optional[FinerPlan]) -> None:
+        self._additions.keep_plan(plan)
+        if plan is None:
+            self._survey.finer = None
+        self.view.refresh()
+
+    def _duration_s(self, parameters: SurveyParameters) -> Optional[float]:
+        figures = self._survey.snapshot.figures
+        if figures is None:
+            return None
+        return survey_cost(parameters, figures.config, figures.settings).duration_s
+
+    def _follow(self) -> None:
+        """Show another survey if another one was opened, or the running one again."""
+        self.view.show_band(self._traces.band)
+        shown = self._traces.shown
+        if shown is not self.model.survey:
+            self.model.show_survey(shown)
+            self.view.refresh()
+            if self._traces.opened_folder:
+                self.wanted.emit()
+
+
+def _problem_of_text(text: str) -> str:
+    try:
+        check_text(TEXT, text, MAX_TEXT_CHARACTERS)
+    except InvalidValueError as error:
+        return shown_text(error.message)
+    return ""

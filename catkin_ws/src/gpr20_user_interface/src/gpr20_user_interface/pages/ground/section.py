@@ -1,0 +1,131 @@
+"""The ground below a line: the section, and the trace at the crosshair beside it."""
+
+from __future__ import annotations
+
+from typing import Iterator, Optional, Tuple
+
+import numpy as np
+from PyQt5.QtCore import QPointF, QRectF, Qt
+from PyQt5.QtGui import QBrush, QColor, QFontMetrics, QPainter, QPen, QPolygonF
+
+from gpr20_operator.ground.records import Axis, Colours, Curve, Picture
+from gpr20_user_interface.look.look import Look, Mark, look_of
+from gpr20_user_interface.pages.ground.model import Grip
+from gpr20_user_interface.widgets.plot import LINE_PX, Plot, stroke
+
+GRIP_PX = 9
+# A finger nearer to the apex of the hyperbola than this moves it, another one bends the flank.
+GRIP_RADIUS_PX = 45
+# A trace has a little room beside its strongest echo.
+LARGEST_SHADE = 1.02
+
+
+class SectionPlot(Plot):
+    """A B-scan; what is not there is hatched.
+
+    Attributes:
+        axis: What the second axis is.
+        grip: Where the hyperbola can be gripped; None: none is fitted.
+        gripped: What the finger that touches it now drags.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(downwards=True, scrubs=True)
+        self.axis = Axis.DEPTH_MM
+        self._curve: Tuple[np.ndarray, np.ndarray] = (np.zeros(0), np.zeros(0))
+        self.grip: Optional[Tuple[float, float]] = None
+        self.gripped = Grip.FLANK
+
+    def show_section(self, picture: Optional[Picture], colours: Colours) -> None:
+        """Draw a section; None: nothing."""
+        if picture is None:
+            self.set_extent(None)
+        else:
+            self.axis = picture.axis
+            (left, right), (top, bottom) = picture.across_mm, picture.range
+            self.set_extent(QRectF(left, top, right - left, bottom - top))
+        self.show_picture(picture, colours)
+
+    def set_hyperbola(
+        self, across: np.ndarray, second: np.ndarray, apex: Optional[Tuple[float, float]]
+    ) -> None:
+        """Draw a curve with a grip at its apex; None: without."""
+        self._curve, self.grip = (across, second), apex
+        self.viewport().update()
+
+    def _begin_drag(self, place: QPointF) -> None:
+        self.gripped = Grip.FLANK
+        if self.grip is not None:
+            away = place - self.to_screen(*self.grip)
+            if abs(away.x()) + abs(away.y()) <= look_of(self).px(GRIP_RADIUS_PX):
+                self.gripped = Grip.APEX
+
+    def _paint_below(self, painter: QPainter, look: Look) -> None:
+        ink = QColor(look.colour(Mark.NOT_MEASURED))
+        painter.fillRect(self.viewport().rect(), QBrush(ink, Qt.BrushStyle.Dense6Pattern))
+
+    def _paint_above(self, painter: QPainter, look: Look) -> None:
+        if self.axis is Axis.DEPTH_MM:
+            y, width = self.to_screen(0.0, 0.0).y(), self.viewport().width()
+            stroke(painter, look, Mark.SURFACE, QPolygonF([QPointF(0, y), QPointF(width, y)]))
+        across, second = self._curve
+        if across.size:
+            stroke(painter, look, Mark.CANDIDATE, self.polygon(across, second))
+        if self.grip is not None:
+            painter.setPen(QPen(QColor(look.colour(Mark.PAPER)), look.px(LINE_PX)))
+            painter.setBrush(QColor(look.colour(Mark.CANDIDATE)))
+            size = look.px(GRIP_PX)
+            painter.drawEllipse(self.to_screen(*self.grip), size, size)
+
+
+class TracePlot(Plot):
+    """An A-scan from the top downwards, beside a section whose depths it has."""
+
+    def __init__(self, section: SectionPlot) -> None:
+        super().__init__(downwards=True, scrubs=True)
+        self._section = section
+        self._curve: Optional[Curve] = None
+        section.moved.connect(self._follow)
+
+    @property
+    def points(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Shades and places that are drawn."""
+        if self._curve is None:
+            return np.zeros(0), np.zeros(0)
+        known = np.isfinite(self._curve.shades)
+        return self._curve.shades[known], self._curve.places[known]
+
+    def show_curve(self, curve: Optional[Curve]) -> None:
+        """Draw a trace; None: nothing."""
+        has = curve is not None and bool(np.isfinite(curve.shades).any())
+        self._curve = curve if has else None
+        self._follow()
+
+    def _follow(self) -> None:
+        """Show the same depths as the section."""
+        section, curve = self._section, self._curve
+        if section.extent is None or curve is None:
+            self.set_extent(None)
+            return
+        height = section.viewport().height()
+        top = section.to_data(QPointF(0.0, 0.0))[1]
+        bottom = section.to_data(QPointF(0.0, height))[1]
+        lowest = -1.0 if curve.signed else 0.0
+        self.set_extent(QRectF(lowest, top, LARGEST_SHADE - lowest, bottom - top))
+        self.viewport().update()
+
+    def _across_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
+        if self._curve is None:
+            return iter(())
+        scale, levels = self._curve.scale, self._curve.scale.ticks_db()
+        most = max(1, int(room.width() / (1.6 * max(1, metrics.horizontalAdvance("00")))))
+        every = max(1, -(-len(levels) // most))
+        return ((scale.shade_of(float(one)), f"{one:g}") for one in levels[::-every])
+
+    def _second_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
+        return iter(())  # those of the section
+
+    def _paint_above(self, painter: QPainter, look: Look) -> None:
+        painter.setPen(QPen(QColor(look.colour(Mark.CURVE)), look.px(LINE_PX)))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPolyline(self.polygon(*self.points))
