@@ -104,12 +104,12 @@ class Stop(WindowCase):
         self.assertIn("The main control does not answer", notice.title.text())
         self.assertIn("main control does NOT answer", notice.reason.toPlainText())
         self.assertFalse(self.window.stop_warning.isVisible())
-        wait_until(lambda: self.shown.alarm is not None, "the silence is noticed")
+        wait_until(lambda: not self.shown.control_alive, "the silence is noticed")
         self.send_goal(AxisId.X, FAR_MM)
         self.assertEqual(self.window.top_bar.band.level, JobLevel.FAULT)
         self.assertLess(self.press_stop(), REST_LIMIT_S)
         wake()
-        wait_until(lambda: self.shown.alarm is None, "it is back")
+        wait_until(lambda: self.shown.control_alive, "it is back")
 
     def test_a_survey_that_is_stopped_at_any_moment_was_stopped_on_request(self) -> None:
         moments = random.Random(1)

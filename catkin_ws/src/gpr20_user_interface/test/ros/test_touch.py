@@ -77,7 +77,7 @@ class Touch(unittest.TestCase):
         self.assert_stops(window)
         window.close()
         again = self.open()
-        again.tap("job_binding.view.plan")
+        again.tap("job.plan")
         self.assert_starts(again, most_touches=10)
 
     def assert_starts(self, window: TouchedWindow, most_touches: int) -> None:
@@ -94,7 +94,7 @@ class Touch(unittest.TestCase):
     def test_a_bounced_touch_over_a_closing_sheet_does_nothing(self) -> None:
         window = self.open()
         for _ in range(3):
-            window.tap("settings.button")
+            window.tap("rail.settings")
             place = window.centre("settings.sheet.close_button")
             window.tap("settings.sheet.close_button")
             for _ in range(3):

@@ -17,7 +17,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.srv import Command, CommandResponse
-from gpr20_operator.plan.tiles import Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 
@@ -35,19 +35,19 @@ class Window(WindowCase):
         self.enter("y_points", "3")
         self.fake.point_limit = 7
         self.click("start")
-        wait_until(lambda: "7 of 18 traces" in self.window.status.progress.text, "progress moves")
+        wait_until(lambda: self.window.job.percent.text() == "38 %", "progress moves")
         # What other topics say may come later.
-        positions = self.window.status.positions
-        wait_until(lambda: positions.cell("current", 1) == "7.00", "the position is shown")
-        wait_until(lambda: positions.cell("target", 2) == "14.00", "the target is shown")
-        wait_until(lambda: positions.cell("current", 4) == "0.312", "the height is shown")
+        wait_until(lambda: self.window.job.line.isVisible(), "the target is shown")
+        known = self.window.survey
+        wait_until(lambda: known.snapshot.current is not None, "the position is known")
+        wait_until(lambda: known.snapshot.height_m == 0.312, "the height is known")
         wait_until(lambda: self.title() == "SURVEYING", "the status is shown")
 
     def test_start_progress_stop(self) -> None:
         self.start()
-        self.assertEqual(self.window.status.progress.thousandths, 388)
-        self.assertIn("less than 1 min left", self.window.status.progress.text)
-        self.assertTrue(self.window.top_bar.simulated.isVisible())
+        self.assertEqual(self.window.job.percent.text(), "38 %")
+        self.assertEqual(self.window.job.left.text(), "Less than 1 min left")
+        self.assertTrue(self.window.top_bar.band.simulated.isVisible())
         self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
         wait_until(lambda: self.enabled() == "pause", "PAUSE is unlocked")
         self.keep_picture("surveying")
@@ -82,11 +82,11 @@ class Window(WindowCase):
         self.start()
         self.fake.pause("the VNA does not answer")
         wait_until(lambda: self.enabled() == "resume", "RESUME is unlocked")
-        self.assertEqual(self.window.status.message.message, "the VNA does not answer")
+        self.assertIn("The VNA does not answer", self.window.top_bar.band.message.whole)
         self.fake.point_limit = 18
         self.click("resume")
         wait_until(lambda: self.title() == "FINISHED", "the survey continues")
-        self.assertEqual(self.window.status.progress.thousandths, 1000)
+        self.assertEqual(self.window.job.percent.text(), "100 %")
 
     def test_another_vna_is_used_only_if_the_operator_accepts_it(self) -> None:
         self.start()
@@ -147,7 +147,7 @@ class Window(WindowCase):
         self.start()
         self.fake.close()
         wait_until(
-            lambda: "contact with the main control for" in self.window.top_bar.message.whole,
+            lambda: "contact with the main control for" in self.window.top_bar.band.message.whole,
             "the loss is reported",
         )
         # What the robot does is not known: neither stopped nor free to start.
@@ -157,12 +157,12 @@ class Window(WindowCase):
         self.fake = FakeMainControl("")
         # The next main_control knows nothing of the survey: the window does not forget it.
         wait_until(
-            lambda: "INTERRUPTED" in self.window.top_bar.title.text(), "the return is reported"
+            lambda: "INTERRUPTED" in self.window.top_bar.band.title.whole, "the return is reported"
         )
         self.assertEqual(self.title(), "IDLE")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
         self.click("start")
-        wait_until(lambda: "SURVEYING" in self.window.top_bar.title.text(), "a survey runs again")
+        wait_until(lambda: "SURVEYING" in self.window.top_bar.band.title.whole, "a survey runs again")
 
     def test_survey_of_somebody_else_is_shown(self) -> None:
         self.start()
@@ -171,7 +171,7 @@ class Window(WindowCase):
         self.addCleanup(lambda: sip.delete(second.window))
         self.addCleanup(second.end)
         wait_until(
-            lambda: "7 of 18" in second.window.status.progress.text, "the second window follows"
+            lambda: second.window.job.percent.text() == "38 %", "the second window follows"
         )
         mine, other = self.window.control, second.window.control
         wait_until(lambda: not other.tiles[Tile.AREA].isEnabled(), "its parameters are locked")
@@ -251,7 +251,7 @@ class Window(WindowCase):
     def test_language_changes_at_once(self) -> None:
         self.start()
         sheet = self.window.settings.sheet
-        self.touch(self.window.settings.button)
+        self.touch(self.window.rail.settings)
         self.touch(sheet.languages[Language.SPANISH])
         wait_until(lambda: self.window.top_bar.pause.text() == "PAUSAR", "it speaks Spanish")
         self.assertEqual(sheet.title.text(), "Ajustes")

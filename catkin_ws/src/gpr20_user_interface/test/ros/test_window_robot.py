@@ -19,7 +19,6 @@ from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.health import AlarmKind
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
@@ -81,13 +80,14 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "PAUSED", "the survey pauses")
         held = self.visited()
         self.assertLess(held, 18)
-        self.window.show_tab(TabName.STATUS)
-        wait_until(lambda: self.window.status.facts.calibration != "—", "calibration is known")
+        self.window.show_tab(TabName.ROBOT)
+        health = self.window.survey
+        wait_until(lambda: health.snapshot.health.calibration != "", "calibration is known")
         self.keep_picture("robot_status")
         self.click("resume")
         wait_until(lambda: self.visited() > held, "completion moves again")
         wait_until(lambda: self.title() == "FINISHED", "the survey ends")
-        self.assertEqual(self.window.status.progress.thousandths, 1000)
+        self.assertEqual(self.window.job.percent.text(), "100 %")
         self.assertTrue(self.window.control.start.isEnabled())
         self.assertFalse(self.window.notice.isVisible())
 
@@ -133,7 +133,7 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
 
     def test_stop_works_from_every_tab_and_stopped_is_said_when_it_is(self) -> None:
-        for tab in (TabName.STATUS, TabName.SURVEY):
+        for tab in (TabName.ROBOT, TabName.SURVEY):
             self.window.show_tab(TabName.SURVEY)
             self.click("start")
             wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
@@ -200,25 +200,27 @@ class WindowOnRobot(WindowCase):
         self.assertEqual(self.visited(), 18)
 
     def has_vna_alarm(self) -> bool:
-        alarm = self.window.survey.snapshot.alarm
-        return alarm is not None and alarm.kind is AlarmKind.ANALYZER_FAULT
+        return self.window.survey.snapshot.health.trouble is not None
 
     def test_axes_and_instruments_are_serviced_with_a_finger(self) -> None:
-        self.window.show_tab(TabName.SERVICE)
-        view = self.window.service
-        wait_until(lambda: bool(view.doctor.texts), "the findings are listed")
-        self.assertTrue(any("simulated" in text for text in view.doctor.texts))
+        self.window.show_tab(TabName.ROBOT)
+        page, view = self.window.robot, self.window.robot.service
+        overview, tools = page.overview, view.instruments
+        wait_until(lambda: "checks good" in overview.fold_button.text(), "the checks have ended")
+        self.touch(overview.fold_button)
+        wait_until(lambda: bool(overview.findings.texts), "the findings are listed")
+        self.assertTrue(any("simulated" in text for text in overview.findings.texts))
         self.keep_picture("robot_service")
-        self.hold_down(view.enter_button)
-        wait_until(lambda: view.in_service, "the service begins")
+        self.hold_down(overview.enter_button)
+        wait_until(lambda: page.in_service, "the service begins")
         row = view.axes.row(AxisId.X)
         wait_until(lambda: "open" in row.lamp.text(), "the endstop is read")
         self.hold_down(row.home)
         wait_until(lambda: "closed" in row.lamp.text(), "the endstop is touched")
         wait_until(lambda: view.outcome.text() == "The x axis is homed.", "it is homed")
-        wait_until(lambda: row.place.text() == "X 0.00", "it is at its zero")
+        wait_until(lambda: row.place.text() == "X 0.00 mm", "it is at its zero")
         self.hold_down(row.jogs[4])
-        wait_until(lambda: row.place.text() == "X 10.00", "it moves by 10 mm")
+        wait_until(lambda: row.place.text() == "X 10.00 mm", "it moves by 10 mm")
         wait_until(row.home.isEnabled, "the move has ended")
         self.keep_picture("robot_service_axes")
         self.hold_down(row.jogs[5])
@@ -227,15 +229,15 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: "stopped; the x axis" in view.outcome.text(), "STOP ends the jog")
         self.assertFalse(self.window.notice.isVisible())
         self.touch(view.switch_button)
-        self.touch(view.tools.measure)
-        wait_until(lambda: " V" in view.tools.height_found.toPlainText(), "the height is measured")
-        self.touch(view.tools.test)
+        self.touch(tools.measure)
+        wait_until(lambda: " V" in tools.answers[tools.measure].toPlainText(), "the height is measured")
+        self.touch(tools.analyzer)
         wait_until(
-            lambda: "Sweep of" in view.tools.analyzer_found.toPlainText(), "the VNA is tested"
+            lambda: "Sweep of" in tools.answers[tools.analyzer].toPlainText(), "the VNA is tested"
         )
-        self.assertIn("SIMULATED", view.tools.analyzer_found.toPlainText())
-        self.window.show_tab(TabName.STATUS)
-        wait_until(lambda: not view.in_service, "another tab ends the service")
+        self.assertIn("SIMULATED", tools.answers[tools.analyzer].toPlainText())
+        self.window.show_tab(TabName.SURVEY)
+        wait_until(lambda: not page.in_service, "another tab ends the service")
 
     def hold_down(self, button: HoldButton) -> None:
         """Rest a finger on a button until it acts."""

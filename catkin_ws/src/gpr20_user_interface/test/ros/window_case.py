@@ -21,8 +21,8 @@ from virtual_screen import VirtualScreen
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_operator.files.profile_folder import ProfileFolder
-from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
+from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
@@ -81,7 +81,8 @@ class WindowCase(unittest.TestCase):
         sip.delete(self.window)
 
     def title(self) -> str:
-        return self.window.status.message.title
+        """Return the state that the window shows, without the percentage."""
+        return self.window.top_bar.band.title.whole.split(" ")[0]
 
     def enter(self, name: str, text: str) -> None:
         edit = self.open_field(name)

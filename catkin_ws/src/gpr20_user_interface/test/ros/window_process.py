@@ -19,6 +19,7 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.plan.spec import Tile
+from gpr20_operator.robot.condition import JobLevel
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
@@ -33,7 +34,7 @@ def shown(interface: UserInterface) -> str:
     snapshot, bar = interface.window.survey.snapshot, interface.window.top_bar
     return json.dumps(
         {
-            "title": interface.window.status.message.title,
+            "title": bar.band.title.whole.split(" ")[0],
             "visited": 0 if progress is None else progress.visited_points,
             "on_radar": live.radar.count,
             "on_map": 0
@@ -41,10 +42,10 @@ def shown(interface: UserInterface) -> str:
             else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
             "parameters": str(parameters_message(control.parameters)),
             "locked": not control.tiles[Tile.AREA].isEnabled(),
-            "replay": bar.replay.title.text() if bar.replay.isVisible() else "",
-            "survey": bar.replay.message.whole,
+            "replay": bar.band.title.whole if snapshot.replay is not None else "",
+            "survey": bar.band.message.whole,
             "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
-            "alarm": "" if snapshot.alarm is None else str(snapshot.alarm.message),
+            "alarm": bar.band.message.whole if bar.band.level is JobLevel.FAULT else "",
             "simulated": interface.window.top_bar.band.simulated.isVisible(),
         }
     )

@@ -132,9 +132,7 @@ AXES = st.tuples(
 )
 NODES = st.tuples(
     *(
-        st.builds(
-            NodeHealth, st.just(name), st.sampled_from(HealthLevel), MESSAGES, st.just({})
-        )
+        st.builds(NodeHealth, st.just(name), st.sampled_from(HealthLevel), MESSAGES, st.just({}))
         for name in EXPECTED_NODES
     )
 )

@@ -73,7 +73,7 @@ def touch(window, widget):
 
 
 def test_the_first_touch_only_wakes_and_the_next_one_acts(window, clock):
-    window.show_tab(TabName.STATUS)
+    window.show_tab(TabName.ROBOT)
     assert dim(window, clock)
     touch(window, window.rail.settings)
     assert not window.settings.cover.isVisible()

@@ -13,8 +13,8 @@ from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CommandResponse
-from gpr20_operator.robot.events import ControlState, Request
 from gpr20_operator.robot.condition import JobLevel, condition_of
+from gpr20_operator.robot.events import ControlState, Request
 from gpr20_operator.robot.notices import (
     CardWatch,
     Refused,

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import view_kit
 
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import left_of
 from gpr20_operator.robot.events import Progress, TargetPosition
 from gpr20_operator.robot.job import JobScreen, area_of, line_of, percent_of, survey_name

@@ -12,8 +12,8 @@ from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_operator.faults import PART_SILENT
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, ControlState, Progress, Request, TargetPosition
 from gpr20_operator.robot.condition import Condition, JobLevel
+from gpr20_operator.robot.events import Answer, ControlState, Progress, Request, TargetPosition
 from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import fault_notice
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
@@ -66,7 +66,7 @@ def test_the_job_is_told_in_large_type(window):
 
 def test_the_small_map_is_drawn_only_when_it_changes(window, monkeypatch):
     drawn = []
-    monkeypatch.setattr(window.job.map, "set_model", drawn.append)
+    monkeypatch.setattr(window.job.map, "show_coverage", drawn.append)
     window.draw()
     assert drawn == [], "CONTROL shows the plan"
     show(window, shown(SurveyState.SURVEYING))
@@ -82,7 +82,7 @@ def test_the_small_map_is_drawn_only_when_it_changes(window, monkeypatch):
 def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, monkeypatch):
     code = SurveyState.CHECKING
     drawn = []
-    monkeypatch.setattr(window.job.map, "set_model", drawn.append)
+    monkeypatch.setattr(window.job.map, "show_coverage", drawn.append)
     window.on_event(SurveyDescribed(description(survey_id="id", annotation={"name": "Field 4"})))
     show(window, shown(SurveyState.FINISHED))
     window.draw()

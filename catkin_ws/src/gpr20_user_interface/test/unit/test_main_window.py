@@ -1,4 +1,3 @@
-from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import click, show, wishes
 

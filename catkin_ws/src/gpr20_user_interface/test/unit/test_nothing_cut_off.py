@@ -32,13 +32,13 @@ from gpr20_operator.ground.records import RadarSettings
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.ground.traces import ShownBand
 from gpr20_operator.jobs.imaging import ImageFocused
-from gpr20_operator.robot.health import Alarm, AlarmKind
+from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import (
     Refused,
     analyzer_notice,
+    fault_notice,
     node_notice,
     refusal_notice,
-    state_notice,
 )
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_operator.robot.service_events import AxisMoved, EndstopState, HeightTested
@@ -46,17 +46,16 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_user_interface.look.look import TEXT_PX, TOUCH_PX
-from gpr20_user_interface.look.style_sheet import TAB_PADDING_PX
 from gpr20_user_interface.window.rail import TabName
 
 __all__ = ["screen", "spoken"]
 
 WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 BAND = ShownBand(Message("PAST SURVEY: {name}", name="2026-11-21 05:10:00 UTC"), True)
-OTHER_TABS = (TabName.MAP, TabName.RADAR, TabName.SURVEYS, TabName.SERVICE)
+OTHER_TABS = (TabName.MAP, TabName.RADAR, TabName.SURVEYS)
 NOTICES = (
     *(refusal_notice(refused, WITH_DETAILS) for refused in Refused),
-    state_notice(busiest(SurveyState.PAUSED, state=paused(WITH_DETAILS)).state),
+    fault_notice(paused(WITH_DETAILS)),
     node_notice(
         NodeHealth("height_sensor", HealthLevel.ERROR, WITH_DETAILS, {"a": LONG, "b": LONG})
     ),
@@ -81,7 +80,7 @@ def tab_sizes(window):
 
 def test_nothing_of_a_tab_is_cut_off(spoken):
     for code in SurveyState:
-        tabs = [TabName.SURVEY, TabName.STATUS]
+        tabs = [TabName.SURVEY, TabName.ROBOT]
         if code in (SurveyState.IDLE, SurveyState.SURVEYING, SurveyState.FAILED):
             tabs += OTHER_TABS
         for tab in tabs:
@@ -99,26 +98,28 @@ def test_nothing_of_a_tab_is_cut_off(spoken):
         assert fits, f"the window needs {sizes}; {remedy}; its tabs need: {tab_sizes(spoken)}"
 
 
-def test_nothing_of_the_pages_of_status_is_cut_off(spoken):
-    spoken.show_tab(TabName.STATUS)
-    for button in (spoken.status.parts_button, spoken.status.robot_button):
-        click(button)
-        show(spoken, busiest())
-        assert_fits(spoken, spoken.top_bar, spoken.status)
-        for one in seen(spoken.status, QPushButton):
-            assert min(one.height(), one.width()) >= spoken.look.px(TOUCH_PX), one.text()
-
-
-def test_no_alarm_is_cut_off(spoken):
+def test_nothing_of_the_band_is_cut_off_but_its_remedy_which_a_touch_opens(spoken):
     motion = moving(*AxisId, owner="/a_program_with_a_long_name_1795493315529903")
-    for kind, axes in itertools.product(AlarmKind, (RESTING, motion)):
+    part = NodeHealth("vna_acquisition", HealthLevel.ERROR, WITH_DETAILS, {})
+    for known, axes in itertools.product(
+        (
+            *({"master_alive": False}, {"alive": False}, {"interrupted": True}),
+            *({"health": HealthReport((part,))}, {"still_s": 86399.0}),
+        ),
+        (RESTING, motion),
+    ):
         # What is shown for the first time has its size with the next refresh.
         for _ in range(2):
-            show(spoken, busiest(alarm=Alarm(kind, 86399.0, verbatim(LONG)), axes=axes))
+            show(spoken, busiest(axes=axes, **known))
             QTest.qWait(1)
-        message = spoken.top_bar.message
+        spoken.notice.hide()
+        message = spoken.top_bar.band.message
         assert message.whole and message.fontMetrics().lineSpacing() * 2 <= message.height()
+        assert spoken.top_bar.band.more.isVisible() and not spoken.top_bar.band.title.is_cut
         assert_fits(spoken, spoken.top_bar, spoken.tabs)
+        click(spoken.top_bar.band.message)
+        assert_fits(spoken, spoken.notice)
+        spoken.notice.hide()
 
 
 def test_nothing_of_the_card_of_a_fault_and_of_the_stop_warning_is_cut_off(spoken):
@@ -178,8 +179,8 @@ def test_neither_the_settings_nor_the_list_of_robots_is_cut_off(spoken):
             assert_fits(spoken, spoken.top_bar, spoken.settings)
             spoken.settings.robot_button.click()
             show(spoken, now)
-            assert_fits(spoken, spoken.top_bar, spoken.robots.sheet)
-            spoken.robots.sheet.hide()
+            assert_fits(spoken, spoken.top_bar, spoken.robots)
+            spoken.robots.hide()
     finally:
         spoken.on_event(RobotsFound(frozenset()))
     sheet = spoken.settings
@@ -287,12 +288,27 @@ def test_nothing_of_the_list_of_surveys_is_cut_off(spoken):
         assert min(button.height(), button.width()) >= spoken.look.px(TOUCH_PX), button.text()
 
 
-def test_nothing_of_service_is_cut_off(spoken):
-    spoken.show_tab(TabName.SERVICE)
+def test_nothing_of_robot_is_cut_off(spoken):
+    spoken.show_tab(TabName.ROBOT)
+    spoken.on_event(EndstopState(AxisId.X, True))
+    overview = spoken.robot.overview
+    for _ in range(2):  # folded, and then all
+        for code in (SurveyState.SURVEYING, SurveyState.FINISHED):
+            show(spoken, busiest(code))
+            spoken.draw()
+            show(spoken, busiest(code))
+            assert_fits(spoken, spoken.robot, padding_px=2)
+        click(overview.fold_button)
+    for one in (overview.fold_button, overview.check_button, overview.enter_button):
+        assert min(one.height(), one.width()) >= spoken.look.px(TOUCH_PX), one.text()
+
+
+def test_nothing_of_the_service_is_cut_off(spoken):
+    spoken.show_tab(TabName.ROBOT)
     show(spoken, busiest(SurveyState.FINISHED))
-    view = spoken.service
-    view.entered.emit()
-    assert view.in_service
+    spoken.robot.overview.entered.emit()
+    assert spoken.robot.in_service
+    view = spoken.robot.service
     spoken.on_event(EndstopState(AxisId.X, True))
     spoken.on_event(EndstopState(AxisId.Y, False))
     spoken.on_event(
@@ -310,8 +326,7 @@ def test_nothing_of_service_is_cut_off(spoken):
     spoken.on_event(AnalyzerTest("192.168.100.100", identity, accuracy, 4000, 12.345, -123.4))
     spoken.refresh()
     assert_fits(spoken, view)
-    click(view.tools.daily)
-    assert view.tools.daily_found.toPlainText()
+    click(view.instruments.daily)
     assert_fits(spoken, view)
-    for button in (view.tools.measure, view.tools.test, view.tools.daily):
+    for button in view.instruments.answers:
         assert min(button.width(), button.height()) >= spoken.look.px(TOUCH_PX), button.text()

@@ -18,10 +18,10 @@ from window_helpers import close, new_window, show, wishes
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
-from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.fields import VALUE_TILES
+from gpr20_operator.plan.fields import VALUE_TILES, default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
+from gpr20_operator.robot.survey_model import Refusal
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
@@ -169,7 +169,8 @@ class Field:
         window, now = self.window, self.window.survey.snapshot
         bar, code, alive = window.top_bar, now.state.code, now.control_alive
         # In the language that a touch may have chosen.
-        assert bar.title.text().startswith(shown_text(code.label))
+        if alive:
+            assert bar.band.title.whole.startswith(shown_text(code.label))
         assert bar.stop.isVisible() and bar.stop.isEnabled()
         assert bar.pause.isVisible() is code.running
         can_pause = alive and code in (SurveyState.SURVEYING, SurveyState.PAUSED)

@@ -6,8 +6,8 @@ from view_kit import snapshot
 
 from gpr20_common.message import in_a_row, verbatim
 from gpr20_operator.robot.events import Answer, AxisReport, AxisStopAnswer, ControlState, Request
+from gpr20_operator.robot.snapshot import STALE_S
 from gpr20_operator.robot.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
-from gpr20_operator.robot.survey_model import STALE_S
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 

@@ -1,10 +1,12 @@
 import math
+from dataclasses import replace
 
 import pytest
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_operator.plan.parameter_form import default_parameters
+from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
@@ -16,8 +18,10 @@ from gpr20_operator.robot.events import (
     Request,
     TargetPosition,
 )
-from gpr20_operator.robot.health import Alarm, AlarmKind
-from gpr20_operator.robot.survey_model import CONTROL_SILENCE_S, STALE_S, SurveyModel
+from gpr20_operator.robot.service_events import AxisMeasured
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 
@@ -170,38 +174,60 @@ def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     model.handle(state(SurveyState.IDLE))
     limits = AxisLimits(object())
     model.handle(limits)
-    assert model.snapshot().alarm is None
+    assert model.snapshot().master_alive
     model.handle(AxisLimits(None, verbatim("refused"), master_alive=False))
     assert model.snapshot().travel is limits.travel
-    assert model.snapshot().alarm.kind is AlarmKind.MASTER_GONE
+    assert not model.snapshot().master_alive
     model.handle(limits)
-    assert model.snapshot().alarm is None
+    assert model.snapshot().master_alive
 
 
-def test_trouble_of_the_analyzer_is_an_alarm_until_it_is_over(model):
+def test_trouble_of_the_analyzer_is_known_until_it_is_over(model):
     model.handle(state(SurveyState.SURVEYING))
     model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
-    assert model.snapshot().alarm == Alarm(AlarmKind.ANALYZER_FAULT, reason=verbatim("no answer"))
+    assert str(model.snapshot().health.trouble) == "VNA driver: no answer"
     model.handle(NodeHealth("vna_acquisition", HealthLevel.OK, verbatim("connected"), {}))
-    assert model.snapshot().alarm is None
+    assert model.snapshot().health.trouble is None
+
+
+def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):
+    moves = AxisMeasured(AxisId.X, AxisPosition(1.0, True, True))
+    rests = AxisMeasured(AxisId.X, AxisPosition(1.0, True, False))
+    for event, progress in (
+        *((state(SurveyState.CHECKING), True), (state(SurveyState.CHECKING), False)),
+        *((state(SurveyState.SURVEYING), True), (PROGRESS, True), (PROGRESS, False)),
+        *((moves, True), (moves, True), (rests, False), (CurrentPosition(1.0, 2.0, 3.0), False)),
+        (replace(PROGRESS, visited_points=PROGRESS.visited_points + 1), True),
+    ):
+        clock.advance(4.0)
+        model.handle(event)
+        assert (model.snapshot().still_s == 0.0) is progress, event
+    clock.advance(4.0)
+    assert model.snapshot().still_s == 4.0
+
+
+def test_an_axis_that_falls_silent_is_said_to_be_so(model, clock):
+    model.handle(AxisMeasured(AxisId.X, AxisPosition(1.0, True, True)))
+    assert not model.snapshot().axes[0].silent
+    clock.advance(STALE_S + 0.1)
+    assert model.snapshot().axes[0].silent and model.snapshot().moving
 
 
 def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_runs(clock):
-    interrupted = Alarm(AlarmKind.SURVEY_INTERRUPTED)
     for code in RUNNING:
         model = SurveyModel(clock)
         model.handle(state(code))
-        assert model.snapshot().alarm is None
+        assert not model.snapshot().interrupted
         # main_control begins in IDLE and knows nothing of what was.
         for begun in (SurveyState.IDLE, SurveyState.CONFIGURED):
             model.handle(state(begun, ""))
-            assert model.snapshot().alarm == interrupted, code
+            assert model.snapshot().interrupted, code
         model.handle(state(SurveyState.CHECKING, "next"))
-        assert model.snapshot().alarm is None
+        assert not model.snapshot().interrupted
 
 
 def test_survey_that_ended_is_not_called_interrupted(model):
     for end in ENDED:
         for code in (SurveyState.SURVEYING, end, SurveyState.CONFIGURED):
             model.handle(state(code))
-            assert model.snapshot().alarm is None, (end, code)
+            assert not model.snapshot().interrupted, (end, code)

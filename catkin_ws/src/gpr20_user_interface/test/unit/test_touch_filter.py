@@ -107,7 +107,7 @@ def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger)
     pressed = []
     window.control.start.clicked.connect(lambda: pressed.append("start"))
     finger.press(window.control.start)
-    window.show_tab(TabName.STATUS)
+    window.show_tab(TabName.ROBOT)
     window.show_tab(TabName.SURVEY)
     QApplication.processEvents()
     assert not window.control.start.isDown()

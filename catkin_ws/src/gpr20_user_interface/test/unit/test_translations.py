@@ -41,12 +41,11 @@ def test_status_of_the_robot_changes_its_language_at_once(window, application, s
     status = Message("Stop not accepted: {reason}", reason=reason)
     state = ControlState(SurveyState.STOPPED, status, "id", True)
     show(window, snapshot(SurveyState.STOPPED, state=state))
-    assert window.status.message.title == "STOPPED"
+    assert window.top_bar.band.title.whole == "STOPPED"
     spanish.use(Language.SPANISH)
     application.processEvents()
-    assert window.status.message.title == "DETENIDO"
+    assert window.top_bar.band.title.whole == "DETENIDO"
     expected = "No se aceptó la orden de detener: el disco está lleno"
-    assert window.status.message.message == expected
     assert window.top_bar.band.message.whole == expected
 
 
@@ -54,16 +53,16 @@ def test_every_tab_changes_its_language_at_once(window, application, spanish):
     spanish.use(Language.ENGLISH)
     window.on_event(SurveysListed("", (past_survey(),), True))
     window.traces.live.begin(make_grid())
-    window.show_tab(TabName.SERVICE)
+    window.show_tab(TabName.ROBOT)
     show(window, snapshot(SurveyState.IDLE))
-    hint = window.service.hint.text()
+    hint = window.robot.overview.hint.text()
     spanish.use(Language.SPANISH)
     window.show_tab(TabName.RADAR)
     application.processEvents()
     assert "Sin eco no significa sin mina." in window.radar.note.text()
     assert window.map.next_problem.text() == "Siguiente\nincompleto"
     assert window.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
-    assert window.service.hint.text() not in ("", hint)
+    assert window.robot.overview.hint.text() not in ("", hint)
     sheet = window.radar_binding.sheet
     sheet.background.click()
     assert sheet.background.text() == "Fondo\nincluido"

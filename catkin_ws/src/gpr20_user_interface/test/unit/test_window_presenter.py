@@ -201,9 +201,9 @@ def test_events_of_other_threads_reach_the_window_in_its_own(parts):
         thread.start()
         thread.join()
     assert model.threads == []
-    assert_within_5_s(lambda: window.status.progress.thousandths == 500)
+    assert_within_5_s(lambda: window.job.percent.text() == "50 %")
     assert set(model.threads) == {threading.current_thread()}
-    assert window.status.message.title == "SURVEYING"
+    assert window.top_bar.band.title.whole == "SURVEYING 50 %"
 
 
 def assert_within_5_s(condition):

@@ -123,7 +123,7 @@ class Alerts(Page):
         top_bar.replay_pressed.connect(survey.pause_replay)
         top_bar.resume_pressed.connect(ask_resume)
         top_bar.band.touched.connect(self.show_condition)
-        self.notice.resume_pressed.connect(ask_resume)
+        self.notice.resume_pressed.connect(top_bar.resume_pressed)
         self.stop_warning.close_button.held.connect(self._on_stop_warning_closed)
 
     def on_event(self, event: object) -> None:

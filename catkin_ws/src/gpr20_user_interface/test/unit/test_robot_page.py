@@ -1,4 +1,4 @@
-"""The SERVICE tab: what a finger does there, and what it shows."""
+"""ROBOT: what a finger does there, and what it shows."""
 
 from dataclasses import replace
 
@@ -12,10 +12,10 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.robot.events import CurrentPosition
-from gpr20_operator.robot.health import HealthReport
+from gpr20_operator.robot.health import HealthReport, HealthTracker
 from gpr20_operator.robot.service_events import (
     AxisMeasured,
     AxisMoved,
@@ -29,6 +29,7 @@ from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import Part
+from gpr20_user_interface.look.look import TOUCH_PX
 from gpr20_user_interface.window.rail import TabName
 
 AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0, 800.0, -90.0))
@@ -37,26 +38,26 @@ AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0,
 @pytest.fixture
 def service(window):
     show(window, AT_REST)
-    window.show_tab(TabName.SERVICE)
+    window.show_tab(TabName.ROBOT)
     window.refresh()
     window.tools.asked.clear()
     return window
 
 
 def begin(window):
-    window.service.entered.emit()
+    window.robot.overview.entered.emit()
 
 
 def test_a_tap_does_not_begin_the_service_but_a_hold_does(service):
-    click(service.service.enter_button)
-    assert not service.service.in_service
-    hold(service.service.enter_button)
-    assert service.service.in_service
+    click(service.robot.overview.enter_button)
+    assert not service.robot.in_service
+    hold(service.robot.overview.enter_button)
+    assert service.robot.in_service
 
 
 def test_only_a_hold_moves_an_axis(service):
     begin(service)
-    row = service.service.axes.row(AxisId.Y)
+    row = service.robot.service.axes.row(AxisId.Y)
     for button in row.buttons:
         click(button)
         QTest.mouseDClick(button, Qt.LeftButton)
@@ -67,12 +68,12 @@ def test_only_a_hold_moves_an_axis(service):
     assert not any(button.isEnabled() for button in row.buttons)
     service.on_event(AxisMoved(True, verbatim("The y axis is at 20 mm.")))
     service.refresh()
-    assert service.service.outcome.text() == "The y axis is at 20 mm."
+    assert service.robot.service.outcome.text() == "The y axis is at 20 mm."
     hold(row.home)
     assert service.tools.asked[1:] == [("y", "HOME", 0.0)]
     service.on_event(AxisMoved(True, verbatim("The y axis is at 0 mm.")))
     service.refresh()
-    zeros = [row.set_zero for row in service.service.axes.rows]
+    zeros = [row.set_zero for row in service.robot.service.axes.rows]
     assert zeros[:2] == [None, None]
     click(zeros[2])
     assert len(service.tools.asked) == 2
@@ -84,23 +85,23 @@ def test_a_survey_or_a_lost_contact_ends_the_service(service):
     for shown in (snapshot(SurveyState.SURVEYING), snapshot(alive=False)):
         show(service, AT_REST)
         begin(service)
-        assert service.service.in_service
+        assert service.robot.in_service
         show(service, shown)
-        assert not service.service.in_service
-        assert not service.service.enter_button.isEnabled()
-        assert service.service.hint.text()
-        hold(service.service.enter_button)
-        assert not service.service.in_service
+        assert not service.robot.in_service
+        assert not service.robot.overview.enter_button.isEnabled()
+        assert service.robot.overview.hint.text()
+        hold(service.robot.overview.enter_button)
+        assert not service.robot.in_service
 
 
 def test_another_tab_ends_the_service_and_its_subscriptions(service):
     begin(service)
-    service.show_tab(TabName.MAP)
+    service.show_tab(TabName.SURVEY)
     service.refresh()
     assert service.tools.asked == [("watch", False)]
-    service.show_tab(TabName.SERVICE)
+    service.show_tab(TabName.ROBOT)
     service.refresh()
-    assert not service.service.in_service
+    assert not service.robot.in_service
 
 
 def test_endstops_and_positions_are_shown(service):
@@ -109,25 +110,25 @@ def test_endstops_and_positions_are_shown(service):
     service.on_event(EndstopState(AxisId.Y, False))
     service.on_event(AxisMeasured(AxisId.Y, AxisPosition(0.0, False, False)))
     show(service, AT_REST)
-    x, y, z = service.service.axes.rows
-    assert [row.place.text() for row in (x, y, z)] == ["X 650.00", "Y not homed", "Z -90.0"]
+    x, y, z = service.robot.service.axes.rows
+    assert [row.place.text() for row in (x, y, z)] == ["X 650.00 mm", "Y not homed", "Z -90.0°"]
     assert "closed" in x.lamp.text() and "open" in y.lamp.text()
 
 
 def test_instruments_are_tested_and_faults_have_their_reason(service):
     begin(service)
-    click(service.service.switch_button)
-    tools = service.service.tools
+    click(service.robot.service.switch_button)
+    tools = service.robot.service.instruments
     click(tools.measure)
     stuck = Message("the height sensor is stuck; check its plug and supply")
     service.on_event(HeightTested(float("nan"), float("nan"), 3.297, stuck))
     service.refresh()
-    assert tools.height_found.toPlainText() == f"Sensor 3.297 V\n{stuck}"
-    click(tools.test)
+    assert tools.answers[tools.measure].toPlainText() == f"Sensor 3.297 V\n{stuck}"
+    click(tools.analyzer)
     assert service.tools.asked == ["height", "analyzer"]
     service.on_event(AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
     service.refresh()
-    lines = tools.analyzer_found.toPlainText().splitlines()
+    lines = tools.answers[tools.analyzer].toPlainText().splitlines()
     assert lines[1] == "Anritsu,MS2026C"
     assert lines[2:] == [
         "Calibration: calibrated, accuracy high",
@@ -137,8 +138,8 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
 
 def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
     begin(service)
-    click(service.service.switch_button)
-    tools = service.service.tools
+    click(service.robot.service.switch_button)
+    tools = service.robot.service.instruments
 
     def answered(answer):
         service.on_event(answer)
@@ -149,20 +150,20 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
     swept = CheckStepTaken(True, verbatim("Swept twice."))
     for number, instruction in ((1, "sky"), (2, "plate"), (3, "reflector")):
         assert tools.daily.text() == f"MEASURE {number}/3"
-        assert instruction in tools.daily_found.toPlainText()
+        assert instruction in tools.answers[tools.daily].toPlainText()
         click(tools.daily)
         # At once: a second touch sends nothing.
         assert not tools.daily.isEnabled()
-        assert tools.daily_found.toPlainText() == "Measuring"
+        assert tools.answers[tools.daily].toPlainText() == "Measuring"
         if number == 2:
             answered(CheckStepTaken(False, verbatim("no connection to the VNA")))
-            assert "no connection" in tools.daily_found.toPlainText()
-            assert "plate" in tools.daily_found.toPlainText()
+            assert "no connection" in tools.answers[tools.daily].toPlainText()
+            assert "plate" in tools.answers[tools.daily].toPlainText()
             click(tools.daily)
         if number < 3:
             answered(swept)
     answered(CheckStepTaken(True, verbatim("Good: every figure agrees."), True))
-    assert tools.daily_found.toPlainText() == "Good: every figure agrees."
+    assert tools.answers[tools.daily].toPlainText() == "Good: every figure agrees."
     assert tools.daily.text() == "DAILY CHECK"
     parts = [Part.EMPTY, Part.PLATE, Part.PLATE, Part.REFLECTOR]
     assert service.tools.asked == [("daily check", one) for one in parts]
@@ -170,32 +171,32 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
 
 def test_a_daily_check_that_the_robot_has_given_up_begins_again(service):
     begin(service)
-    click(service.service.switch_button)
-    tools = service.service.tools
+    click(service.robot.service.switch_button)
+    tools = service.robot.service.instruments
     click(tools.daily)
     click(tools.daily)
     forgotten = Message("a step before this one is missing").with_fault(CHECK_ORDER)
     service.on_event(CheckStepTaken(False, forgotten))
     service.refresh()
     assert tools.daily.text() == "DAILY CHECK"
-    assert str(CHECK_ORDER.remedy) in tools.daily_found.toPlainText()
+    assert str(CHECK_ORDER.remedy) in tools.answers[tools.daily].toPlainText()
 
 
 def test_the_findings_are_listed_without_service_and_during_a_survey(service):
     report = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
     show(service, snapshot(SurveyState.SURVEYING, health=HealthReport((report,))))
     service.draw()
-    assert service.service.doctor.texts[0].startswith("FAULT: Height sensor: stuck\n")
+    assert service.robot.overview.findings.texts[0].startswith("FAULT: Height sensor: stuck\n")
     show(service, snapshot(SurveyState.SURVEYING))
     service.draw()
-    assert not any("Height" in text for text in service.service.doctor.texts)
+    assert not any("Height" in text for text in service.robot.overview.findings.texts)
 
 
 def test_a_touch_checks_everything_and_the_findings_are_listed(service):
-    click(service.service.check_button)
+    click(service.robot.overview.check_button)
     assert service.tools.asked == [("examine", True), "height", "analyzer"]
-    assert not service.service.check_button.isEnabled()
-    click(service.service.check_button)
+    assert not service.robot.overview.check_button.isEnabled()
+    click(service.robot.overview.check_button)
     facts = MachineFacts(HardwareUse.NO_PI, Unknown(verbatim("x")), NodeSoftware(), 85.0)
     service.on_event(MachineExamined(facts))
     service.on_event(HeightTested(0.2, 0.001, 1.2))
@@ -204,13 +205,71 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     service.refresh()
     service.draw()
     assert len(service.tools.asked) == 3
-    assert service.service.check_button.isEnabled()
-    listed = "\n".join(service.service.doctor.texts)
+    assert service.robot.overview.check_button.isEnabled()
+    listed = "\n".join(service.robot.overview.findings.texts)
     assert "FAULT: Temperature of the processor: 85 °C" in listed
     assert "FAULT: Test of the VNA: no connection" in listed
 
 
 def test_instruments_are_not_tested_beside_a_survey(service):
     show(service, snapshot(SurveyState.SURVEYING))
-    click(service.service.check_button)
+    click(service.robot.overview.check_button)
     assert service.tools.asked == [("examine", True)]
+
+
+def test_only_what_is_wrong_is_listed_until_a_touch_unfolds_the_rest(service):
+    overview = service.robot.overview
+    nodes = tuple(NodeHealth(name, HealthLevel.OK, verbatim("fine"), {}) for name in EXPECTED_NODES)
+    show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+    service.draw()
+    assert overview.findings.texts == []
+    count = int(overview.fold_button.text().split()[0])
+    assert count >= len(EXPECTED_NODES)
+    click(overview.fold_button)
+    assert sum(text.startswith("GOOD") for text in overview.findings.texts) == count
+    click(overview.fold_button)
+    assert overview.findings.texts == []
+
+
+def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
+    levels = (HealthLevel.ERROR, HealthLevel.OK, HealthLevel.WARN, HealthLevel.STALE)
+    nodes = tuple(
+        NodeHealth(name, level, verbatim("no answer"), {})
+        for name, level in zip(EXPECTED_NODES, levels)
+    )
+    for _ in range(2):  # its colour has its size with the next refresh
+        show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+    tiles = [service.robot.overview.parts.tile(node.name) for node in nodes]
+    assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad"]
+    for tile in tiles:
+        assert tile.isVisible() and tile.height() >= TOUCH_PX
+    click(tiles[0])
+    assert service.notice.title.text() == "Main control: FAULT"
+
+
+def test_other_sensors_have_tiles_below_the_nodes(service, clock):
+    tracker = HealthTracker(clock)
+    for name in ("sensors/soil", "somebody_else", *(f"sensors/s{n:02}" for n in range(40))):
+        tracker.note(NodeHealth(name, HealthLevel.OK, verbatim("0.25 m3/m3"), {}))
+    names = [node.name for node in tracker.report().nodes]
+    assert names[: len(EXPECTED_NODES)] == list(EXPECTED_NODES)
+    assert len(names) == len(EXPECTED_NODES) + 32
+    assert "somebody_else" not in names
+    show(service, snapshot(SurveyState.IDLE, health=tracker.report()))
+    assert "soil" in service.robot.overview.parts.tile("sensors/soil").text()
+    assert service.minimumSizeHint().height() <= 480
+    clock.advance(5.0)
+    assert tracker.report().node("sensors/soil").level is HealthLevel.STALE
+
+
+def test_disk_and_calibration_are_known_only_while_they_are_reported():
+    report = HealthReport(
+        (
+            NodeHealth("vna_acquisition", HealthLevel.OK, verbatim("x"), {"calibration": "HIGH"}),
+            NodeHealth("vna_processing", HealthLevel.OK, verbatim("x"), {"free disk [MB]": "12.5"}),
+        )
+    )
+    assert (report.free_disk_mb, report.calibration) == (12.5, "HIGH")
+    silent = tuple(replace(one, level=HealthLevel.STALE) for one in report.nodes)
+    for unknown in (HealthReport(), HealthReport(silent)):
+        assert (unknown.free_disk_mb, unknown.calibration) == (None, "")
