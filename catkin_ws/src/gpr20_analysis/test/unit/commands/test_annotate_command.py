@@ -80,7 +80,7 @@ def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg
 
 WRONG_VALUES = (
     (["--position", "91,0"], "91 deg"),
-    (["--position", "4.6"], "it must be latitude and longitude in degrees"),
+    (["--position", "4.6"], "it must be latitude and longitude"),
     (["--position", "4.6,nan"], "longitude is 'nan'; it must be a decimal number"),
     (["--position", "٤,5"], "it must be a decimal number"),
     (["--operator", "a" * 201], "operator has 201 characters; at most 200"),

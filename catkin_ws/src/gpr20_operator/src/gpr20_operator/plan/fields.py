@@ -45,6 +45,7 @@ from gpr20_survey.trace.ms2026c import (
 )
 
 SPACING_BOUNDS_MM = (1.0, 800.0)
+Specs = Tuple[FieldSpec, ...]
 _ABOVE_0 = Message("above 0")
 
 
@@ -62,13 +63,14 @@ def _permittivity(text: str) -> float:
     return value
 
 
-NUMBER = Kind(Keys.NUMBER, finite_from_text, number_text)
-WHOLE = Kind(Keys.WHOLE, whole_from_text, metavar="N")
-MEGAHERTZ = Kind(Keys.NUMBER, hertz_from_megahertz, megahertz_text)
+MILLIMETRES = Kind(Keys.NUMBER, finite_from_text, number_text, "MM")
+SPACING = Kind(Keys.NUMBER, _spacing, number_text)
+WHOLE = Kind(Keys.WHOLE, whole_from_text)
+MEGAHERTZ = Kind(Keys.NUMBER, hertz_from_megahertz, megahertz_text, "MHZ")
 ROTATIONS = Kind(Keys.LIST, rotations_from_text, rotations_text, "DEG,DEG")
 ADDRESS = Kind(Keys.ADDRESS, str.strip, metavar="A.B.C.D")
-CHOSEN_NUMBER = Kind(Keys.CHOICE, finite_from_text, number_text).or_empty()
-CHOSEN_WORD = Kind(Keys.CHOICE, str.strip, metavar="POWER")
+HERTZ = Kind(Keys.CHOICE, finite_from_text, number_text, "HZ").or_empty()
+WORD = Kind(Keys.CHOICE, str.strip, metavar="POWER")
 POSITION = Kind(
     Keys.LIST,
     lambda text: position_from_text(text) if text.strip() else None,
@@ -85,30 +87,29 @@ def _within(lower: float, upper: float) -> Limits:
     return lambda _travel: (lower, upper)
 
 
-def _axis(axis: str, start: str, stop: str, spacing: str, points: str) -> Tuple[FieldSpec, ...]:
-    """Return the fields of a linear axis, with their defaults."""
+def _axis(axis: str, start: Message, stop: Message, spacing: Message, points: Message) -> Specs:
+    """Return the fields of a linear axis by their titles, with the defaults of both axes."""
     name = axis.upper()
 
     def end(which: str, title: Message, default: str) -> FieldSpec:
         return FieldSpec(
-            *(f"{axis}_{which}_mm", title, Tile.AREA, NUMBER, default, "mm"),
+            *(f"{axis}_{which}_mm", title, Tile.AREA, MILLIMETRES, default),
             limits=lambda travel: coordinate_limits_mm(getattr(travel, axis)),
             rules=frozenset([Rule[f"{name}_{which.upper()}"]]),
             presets=presets.areas,
         )
 
     return (
-        end("start", Message("{axis} start", axis=name), start),
-        end("stop", Message("{axis} stop", axis=name), stop),
+        end("start", start, "50"),
+        end("stop", stop, "150"),
         FieldSpec(
-            *(f"{axis}_spacing_mm", Message("{axis} spacing", axis=name), Tile.SPACING),
-            *(Kind(Keys.NUMBER, _spacing, number_text), spacing, "mm"),
+            *(f"{axis}_spacing_mm", spacing, Tile.SPACING, SPACING, "10"),
             limits=_within(*SPACING_BOUNDS_MM),
             allowed=_always(_ABOVE_0),
             presets=presets.spacings,
         ),
         FieldSpec(
-            *(f"{axis}_points", Message("{axis} points", axis=name), Tile.SPACING, WHOLE, points),
+            *(f"{axis}_points", points, Tile.SPACING, WHOLE, "11"),
             limits=_within(MIN_GRID_POINTS, MAX_GRID_POINTS),
             rules=frozenset([Rule[f"{name}_POINTS"], Rule[f"{name}_SPACING"], Rule.SIZE]),
             presets=presets.spacings,
@@ -129,7 +130,7 @@ def _rotations_allowed(travel: RobotTravel) -> Message:
 _MEGAHERTZ = MIN_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ, MAX_FREQUENCY_HZ / HERTZ_PER_MEGAHERTZ
 _AS_ON_VNA = Message("as set on the VNA")
 # With a new robot: 100 x 100 mm in 12 min, with stops as close as dry sand asks for.
-PLAN: Tuple[FieldSpec, ...] = (
+PLAN: Specs = (
     FieldSpec(
         *("vna_address", Message("VNA address"), Tile.VNA, ADDRESS),
         allowed=_always(Message("four whole numbers from 0 to 255")),
@@ -138,8 +139,8 @@ PLAN: Tuple[FieldSpec, ...] = (
         empty=Message("as configured"),
     ),
     FieldSpec(
-        *("start_frequency_hz", Message("Start frequency"), Tile.FREQUENCIES, MEGAHERTZ),
-        *("600", "MHz", _within(*_MEGAHERTZ)),
+        *("start_frequency_hz", Message("Start frequency (MHz)"), Tile.FREQUENCIES, MEGAHERTZ),
+        *("600", _within(*_MEGAHERTZ)),
         allowed=_always(
             Message(
                 "from {lower:g} to {upper:g}, below the stop frequency",
@@ -150,8 +151,8 @@ PLAN: Tuple[FieldSpec, ...] = (
         presets=presets.frequencies,
     ),
     FieldSpec(
-        *("stop_frequency_hz", Message("Stop frequency"), Tile.FREQUENCIES, MEGAHERTZ),
-        *("6000", "MHz", _within(*_MEGAHERTZ)),
+        *("stop_frequency_hz", Message("Stop frequency (MHz)"), Tile.FREQUENCIES, MEGAHERTZ),
+        *("6000", _within(*_MEGAHERTZ)),
         rules=frozenset([Rule.STOP_FREQUENCY]),
         presets=presets.frequencies,
     ),
@@ -161,17 +162,29 @@ PLAN: Tuple[FieldSpec, ...] = (
         rules=frozenset([Rule.FREQUENCY_POINTS, Rule.FREQUENCY_SPACING]),
         presets=presets.frequencies,
     ),
-    *_axis("x", start="50", stop="150", spacing="10", points="11"),
-    *_axis("y", start="50", stop="150", spacing="10", points="11"),
+    *_axis(
+        "x",
+        Message("X start (mm)"),
+        Message("X stop (mm)"),
+        Message("X spacing (mm)"),
+        Message("X points"),
+    ),
+    *_axis(
+        "y",
+        Message("Y start (mm)"),
+        Message("Y stop (mm)"),
+        Message("Y spacing (mm)"),
+        Message("Y points"),
+    ),
     FieldSpec(
-        *("polarizations_deg", Message("Antenna rotations"), Tile.ANTENNAS, ROTATIONS),
-        *("0, 90", "°"),
+        *("polarizations_deg", Message("Antenna rotations (°)"), Tile.ANTENNAS, ROTATIONS),
+        "0, 90",
         allowed=_rotations_allowed,
         rules=frozenset([Rule.POLARIZATIONS]),
         presets=presets.rotations,
     ),
     FieldSpec(
-        *("if_bandwidth_hz", Message("IF bandwidth"), Tile.VNA, CHOSEN_NUMBER, "", "Hz"),
+        *("if_bandwidth_hz", Message("IF bandwidth (Hz)"), Tile.VNA, HERTZ),
         limits=_within(MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ),
         rules=frozenset([Rule.IF_BANDWIDTH]),
         choices=("", *map(number_text, IF_BANDWIDTHS_HZ)),
@@ -186,7 +199,7 @@ PLAN: Tuple[FieldSpec, ...] = (
         empty=_AS_ON_VNA,
     ),
     FieldSpec(
-        *("output_power", Message("Output power"), Tile.VNA, CHOSEN_WORD),
+        *("output_power", Message("Output power"), Tile.VNA, WORD),
         allowed=_always(Message("LOW or HIGH for the MS2026C")),
         rules=frozenset([Rule.OUTPUT_POWER]),
         choices=("", *OUTPUT_POWERS),
@@ -214,15 +227,13 @@ def _people(name: str, title: Message, most: int = MAX_NAME_CHARACTERS, **more: 
 
 
 _OF_THE_ROBOT = Message("that of the robot")
-PEOPLE: Tuple[FieldSpec, ...] = (
+PEOPLE: Specs = (
     _people("name", Message("Name of the survey")),
     _people("operator", Message("Operator"), empty=_OF_THE_ROBOT),
     _people("site", Message("Site"), empty=_OF_THE_ROBOT),
     FieldSpec(
         *("position", Message("Position"), Tile.NAME, POSITION),
-        allowed=_always(
-            Message("latitude and longitude, WGS 84, such as {example}", example="4.6; -74.1")
-        ),
+        allowed=_always(Message("WGS 84, such as {example}", example="4.6; -74.1")),
         empty=_OF_THE_ROBOT,
         remembered=False,
     ),

@@ -43,17 +43,12 @@ class PlanCheck:
     permittivity: Optional[float]
     problems: Mapping[str, Message]
 
-    @property
-    def first_problem(self) -> Optional[Message]:
-        """Which field is wrong, the first in their order, and what it allows; None: none is."""
-        return problem_of(next(iter(self.problems), ""), self)
-
 
 def problem_of(name: str, check: PlanCheck) -> Optional[Message]:
     """Return what a field is called and what it allows if it is wrong; None if it is right."""
     if name not in check.problems:
         return None
-    return Message("{field}: {allowed}", field=SPECS[name].label, allowed=check.problems[name])
+    return Message("{field}: {allowed}", field=SPECS[name].title, allowed=check.problems[name])
 
 
 def check_plan(

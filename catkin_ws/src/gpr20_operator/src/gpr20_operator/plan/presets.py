@@ -90,7 +90,7 @@ def spacings(context: PresetContext) -> List[Preset]:
     if context.quarter_wavelength_mm is not None:
         # Rounded down to a tenth: rounded up it would be too coarse.
         mm = math.floor(context.quarter_wavelength_mm * 10.0) / 10.0
-        found.append(_spacing(Message("Soil allows {spacing:g} mm", spacing=mm), mm))
+        found.append(_spacing(Message("Soil: {spacing:g} mm", spacing=mm), mm))
     return found
 
 

@@ -22,20 +22,20 @@ class Tile(enum.Enum):
     AREA = "area"
     SPACING = "spacing"
     SOIL = "soil"
-    NAME = "name"
     FREQUENCIES = "frequencies"
     ANTENNAS = "antennas"
     VNA = "vna"
+    NAME = "name"
 
 
 TILE_TITLES: Mapping[Tile, Message] = {
     Tile.AREA: Message("Where"),
     Tile.SPACING: Message("How close"),
     Tile.SOIL: Message("Soil"),
-    Tile.NAME: Message("Name"),
     Tile.FREQUENCIES: Message("Radar"),
     Tile.ANTENNAS: Message("Antennas"),
     Tile.VNA: Message("VNA"),
+    Tile.NAME: Message("Name"),
 }
 
 
@@ -59,13 +59,13 @@ class Kind:
         keys: The keys.
         read: Makes the value from a text, or raises InvalidValueError.
         write: Makes the text from a value.
-        metavar: What the command line calls it; empty: as its unit.
+        metavar: What the command line calls it.
     """
 
     keys: Keys
     read: Callable[[str], Any]
     write: Callable[[Any], str] = str
-    metavar: str = ""
+    metavar: str = "N"
 
     def or_empty(self) -> Kind:
         """Return the kind of number whose empty text is 0."""
@@ -82,11 +82,10 @@ class FieldSpec:
 
     Attributes:
         name: Field of SurveyParameters or of Annotation, or of the plan alone.
-        title: What people call it.
+        title: What people call it, with its unit.
         tile: The group in which it is shown.
         kind: What its text is.
         default: The text with which a plan starts.
-        unit: Of the text.
         limits: Smallest and largest number; the arrows stop there.
         allowed: What it allows, if that is not a number within these limits.
         rules: Rules for a survey that are about this field.
@@ -101,7 +100,6 @@ class FieldSpec:
     tile: Tile
     kind: Kind
     default: str = ""
-    unit: str = ""
     limits: Optional[Limits] = None
     allowed: Optional[Callable[[RobotTravel], Message]] = None
     rules: FrozenSet[Rule] = frozenset()
@@ -110,17 +108,10 @@ class FieldSpec:
     empty: Optional[Message] = None
     remembered: bool = True
 
-    @property
-    def label(self) -> Message:
-        """The title, with the unit if there is one."""
-        if not self.unit:
-            return self.title
-        return Message("{field} ({unit})", field=self.title, unit=self.unit)
-
     def hint(self, travel: RobotTravel) -> Message:
         """Return what the field allows, and what it means if it is empty."""
         allowed = self._in_limits(travel) if self.allowed is None else self.allowed(travel)
-        if self.empty is None:
+        if self.empty is None or self.tile is Tile.NAME:
             return allowed
         return Message("empty: {meaning}; else {allowed}", meaning=self.empty, allowed=allowed)
 

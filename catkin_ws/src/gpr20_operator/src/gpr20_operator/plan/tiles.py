@@ -105,7 +105,7 @@ def cost_text(known: SurveyPreview) -> Message:
     if cost is None or not math.isfinite(cost.duration_s):
         return Message("not known yet")
     return Message(
-        "{time}, {size:.4g} MB on the disk",
+        "{time}, {size:.3g} MB on the disk",
         time=about(cost.duration_s),
         size=cost.size_bytes / BYTES_PER_MEGABYTE,
     )
@@ -157,7 +157,8 @@ def start_lock(snapshot: Optional[Snapshot], check: PlanCheck) -> Optional[Messa
         return Message("The survey is starting")
     if snapshot.running:
         return Message("A survey is running")
-    return check.first_problem
+    wrong = next((tile for tile in Tile if tile_problem(tile, check) is not None), None)
+    return None if wrong is None else Message("Correct first: {tile}", tile=TILE_TITLES[wrong])
 
 
 def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[SurveySummary]:
@@ -190,7 +191,7 @@ def check_lines(known: Optional[SurveyPreview]) -> Lines:
     )
     if known.cost is None:
         return (resolution,)
-    return resolution, verbatim(f"{known.cost.size_bytes / BYTES_PER_MEGABYTE:.4g} MB")
+    return resolution, verbatim(f"{known.cost.size_bytes / BYTES_PER_MEGABYTE:.3g} MB")
 
 
 def _range(axis: str, texts: Mapping[str, str]) -> Message:

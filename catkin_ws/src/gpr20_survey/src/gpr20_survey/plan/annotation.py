@@ -220,8 +220,7 @@ def position_from_text(text: str) -> Wgs84Position:
     if len(parts) != 2:
         raise InvalidValueError(
             Message(
-                "position is {text}; it must be latitude and longitude in degrees, such as "
-                "{example}",
+                "position is {text}; it must be latitude and longitude, such as {example}",
                 text=repr(text[:64]),
                 example="4.60283,-74.06514",
             )

@@ -150,7 +150,7 @@ def option_of(spec: FieldSpec) -> str:
 def _add_field(
     group: argparse._ArgumentGroup, spec: FieldSpec, catalogue: Catalogue
 ) -> argparse.Action:
-    meaning = Message("{field}: {allowed}", field=spec.label, allowed=_allowed(spec))
+    meaning = Message("{field}: {allowed}", field=spec.title, allowed=_allowed(spec))
     if spec.default:
         meaning = Message("{meaning} (default {default})", meaning=meaning, default=spec.default)
     return group.add_argument(
@@ -159,7 +159,7 @@ def _add_field(
         type=_reader(spec.kind.read, catalogue),
         # argparse converts a default that is a string like an argument.
         default=spec.default,
-        metavar=spec.kind.metavar or spec.unit.upper(),
+        metavar=spec.kind.metavar,
         # Percent signs are the formats of argparse.
         help=catalogue.text(meaning).replace("%", "%%"),
     )

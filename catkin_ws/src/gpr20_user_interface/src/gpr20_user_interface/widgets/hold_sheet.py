@@ -113,8 +113,8 @@ class HoldSheet(Overlay):
         self._names.setHorizontalSpacing(px(MARGIN_PX))
         self._names.setVerticalSpacing(0)
         self._names.setColumnMinimumWidth(0, px(NAMES_PX))
-        for widget in (self.hold, self.cancel, self.warning):
-            widget.setFixedWidth(px(HOLD_WIDTH_PX))
+        # As wide as the button below it.
+        self.warning.setFixedWidth(px(HOLD_WIDTH_PX))
         self.hold.setMinimumHeight(px(HOLD_HEIGHT_PX))
 
     def _on_held(self) -> None:
@@ -134,7 +134,7 @@ class HoldSheet(Overlay):
         for label in (self.warning, self.doubt):
             label.setWordWrap(True)
             set_look(label, "level", "doubtful")
-        self.hold.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.hold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         right = QVBoxLayout()
         right.addWidget(self.warning)
         right.addStretch(1)

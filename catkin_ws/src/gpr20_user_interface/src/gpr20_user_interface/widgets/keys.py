@@ -197,7 +197,7 @@ Judge = Callable[[str], str]
 MARGIN_PX = 4
 # What five rows of keys leave.
 TEXT_ROW_PX = 54
-WORDS_PX = 290
+WORDS_PX = 380
 
 
 class Pad(Overlay):

@@ -48,7 +48,7 @@ from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
 
-COLUMNS, ROWS = 4, 3
+COLUMNS, ROWS = 3, 4
 # How long to wait for the list of surveys, in refreshes, before it is requested again.
 RETRY_REFRESHES = 80
 
@@ -239,7 +239,6 @@ class PlanPage(TranslatedWidget, Page):
 
     def _show_tiles(self) -> None:
         known = self._previewed = self._survey.preview
-        too_coarse = known is not None and known.too_coarse
         for tile, button in self.tiles.items():
             lines = [
                 shown_text(line)
@@ -247,9 +246,9 @@ class PlanPage(TranslatedWidget, Page):
             ]
             problem = tile_problem(tile, self._check)
             level = "wrong" if problem is not None else ""
-            if tile is Tile.SPACING and too_coarse and known is not None and not level:
+            if tile is Tile.SPACING and known is not None and known.too_coarse and not level:
                 most = self.tr("at most {spacing} mm")
-                lines.append(most.format(spacing=f"{known.quarter_wavelength_mm:.3g}"))
+                lines[1] = most.format(spacing=f"{known.quarter_wavelength_mm:.3g}")
                 level = "doubtful"
             sentence = "" if problem is None else shown_text(problem)
             button.show_texts(shown_text(TILE_TITLES[tile]), *lines, sentence=sentence, level=level)
@@ -262,7 +261,7 @@ class PlanPage(TranslatedWidget, Page):
         self.check_plan.show_texts(self.tr("Check plan"), *lines)
         offered = resumable(self._traces.past, self._snapshot)
         if (offered is None) is not (self._offer is None):
-            self._place_commands(offered is not None)
+            self._place_start(offered is not None)
         self._offer = offered
         if offered is not None:
             lines = (shown_text(line) for line in resume_lines(offered))
@@ -321,7 +320,7 @@ class PlanPage(TranslatedWidget, Page):
         if survey == self._survey.snapshot.running_survey and not replaces_text(before, after):
             store()
         else:
-            self.confirm.ask(change_records_question(survey, before, after), store)
+            self.confirm.ask(change_records_question(before.name or survey, before, after), store)
 
     def _connect(self) -> None:
         for tile, button in self.tiles.items():
@@ -337,20 +336,17 @@ class PlanPage(TranslatedWidget, Page):
 
     def _lay_out(self) -> None:
         self._grid = QGridLayout(self)
-        for number, tile in enumerate((*self.tiles.values(), self.saved)):
+        for number, tile in enumerate((*self.tiles.values(), self.saved, self.check_plan)):
             self._grid.addWidget(tile, *divmod(number, COLUMNS))
         for column in range(COLUMNS):
             self._grid.setColumnStretch(column, 1)
         for row in range(ROWS):
             self._grid.setRowStretch(row, 1)
-        self._grid.addWidget(self.resume, ROWS - 1, 1, 1, 2)
-        self._place_commands(False)
+        self._grid.addWidget(self.resume, ROWS - 1, 0, 1, COLUMNS - 1)
+        self._place_start(False)
 
-    def _place_commands(self, offered: bool) -> None:
-        """Place what is below the tiles: half of the width is for what is done first."""
+    def _place_start(self, offered: bool) -> None:
+        """Give the last row to what is done first."""
         self.resume.setVisible(offered)
-        places = {self.check_plan: (0, 2), self.start: (2, 2)}
-        if offered:
-            places = {self.check_plan: (0, 1), self.start: (3, 1)}
-        for button, (column, columns) in places.items():
-            self._grid.addWidget(button, ROWS - 1, column, 1, columns)
+        column = COLUMNS - 1 if offered else 0
+        self._grid.addWidget(self.start, ROWS - 1, column, 1, COLUMNS - column)

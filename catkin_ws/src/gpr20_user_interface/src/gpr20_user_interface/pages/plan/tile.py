@@ -20,7 +20,7 @@ class PlanTile(QPushButton):
         lines: How many lines there are below the title.
     """
 
-    def __init__(self, name: str = "tile", lines: int = 3) -> None:
+    def __init__(self, name: str = "tile", lines: int = 2) -> None:
         super().__init__()
         self.setObjectName(name)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -64,10 +64,12 @@ class PlanTile(QPushButton):
         Args:
             title: The title.
             lines: Lines below it.
-            sentence: What is shown instead of the lines; empty: the lines.
+            sentence: What is shown instead of the lines; empty: the lines. One that says what is
+                wrong takes the place of the title too.
             level: How good the values are: "wrong", "doubtful", or empty.
         """
         self.title.show_text(title)
+        self.title.setVisible(not (sentence and level == "wrong"))
         for label, text in zip(self.lines, (*lines, *("",) * len(self.lines))):
             label.show_text(text)
             label.setVisible(not sentence)

@@ -105,7 +105,7 @@ class ValueSheet(Overlay):
         self.undo.setText(self.tr("UNDO"))
         self.done.setText(self.tr("DONE"))
         for spec, box in zip(self._specs, self.boxes):
-            box.title.setText(shown_text(spec.label))
+            box.title.setText(shown_text(spec.title))
             box.edit.setPlaceholderText("" if spec.empty is None else shown_text(spec.empty))
         self._show_state()
 
