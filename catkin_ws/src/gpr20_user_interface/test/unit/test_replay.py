@@ -1,0 +1,349 @@
+"""A replay never looks like a robot, and never hides one."""
+
+from dataclasses import replace
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from fake_clock import FakeClock
+from hypothesis import given
+from hypothesis import strategies as some
+
+from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, Replay, SurveyData
+from gpr20_operator.robot.condition import JobLevel, condition_of
+from gpr20_operator.robot.events import ControlState, Progress, Request, StopRequested
+from gpr20_operator.robot.replay import PlayerLink, ReplayMark, ReplayPhase
+from gpr20_operator.robot.replay_model import ReplayModel
+from gpr20_operator.robot.senders import SenderIgnored, Senders
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.high import control_client, ros_events
+from gpr20_user_interface.high.control_client import ControlClient
+from gpr20_user_interface.terminal.follower import ExitStatus
+from gpr20_user_interface.terminal.replay_follower import ReplayFollower
+
+# `rosbag play`, replay.launch, a window, and nodes of other robots.
+OTHERS = (
+    *("/play_1795334095431", "/replay/replay", "/user_interface", "/some_player"),
+    *("/robot2/main_control", "/replay/main_control", "/main_control_", "main_control"),
+)
+MARK = ReplayMark("id", "2026-11-22T07:53:11.859801+00:00", "20261122T075311_58860593")
+SURVEY = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
+
+
+class Graph:
+    """In place of the ROS graph: delivers the messages that the test sends."""
+
+    def __init__(self):
+        self.subscribers = []
+        self.periodic = []
+
+    def subscriber(self, name, _message_class, received, queue_size=None):
+        self.subscribers.append(Subscriber(name, received))
+        return self.subscribers[-1]
+
+    def send(self, sender, topic, message):
+        message._connection_header = {"callerid": sender}
+        for one in self.subscribers:
+            if one.name == topic:
+                one.received(message)
+
+
+class Subscriber:
+    """In place of a subscription."""
+
+    def __init__(self, name, received):
+        self.name, self.received, self.connected = name, received, 0
+
+    def get_num_connections(self):
+        return self.connected
+
+    def unregister(self):
+        pass
+
+
+class Repeated:
+    """In place of a thread that does something again and again: when the test says so."""
+
+    def __init__(self, _period_s, act):
+        self.act = act
+
+    def stop(self):
+        pass
+
+
+@pytest.fixture
+def patched(monkeypatch):
+    """Replace what needs a graph; return the clock of the clients."""
+    clock = FakeClock()
+    monkeypatch.setattr(control_client, "Clock", lambda: clock)
+    monkeypatch.setattr(control_client, "Periodic", Repeated)
+    return monkeypatch, clock
+
+
+def listening(patched, replay=False, namespace="/"):
+    """Return a client that listens, its graph, and the events that it passes on."""
+    monkeypatch, clock = patched
+    graph, events = Graph(), []
+    monkeypatch.setattr(ros_events.rospy, "Subscriber", graph.subscriber)
+    client = ControlClient(events.append, Senders(namespace, replay, clock))
+    client.listen()
+    client.listen_to_robot()
+    return client, graph, events
+
+
+def report(name, level=DiagnosticStatus.OK):
+    return DiagnosticArray(status=[DiagnosticStatus(name=f"{name}: state", level=level)])
+
+
+def message(kind, number):
+    """Return the topic and a message of a survey that anybody could send."""
+    survey = f"survey {number % 3}"
+    return {
+        "state": (
+            "control_status",
+            ControlStatus(code=number % len(SurveyState), survey_id=survey),
+        ),
+        "progress": ("control_survey_data", SurveyData(survey_id=survey, visited_points=number)),
+        "place": ("control_current_coordinate", Coordinates(x_mm=number)),
+        "axis": ("x_axis/current_coord", CurrentCoordinate(moving=bool(number % 2))),
+        "health": ("/diagnostics", report(EXPECTED_NODES[number % 3], number % 3)),
+        "mark": ("replay", Replay(survey_id=survey)),
+    }[kind]
+
+
+KINDS = some.sampled_from(("state", "progress", "place", "axis", "health", "mark"))
+SENDERS = some.sampled_from(("/main_control", "/x_axis/axis_driver", "/simulator", *OTHERS))
+STEPS = some.lists(
+    some.tuples(SENDERS, KINDS, some.integers(0, 50), some.sampled_from((0.0, 0.1, 1.0, 4.0))),
+    max_size=40,
+)
+
+
+@given(steps=STEPS)
+def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        clock = FakeClock()
+        monkeypatch.setattr(control_client, "Clock", lambda: clock)
+        _, graph, events = listening((monkeypatch, clock))
+        _, graph_without, events_without = listening((monkeypatch, clock))
+        model, model_without = SurveyModel(clock), SurveyModel(clock)
+        heard = []
+        for sender, kind, number, pause_s in steps:
+            clock.advance(pause_s)
+            graph.send(sender, *message(kind, number))
+            if sender not in OTHERS:
+                graph_without.send(sender, *message(kind, number))
+            elif kind != "mark":
+                heard.append((clock.now_s(), sender))
+            for one, queue in ((model, events), (model_without, events_without)):
+                while queue:
+                    one.handle(queue.pop(0))
+            shown, without = model.snapshot(), model_without.snapshot()
+            assert shown.replay is None
+            assert replace(shown, ignored_sender="") == without
+            # Reports on /diagnostics about other things are usual.
+            recent = {by for at, by in heard if clock.now_s() - at <= 4.0}
+            assert shown.ignored_sender in {"", *recent}
+
+
+def test_a_player_on_the_topics_of_a_robot_is_named_in_the_band_and_logged_once(patched, caplog):
+    _, graph, events = listening(patched)
+    clock, model = patched[1], SurveyModel(patched[1])
+    for _ in range(30):
+        graph.send("/main_control", *message("state", int(SurveyState.SURVEYING)))
+        graph.send("/play_1", *message("state", int(SurveyState.PAUSED)))
+        clock.advance(0.1)
+    ignored = [one for one in events if isinstance(one, SenderIgnored)]
+    # Not one event for each message.
+    assert 2 <= len(ignored) <= 4 and set(ignored) == {SenderIgnored("/play_1")}
+    for event in events:
+        model.handle(event)
+    shown = model.snapshot()
+    condition = condition_of(shown)
+    assert condition.level is JobLevel.ATTENTION and str(condition.title) == "SURVEYING"
+    assert condition.message.fault_code == "window.replay_beside"
+    assert shown.can_pause
+    clock.advance(3.5)
+    graph.send("/main_control", *message("state", int(SurveyState.SURVEYING)))
+    model.handle(events[-1])
+    assert condition_of(model.snapshot()).message.fault_code != "window.replay_beside"
+    logged = [one for one in caplog.records if "/play_1" in one.getMessage()]
+    assert len(logged) == 1
+
+
+def test_a_fault_of_the_robot_comes_before_the_word_about_a_player(clock):
+    model = SurveyModel(clock)
+    model.handle(ControlState(SurveyState.FAILED, verbatim("the belt is torn"), "id", False))
+    model.handle(SenderIgnored("/play_1"))
+    condition = condition_of(model.snapshot())
+    assert (condition.level, str(condition.message)) == (JobLevel.FAULT, "the belt is torn")
+
+
+def test_on_the_topic_of_all_robots_only_who_speaks_for_this_one_is_reported(patched):
+    _, graph, events = listening(patched, namespace="/robot1/")
+    graph.send("/user_interface", "/diagnostics", report("/user_interface"))
+    graph.send("/robot2/main_control", "/diagnostics", report("/robot2/main_control"))
+    graph.send("/robot1/user_interface", "/diagnostics", report("/robot1/user_interface"))
+    assert events == []
+    graph.send("/robot1/main_control", "/diagnostics", report("/robot1/main_control"))
+    graph.send("/robot1/main_control", "/diagnostics", report("/robot1/sensors/soil"))
+    assert [one.name for one in events] == ["main_control", "sensors/soil"]
+    graph.send("/play_1", "/diagnostics", report("/robot1/main_control"))
+    assert events[2:] == [SenderIgnored("/play_1")]
+
+
+def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics(patched):
+    _, graph, events = listening(patched, replay=True)
+    robot = [f"/{node}" for node in (*EXPECTED_NODES, "simulator")]
+    for sender in robot:
+        for kind in ("state", "progress", "place", "axis", "mark"):
+            graph.send(sender, *message(kind, 1))
+    assert events == []
+    graph.send("/play_1", *message("state", 4))
+    assert [(one.survey_id, one.replay) for one in events] == [("survey 1", True)]
+
+
+def test_health_of_a_recording_is_that_of_its_robot_with_any_player(patched):
+    for namespace, recorded in (
+        ("/replay/", "/replay/main_control"),
+        ("/replay/", "main_control"),
+        ("/replay/robot1/", "/replay/robot1/main_control"),
+        ("/replay/robot1/", "robot1/main_control"),
+    ):
+        _, graph, events = listening(patched, replay=True, namespace=namespace)
+        graph.send("/play_1", "diagnostics", report(recorded))
+        graph.send("/play_1", "diagnostics", report("robot2/x_axis/axis_driver"))
+        model = ReplayModel()
+        for event in events:
+            model.handle(event)
+        found = [one.name for one in model.snapshot().health.nodes]
+        assert found == ["main_control"], (namespace, recorded)
+
+
+def test_a_replay_has_ended_when_its_player_is_no_longer_connected(patched):
+    client, graph, events = listening(patched, replay=True)
+    client._player.act()
+    assert events == []
+    status = next(one for one in graph.subscribers if one.name == "control_status")
+    for connected in (1, 1, 0, 1):
+        status.connected = connected
+        client._player.act()
+        assert events[-1] == PlayerLink(bool(connected))
+
+
+def state(code, survey_id="id"):
+    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, False, replay=True)
+
+
+def progress(survey_id="id"):
+    return Progress(survey_id, 50.0, 18, 9, 30.0)
+
+
+def assert_harmless(snapshot):
+    """A replay offers no request to a robot and raises no alarm."""
+    assert snapshot.replay is not None
+    assert condition_of(snapshot).level is JobLevel.REPLAY
+    assert not (snapshot.can_start or snapshot.can_pause or snapshot.can_resume)
+    assert snapshot.fields_locked
+
+
+def test_a_window_of_a_replay_is_one_before_anything_is_played():
+    model = ReplayModel()
+    model.handle(NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}))
+    model.request_sent(Request.STOP)
+    snapshot = model.snapshot()
+    assert_harmless(snapshot)
+    assert str(snapshot.replay.message) == "Waiting for a recording."
+    assert not snapshot.pending
+
+
+def test_every_state_of_a_recording_is_harmless_and_named_a_replay():
+    for code in SurveyState:
+        model = ReplayModel()
+        for event in (MARK, state(code), progress()):
+            model.handle(event)
+            assert_harmless(model.snapshot())
+        assert str(model.snapshot().state.title) == f"REPLAY: {code.label}"
+
+
+def test_a_replay_without_status_shows_that_its_robot_was_simulated():
+    model = ReplayModel()
+    model.handle(progress())
+    assert not model.snapshot().simulated
+    model.handle(NodeHealth("simulator", HealthLevel.OK, verbatim("works"), {}))
+    assert model.snapshot().simulated
+
+
+def test_the_end_of_a_replay_names_the_end_of_the_survey():
+    cut_off = "SURVEYING, and the recording does not contain the survey's end"
+    ends = (PlayerLink(False), replace(MARK, phase=ReplayPhase.ENDED, rate=1.0))
+    for code, end, text in (
+        (SurveyState.SURVEYING, None, "SURVEYING"),
+        *((SurveyState.FINISHED, end, "FINISHED") for end in ends),
+        *((SurveyState.SURVEYING, end, cut_off) for end in ends),
+    ):
+        model = ReplayModel()
+        for event in (MARK, state(code), *([end] if end else [])):
+            model.handle(event)
+        view = model.snapshot().replay
+        assert_harmless(model.snapshot())
+        assert str(view.title) == ("REPLAY ENDED" if end else "REPLAY")
+        assert str(view.message) == f"{text}. {SURVEY}"
+        assert not (end and view.can_pause)
+
+
+def test_a_paused_replay_says_so_and_can_continue():
+    model = ReplayModel()
+    model.handle(replace(MARK, phase=ReplayPhase.PAUSED, rate=2.0))
+    view = model.snapshot().replay
+    assert (str(view.title), view.paused, view.can_pause) == ("REPLAY PAUSED", True, True)
+    # The player of `rosbag play` takes no requests.
+    model.handle(MARK)
+    assert not model.snapshot().replay.can_pause
+
+
+def test_another_survey_shows_nothing_of_the_one_before():
+    model = ReplayModel()
+    for event in (MARK, state(SurveyState.FINISHED), PlayerLink(False), progress("other")):
+        model.handle(event)
+    snapshot = model.snapshot()
+    assert (snapshot.state, snapshot.replay.mark) == (None, ReplayMark())
+    assert not snapshot.replay.ended
+
+
+def test_a_message_in_flight_when_its_player_ended_does_not_begin_the_replay_again():
+    model = ReplayModel()
+    for event in (MARK, state(SurveyState.FINISHED), PlayerLink(False), MARK, progress()):
+        model.handle(event)
+    view = model.snapshot().replay
+    assert (view.ended, view.state, view.mark) == (True, SurveyState.FINISHED, MARK)
+    model.handle(PlayerLink(True))
+    assert not model.snapshot().replay.ended
+
+
+def followed(*events):
+    """Return the follower of a replay after some events; it never asks for anything."""
+    follower = ReplayFollower()
+    for event in events:
+        assert follower.handle(event) == follower.tick() == []
+    return follower
+
+
+def test_the_terminal_client_follows_a_replay_to_its_end():
+    assert followed(MARK, state(SurveyState.PAUSED), PlayerLink(True)).outcome is None
+    for end in (PlayerLink(False), replace(MARK, phase=ReplayPhase.ENDED)):
+        follower = followed(MARK, progress(), state(SurveyState.FINISHED), end)
+        assert follower.survey_id == "id"
+        assert follower.outcome.status is ExitStatus.REPLAY
+        assert str(follower.outcome.message) == "The recorded survey ended FINISHED: as it is"
+        cut_off = followed(MARK, state(SurveyState.SURVEYING), end).outcome
+        assert cut_off.status is ExitStatus.REPLAY
+        assert "does not contain the survey's end" in str(cut_off.message)
+
+
+def test_an_operator_can_leave_a_replay():
+    left = followed(state(SurveyState.SURVEYING), StopRequested("SIGINT"))
+    assert left.outcome.status is ExitStatus.STOPPED
+    assert not left.concerns(StopRequested("SIGINT"))
