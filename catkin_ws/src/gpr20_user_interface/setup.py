@@ -5,6 +5,6 @@ setup(
     **generate_distutils_setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
-        package_data={"gpr20_user_interface.look": ["icons/*.svg"]},
+        package_data={"gpr20_user_interface.look": ["icons/*.svg", "style.qss"]},
     )
 )

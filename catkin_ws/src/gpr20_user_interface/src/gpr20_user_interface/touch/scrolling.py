@@ -7,9 +7,11 @@ from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import (
     QAbstractItemView,
     QAbstractScrollArea,
+    QGraphicsView,
     QListView,
     QScroller,
     QScrollerProperties,
+    QWidget,
 )
 
 # A finger that moves farther than this pulls; a gloved one shakes by less [px].
@@ -33,6 +35,13 @@ def scroll_by_finger(area: QAbstractScrollArea) -> None:
     properties.setScrollMetric(metric.VerticalOvershootPolicy, never)
     properties.setScrollMetric(metric.HorizontalOvershootPolicy, never)
     scroller.setScrollerProperties(properties)
+
+
+def scroll_everything(window: QWidget) -> None:
+    """Let a finger pull every list and text of a window, except for pictures."""
+    for area in window.findChildren(QAbstractScrollArea):
+        if isinstance(area, QAbstractScrollArea) and not isinstance(area, QGraphicsView):
+            scroll_by_finger(area)
 
 
 class FingerList(QListView):

@@ -1,12 +1,14 @@
-"""A text of several lines that a finger pulls up where there is no room for all of it."""
+"""Labels whose text may be longer than their place: it ends with dots, or it is pulled."""
 
 from __future__ import annotations
 
 from typing import List
 
 from PyQt5.QtCore import QEvent, QSize, Qt
-from PyQt5.QtGui import QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QTextLayout, QTextOption
+from PyQt5.QtGui import QPainter, QPaintEvent, QResizeEvent, QTextLayout, QTextOption
 from PyQt5.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy
+
+from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
 class ElidedLabel(QLabel):
@@ -124,7 +126,7 @@ class LinesLabel(QLabel):
 
 
 class PulledText(QScrollArea):
-    """Shows a text without a scroll bar, which would be as wide as a finger."""
+    """A text of several lines that a finger pulls up where there is no room for all of it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -132,14 +134,10 @@ class PulledText(QScrollArea):
         self._label.setWordWrap(True)
         self._label.setTextFormat(Qt.TextFormat.PlainText)
         self._label.setAlignment(Qt.AlignmentFlag.AlignTop)
-        # A touch of the text is one of this widget.
-        self._label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._finger_px = 0.0
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setWidget(self._label)
+        scroll_by_finger(self)
 
     def text(self) -> str:
         """Return the text."""
@@ -154,13 +152,3 @@ class PulledText(QScrollArea):
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         """Qt: it may be as small as it must, since it can be pulled."""
         return QSize(0, self.fontMetrics().lineSpacing())
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Qt: a finger touches the text."""
-        self._finger_px = event.localPos().y()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Qt: the finger pulls it."""
-        bar = self.verticalScrollBar()
-        bar.setValue(bar.value() + round(self._finger_px - event.localPos().y()))
-        self._finger_px = event.localPos().y()

@@ -11,6 +11,8 @@ from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QVBoxLayout, Q
 
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.jobs.job import Delivery
+from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.robot.events import Answer
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
@@ -27,14 +29,12 @@ from gpr20_user_interface.pages.ground.page import GroundPage
 from gpr20_user_interface.pages.job.alerts import Alerts
 from gpr20_user_interface.pages.job.page import JobPage
 from gpr20_user_interface.pages.plan.page import PlanPage
+from gpr20_user_interface.pages.result.page import ResultPage
 from gpr20_user_interface.pages.robot.page import RobotPage
 from gpr20_user_interface.pages.robots.page import RobotsPage
 from gpr20_user_interface.pages.settings.page import SettingsPage
-from gpr20_user_interface.pages.surveys.page import (
-    ImagingBinding,
-    SurveysBinding,
-    SurveysPage,
-)
+from gpr20_user_interface.pages.surveys.page import SurveysPage
+from gpr20_user_interface.touch.scrolling import scroll_everything
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
@@ -78,8 +78,8 @@ class MainWindow(TranslatedWidget):
         self.survey, self.traces = presenters.survey, presenters.traces
         self.plans = presenters.plans
         self._imaging = presenters.imaging
-        self._make_tabs(presenters)
-        self._bind_tabs(presenters, languages, clock)
+        self._make_tabs(presenters, languages)
+        self._bind_tabs(presenters, clock)
         self._name_sheets()
         seen = (self.notice, self.question, self.stop_warning)
         self.settings = SettingsPage(
@@ -89,7 +89,7 @@ class MainWindow(TranslatedWidget):
         choice = self.settings.robot_button
         choice.clicked.connect(self.settings.hide)
         self.robots = RobotsPage(self, presenters.robots, choice, self.top_bar.show_robot, clock)
-        self._bindings = self._all_bindings(presenters)
+        self._bindings = self._all_bindings()
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
@@ -101,6 +101,7 @@ class MainWindow(TranslatedWidget):
         self.rail.settings.clicked.connect(lambda: self.settings.open())
         self.rail.lock.clicked.connect(lambda: self.touch_binding.set_locked(True))
         self._refresh_after_requests()
+        scroll_everything(self)
         self.retranslate()
         self.setStyleSheet(style_sheet(self.look))
         self.resize(DESIGN_WIDTH_PX, DESIGN_HEIGHT_PX)
@@ -119,9 +120,13 @@ class MainWindow(TranslatedWidget):
             timer.stop()
         self.survey.end()
         self._imaging.end()
+        self.result.end()
 
     def on_event(self, event: object) -> None:
         """Take an event; show a refusal at once."""
+        if isinstance(event, Delivery):
+            event.deliver()
+            return
         self.alerts.take_refusal(self.survey.on_event(event))
         if isinstance(event, Answer):
             self.refresh()
@@ -151,6 +156,11 @@ class MainWindow(TranslatedWidget):
         self.survey_tab.show_plan(self.survey.snapshot)
         self.show_tab(TabName.SURVEY)
 
+    def _show_result(self, folder: str) -> None:
+        """Bring the result of a stored survey to the front."""
+        self.survey_tab.show_result(folder, self.survey.snapshot)
+        self.show_tab(TabName.SURVEY)
+
     def use_look(self, look: Look) -> None:
         """Change theme or scale."""
         if look != self.look:
@@ -167,7 +177,7 @@ class MainWindow(TranslatedWidget):
         """Write the texts in the language of the application."""
         self.setWindowTitle(self.tr("GPR-20"))
 
-    def _make_tabs(self, presenters: Presenters) -> None:
+    def _make_tabs(self, presenters: Presenters, languages: Languages) -> None:
         traces = self.traces
         self.top_bar = TopBar()
         self.rail, self.tabs = Rail(), QStackedWidget()
@@ -175,13 +185,18 @@ class MainWindow(TranslatedWidget):
         self.additions = AdditionsPresenter(
             traces.source,
             lambda: self.control.next_annotation.value.operator,
-            focus=self._imaging.focus,
+            *(self._imaging.pictures, self._imaging.focus),
+        )
+        self.result = ResultPage(
+            *(self, SurveyResult(self._imaging), languages),
+            lambda: self.control.next_annotation.value.operator,
+            lambda: self.control.permittivity,
         )
         self.past = SurveysPage(self, traces.past)
         self.job = JobPage(traces)
-        self.survey_tab = SurveyTab(self.control, self.job)
+        self.survey_tab = SurveyTab(self.control, self.job, self.result)
 
-    def _bind_tabs(self, presenters: Presenters, languages: Languages, clock: Clock) -> None:
+    def _bind_tabs(self, presenters: Presenters, clock: Clock) -> None:
         """Connect each tab, and what it opens, with its presenters."""
         survey, traces = self.survey, self.traces
         self.start_sheet = StartSheet(self, survey, traces.past)
@@ -194,8 +209,11 @@ class MainWindow(TranslatedWidget):
         self.job.plan_pressed.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
         self.ground = GroundPage(
             *(self, survey, traces, self.additions),
-            *(lambda: presenters.imaging.images.problem, self.alerts.show_refusal),
+            *(self._imaging, self.alerts.show_refusal),
         )
+        self.result.show_wanted.connect(self.ground.show_place_of)
+        self.result.finer_wanted.connect(self.ground.finer.show_place)
+        self.result.plan_wanted.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
         self.ground.finer_chosen.connect(lambda plan: self._use_parameters(plan.parameters))
         self.ground.wanted.connect(lambda: self.show_tab(TabName.GROUND))
         self._pages: Dict[TabName, QWidget] = {
@@ -207,9 +225,11 @@ class MainWindow(TranslatedWidget):
         self.control.start_pressed.connect(self.start_sheet.ask_start)
         self.control.resume_pressed.connect(self.start_sheet.ask_resume_past)
         self.control.refused.connect(self.alerts.show_refusal)
-        self.surveys_binding = SurveysBinding(
-            self, survey, self.past, traces, self.start_sheet, presenters.imaging, languages
-        )
+        self.past.page_requested.connect(traces.source.list_surveys)
+        self.past.open_requested.connect(traces.open_survey)
+        self.past.notes_requested.connect(traces.source.read_annotation)
+        self.past.resume_requested.connect(self.start_sheet.ask_resume_past)
+        self.past.result_requested.connect(self._show_result)
         self.job.notes_pressed.connect(self.control.show_notes)
         self.control.plan_changed.connect(
             lambda: self.ground.model.take_plan(self.control.permittivity)
@@ -222,25 +242,18 @@ class MainWindow(TranslatedWidget):
         self.stop_warning = self.alerts.stop_warning
         self.profiles = self.control.profiles
         self.annotation = self.control.annotation
-        self.candidates = self.surveys_binding.candidates
-        self.export = self.surveys_binding.export
 
-    def _all_bindings(self, presenters: Presenters) -> Tuple[Page, ...]:
+    def _all_bindings(self) -> Tuple[Page, ...]:
         # The traces first: the others show what they have.
         return (
-            ImagingBinding(
-                self.traces,
-                self._imaging,
-                self.ground.view.isVisible,
-                lambda: self.ground.model.settings.permittivity,
-            ),
             self.ground,
             self.alerts,
             self.survey_tab,
             self.job,
             self.control,
             self.start_sheet,
-            self.surveys_binding,
+            self.past,
+            self.result,
             self.settings,
             self.robots,
             self.robot,
