@@ -22,9 +22,9 @@ def storage():
 
 @pytest.fixture
 def node():
-    from window_helpers import ImagingNode
+    from result_kit import Requests
 
-    return ImagingNode()
+    return Requests()
 
 
 @pytest.fixture

@@ -11,8 +11,9 @@ from finger import place_of
 from pseudo_language import PSEUDO, write_pseudo_catalogue
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
+from result_kit import Requests
 from view_kit import snapshot
-from window_helpers import ImagingNode, close, new_window, show
+from window_helpers import close, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import VARIABLE
@@ -68,7 +69,7 @@ def screen(request, application, tmp_path_factory):
         window = new_window(
             Languages(application, language),
             profiles=tmp_path_factory.mktemp("profiles"),
-            imaging=ImagingNode(),
+            imaging=Requests(),
         )
         window.use_look(replace(window.look, theme=theme))
         window.show()

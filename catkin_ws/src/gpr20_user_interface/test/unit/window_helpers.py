@@ -6,6 +6,7 @@ from fake_clock import FakeClock
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
+from result_kit import Requests
 from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
@@ -13,11 +14,11 @@ from gpr20_common.low.clock import Clock
 from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.jobs.images import ImagingPresenter
+from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.translation import Languages
@@ -132,35 +133,6 @@ class ServiceTools:
         self.asked.append(("examine", thorough))
 
 
-class ImagingNode:
-    """In place of the imaging node: answers nothing, remembers what it was asked."""
-
-    def __init__(self):
-        self.asked = []
-        self.cancelled = []
-
-    def focus(self, *request):
-        self.asked.append(("focus", *request))
-
-    def find_candidates(self, *request):
-        self.asked.append(("find", *request))
-
-    def map_hidden(self, *request):
-        self.asked.append(("hide", *request))
-
-    def export(self, *request):
-        self.asked.append(("export", *request))
-
-    def list_volumes(self):
-        self.asked.append(("volumes",))
-
-    def cancel(self, request_id):
-        self.cancelled.append(request_id)
-
-    def of(self, kind):
-        return [one[1:] for one in self.asked if one[0] == kind]
-
-
 class NoSettings:
     """Settings that are not kept."""
 
@@ -200,7 +172,7 @@ def new_window(
         Presenters(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
-            ImagingPresenter(imaging or ImagingNode(), time.monotonic),
+            Imaging(imaging or Requests(), time.monotonic),
             ServiceModel(tools, clock or Clock()),
             Profiles(ProfileFolder(profiles)),
             PlanMemory(settings_in(profiles), problems.append),

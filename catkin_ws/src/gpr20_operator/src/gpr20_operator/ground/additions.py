@@ -11,7 +11,6 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.laid_over import laid_over
-from gpr20_operator.jobs.imaging import HidingMapped, ImageFocused
 from gpr20_operator.jobs.pictures import Pictures
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
@@ -214,15 +213,7 @@ class AdditionsPresenter:
 
     @singledispatchmethod
     def on_event(self, event: object) -> None:
-        """Take an event about additions or images; others are ignored."""
-
-    @on_event.register
-    def _(self, event: ImageFocused) -> None:
-        self.pictures.add_image(event.image)
-
-    @on_event.register
-    def _(self, event: HidingMapped) -> None:
-        self.pictures.add_hiding(event.found)
+        """Take an event about additions; others are ignored."""
 
     @on_event.register
     def _(self, event: AdditionsRead) -> None:

@@ -27,7 +27,7 @@ from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableErro
 from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.jobs.images import ImagingPresenter
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.memory import PlanMemory, Settings
 from gpr20_operator.plan.preview import CostEstimator
 from gpr20_operator.plan.profiles import Profiles
@@ -122,7 +122,7 @@ class UserInterface:
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-                ImagingPresenter(self.imaging, time.monotonic),
+                Imaging(self.imaging, time.monotonic),
                 ServiceModel(self.service, Clock()),
                 profiles,
                 self.plans,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.jobs.images import ImagingPresenter
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.robot.robots import Robots
@@ -20,7 +20,7 @@ class Presenters:
     Attributes:
         survey: The survey that runs, and the requests to the main control.
         traces: The traces, and the requests to the storage.
-        imaging: Focused images, candidates and exports.
+        imaging: Focused images, results and exports.
         service: Maintenance of the robot.
         profiles: Parameters that are stored under a name.
         plans: What the operator planned last.
@@ -29,7 +29,7 @@ class Presenters:
 
     survey: WindowPresenter
     traces: TracePresenter
-    imaging: ImagingPresenter
+    imaging: Imaging
     service: ServiceModel
     profiles: Profiles
     plans: PlanMemory

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 
+import numpy as np
 from PyQt5.QtCore import QObject, pyqtSignal
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Wanted
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
@@ -41,7 +44,7 @@ class GroundPage(QObject, Page):
         survey: The survey that runs.
         traces: Which survey is shown.
         additions: What belongs to that survey.
-        image_problem: Returns why there is no newer focused image; None: nothing went wrong.
+        imaging: Asks for focused images while the page is seen.
         show_refusal: Shows why something did not succeed.
 
     Attributes:
@@ -64,13 +67,15 @@ class GroundPage(QObject, Page):
         survey: WindowPresenter,
         traces: TracePresenter,
         additions: AdditionsPresenter,
-        image_problem: Callable[[], Optional[Message]],
+        imaging: Imaging,
         show_refusal: ShowRefusal,
     ) -> None:
         super().__init__(window)
         self._survey, self._traces, self._additions = survey, traces, additions
-        self._image_problem, self._show_refusal = image_problem, show_refusal
-        self._running = False
+        self._imaging, self._show_refusal = imaging, show_refusal
+        self._running = self._replay = False
+        # A place of another survey, which is shown as soon as that is here.
+        self._awaited: Optional[Tuple[str, float, float, float]] = None
         self.model = GroundModel(traces.shown, additions)
         self.view = GroundView(self.model)
         self.layers = LayersSheet(window, self.model)
@@ -85,6 +90,17 @@ class GroundPage(QObject, Page):
         self.view.pictures.enlarge(None)
         self.view.pictures.above.centre_on(x_mm, y_mm)
         self.view.refresh()
+
+    def show_place_of(
+        self, survey_id: str, folder: str, x_mm: float, y_mm: float, depth_mm: float
+    ) -> None:
+        """Show a place of a survey, which is read first if another one is shown."""
+        self._awaited = survey_id, x_mm, y_mm, depth_mm
+        if self._traces.running.survey_id == survey_id:
+            self._traces.show_live()
+        elif self._traces.shown.survey_id != survey_id:
+            self._traces.open_survey(folder)
+        self._follow()
 
     def on_event(self, event: object) -> None:
         """Take what belongs to a survey."""
@@ -101,6 +117,7 @@ class GroundPage(QObject, Page):
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Follow the survey that is shown, and whether one runs."""
+        self._replay = snapshot.replay is not None
         self._traces.note_state(snapshot)
         self._follow()
         additions = self._additions
@@ -118,7 +135,8 @@ class GroundPage(QObject, Page):
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""
         self._traces.refresh()
-        self.view.set_problem(self._image_problem())
+        self._keep_image()
+        self.view.set_problem(self._imaging.problem)
         self.view.set_carriage(self._traces.carriage_mm)
         self.view.refresh()
 
@@ -206,6 +224,20 @@ class GroundPage(QObject, Page):
             self.view.refresh()
             if self._traces.opened_folder:
                 self.wanted.emit()
+        if self._awaited is not None and self._awaited[0] == shown.survey_id:
+            place, self._awaited = self._awaited[1:], None
+            self.show_place(*place)
+            self.wanted.emit()
+
+    def _keep_image(self) -> None:
+        """Ask for a newer image of the survey, while it is looked at."""
+        shown = self._traces.shown
+        states = shown.map.trace_states
+        if self._replay or states is None or not self.view.isVisible():
+            return
+        known = self._imaging.permittivities.get(shown.survey_id, self.model.settings.permittivity)
+        stored = int(np.count_nonzero(is_stored(states)))
+        self._imaging.keep(Wanted(shown.survey_id, stored, known or NOT_KNOWN))
 
 
 def _problem_of_text(text: str) -> str:

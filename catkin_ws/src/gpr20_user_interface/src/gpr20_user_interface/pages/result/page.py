@@ -7,7 +7,6 @@ from typing import Callable, Optional
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QVBoxLayout, QWidget
 
-from gpr20_operator.jobs.job import Delivery
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.snapshot import Snapshot
@@ -35,8 +34,8 @@ class ResultPage(QWidget, Page):
         permittivity: Returns that of the plan; None: its text is wrong.
     """
 
-    # X and Y in mm, depth in mm, of the survey whose id comes first.
-    show_wanted = pyqtSignal(str, float, float, float)
+    # Id and folder of a survey; X, Y and depth of a place in mm.
+    show_wanted = pyqtSignal(str, str, float, float, float)
     # A SurveyGrid, X and Y in mm.
     finer_wanted = pyqtSignal(object, float, float)
     # The operator plans the next survey.
@@ -73,11 +72,8 @@ class ResultPage(QWidget, Page):
         layout.addWidget(self.view)
 
     def on_event(self, event: object) -> None:
-        """Take an answer; keep the permittivity of the plan with the survey that begins."""
-        if isinstance(event, Delivery):
-            event.deliver()
-            self._show()
-        elif isinstance(event, Answer) and event.request is Request.START and event.success:
+        """Keep the permittivity of the plan with the survey that begins."""
+        if isinstance(event, Answer) and event.request is Request.START and event.success:
             self.result.note_plan(event.survey_id, self._permittivity())
 
     def refresh(self, snapshot: Snapshot) -> None:
@@ -89,6 +85,11 @@ class ResultPage(QWidget, Page):
         if self.isVisible() and snapshot.replay is None:
             self.result.keep()
         self._show()
+
+    def end(self) -> None:
+        """End what is awaited."""
+        self.result.end()
+        self.result.export.job.end()
 
     def _show(self) -> None:
         self.view.refresh()
@@ -106,5 +107,5 @@ class ResultPage(QWidget, Page):
 
     def _on_show(self, place: Candidate) -> None:
         if self.result.record is not None:
-            survey = self.result.record.survey_id
-            self.show_wanted.emit(survey, place.x_mm, place.y_mm, place.depth_mm)
+            survey = self.result.record.survey_id, self.result.survey
+            self.show_wanted.emit(*survey, place.x_mm, place.y_mm, place.depth_mm)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Optional
+from typing import Dict, List, Optional
 
-import numpy as np
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import (
@@ -17,19 +16,13 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, Verdict
-from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.jobs.images import ImagingPresenter, Wanted
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
-from gpr20_user_interface.look.translation import Languages, TranslatedWidget, sentence_text
-from gpr20_user_interface.pages.surveys.candidates_sheet import CandidatesSheet
-from gpr20_user_interface.pages.surveys.export_sheet import ExportSheet
+from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text
 from gpr20_user_interface.pages.surveys.survey_list import (
     ROW_PX,
     SURVEY,
@@ -39,7 +32,6 @@ from gpr20_user_interface.pages.surveys.survey_list import (
 )
 from gpr20_user_interface.touch.scrolling import FingerList
 from gpr20_user_interface.widgets.empty_state import EmptyState
-from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
@@ -68,6 +60,7 @@ class SurveysPage(TranslatedWidget, Page):
     open_requested = pyqtSignal(str)
     resume_requested = pyqtSignal(str)
     notes_requested = pyqtSignal(str)
+    result_requested = pyqtSignal(str)
 
     def __init__(self, window: QWidget, surveys: PastSurveys) -> None:
         super().__init__()
@@ -88,6 +81,7 @@ class SurveysPage(TranslatedWidget, Page):
         self.list.verticalScrollBar().valueChanged.connect(lambda _: self._read_older())
         self.empty = EmptyState()
         self.title, self.details = ElidedLabel(), PulledText()
+        self.result = new_button(lambda: self.result_requested.emit(self._folder))
         self.open = new_button(lambda: self.open_requested.emit(self._folder))
         self.resume = new_button(lambda: self.resume_requested.emit(self._folder))
         self.notes = new_button(lambda: self.notes_requested.emit(self._folder))
@@ -212,6 +206,7 @@ class SurveysPage(TranslatedWidget, Page):
     def _show_choice(self) -> None:
         surveys, chosen = self._surveys, self.chosen
         for button, can in (
+            (self.result, surveys.can_analyze),
             (self.open, surveys.can_open),
             (self.resume, surveys.can_resume),
             (self.notes, lambda one: one.problem is None),
@@ -240,6 +235,7 @@ class SurveysPage(TranslatedWidget, Page):
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
+        self.result.setText(self.tr("Result"))
         self.open.setText(self.tr("Open"))
         self.resume.setText(self.tr("Resume"))
         self.notes.setText(self.tr("Notes"))
@@ -266,7 +262,7 @@ class SurveysPage(TranslatedWidget, Page):
     def _lay_out(self) -> None:
         self.search.setObjectName("field")
         self.title.setObjectName("title")
-        self.open.setObjectName("primary")
+        self.result.setObjectName("primary")
         self.shown = QStackedWidget()
         self.shown.addWidget(self.list)
         self.shown.addWidget(self.empty)
@@ -286,7 +282,7 @@ class SurveysPage(TranslatedWidget, Page):
         buttons.setContentsMargins(0, 0, 0, 0)
         buttons.addWidget(self.title)
         buttons.addWidget(self.details, 1)
-        for button in (self.open, self.resume, self.notes):
+        for button in (self.result, self.open, self.resume, self.notes):
             buttons.addWidget(button)
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
@@ -294,86 +290,3 @@ class SurveysPage(TranslatedWidget, Page):
         self._grid.addWidget(self.shown, 1, 0)
         self._grid.addWidget(self.panel, 1, 1)
         self._grid.setColumnStretch(0, 1)
-
-
-class SurveysBinding(Page):
-    """Passes the operator's requests about past surveys on.
-
-    Attributes:
-        candidates: The sheet of the candidates.
-        export: The sheet of the export.
-    """
-
-    def __init__(
-        self,
-        window: QWidget,
-        survey: WindowPresenter,
-        past: SurveysPage,
-        traces: TracePresenter,
-        start_sheet: StartSheet,
-        imaging: ImagingPresenter,
-        languages: Languages,
-    ) -> None:
-        self._past = past
-        self.candidates = CandidatesSheet(window, imaging.search, lambda: languages.language.value)
-        self.export = ExportSheet(window, imaging.export, lambda: languages.language.value)
-        past.page_requested.connect(traces.source.list_surveys)
-        past.open_requested.connect(traces.open_survey)
-        past.notes_requested.connect(traces.source.read_annotation)
-        past.resume_requested.connect(start_sheet.ask_resume_past)
-
-    def on_event(self, event: object) -> None:
-        """Show what the storage or the imaging node reports."""
-        self._past.on_event(event)
-        self._show()
-
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Show what is known now."""
-        self._past.refresh(snapshot)
-        self._show()
-
-    def _show(self) -> None:
-        self.candidates.refresh()
-        self.export.refresh()
-
-
-class ImagingBinding(Page):
-    """Asks for the image of the survey on MAP and RADAR, at most every 10 s.
-
-    Args:
-        traces: Which survey they show.
-        imaging: The imaging node.
-        is_seen: Returns whether one of them is looked at.
-        permittivity: Returns that of the ground, as it was chosen; 0: not known.
-    """
-
-    def __init__(
-        self,
-        traces: TracePresenter,
-        imaging: ImagingPresenter,
-        is_seen: Callable[[], bool],
-        permittivity: Callable[[], float],
-    ) -> None:
-        self._traces = traces
-        self._imaging = imaging
-        self._is_seen = is_seen
-        self._permittivity = permittivity
-        self._replay = False
-
-    def on_event(self, event: object) -> None:
-        """Take an answer of the imaging node."""
-        self._imaging.on_event(event)
-
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Note whether a survey is running, and whether there is a robot at all."""
-        self._replay = snapshot.replay is not None
-        self._imaging.set_survey_runs(snapshot.running)
-
-    def draw(self) -> None:
-        """Ask for an image, if the last one is too old."""
-        if self._replay or not self._is_seen():
-            return
-        shown = self._traces.shown
-        states = shown.map.trace_states
-        stored = 0 if states is None else int(np.count_nonzero(is_stored(states)))
-        self._imaging.images.keep(Wanted(shown.survey_id, stored, self._permittivity()))

@@ -1,0 +1,354 @@
+"""The result in the window: it is there when a survey has ended; what each touch does."""
+
+import pytest
+from candidate_examples import candidate
+from hiding_kit import a_map
+from PyQt5.QtTest import QTest
+from result_kit import BLUE, ELEVEN, RED, image_of, noted, plug_in, search, stored
+from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
+from window_helpers import click, hold, show
+
+from gpr20_common.message import Fault, Message, verbatim
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.jobs.job import JobState
+from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
+from gpr20_operator.robot.events import Answer, Request
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.found import What
+from gpr20_survey.results.hidden_target import Targets
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.window.rail import TabName
+
+ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
+RUNS = snapshot(SurveyState.SURVEYING, state=state_of(SurveyState.SURVEYING, survey_id=SURVEY))
+REMEDY = Message("Enter the permittivity of the soil.")
+REFUSED = Message("the echoes agree with every permittivity").with_fault(Fault("a.b", REMEDY))
+
+
+@pytest.fixture
+def page(window):
+    return window.result
+
+
+@pytest.fixture
+def ended(window, page):
+    """The page at the end of a survey."""
+    show(window, RUNS)
+    show(window, ENDED)
+    return page
+
+
+@pytest.fixture
+def done(ended, node):
+    """The page with the places of the survey."""
+    search(ended.result, node)
+    return refreshed(ended)
+
+
+def refreshed(page):
+    page.view.refresh()
+    for sheet in page.sheets:
+        sheet.refresh()
+    return page
+
+
+def test_the_page_is_there_when_a_survey_has_ended_until_the_next_one_is_planned(window, page):
+    show(window, snapshot())
+    assert window.survey_tab.currentWidget() is window.control
+    show(window, RUNS)
+    assert window.survey_tab.currentWidget() is window.job
+    show(window, ENDED)
+    assert window.survey_tab.currentWidget() is page
+    click(page.view.plan)
+    show(window, ENDED)
+    assert window.survey_tab.currentWidget() is window.control
+
+
+@pytest.mark.parametrize("code", [SurveyState.STOPPED, SurveyState.FAILED])
+def test_a_survey_that_ended_early_has_a_result_too(window, page, node, code):
+    show(window, RUNS)
+    show(window, snapshot(code, state=state_of(code, survey_id=SURVEY)))
+    search(page.result, node, record=stored(7, outcome=code.name.lower()))
+    refreshed(page)
+    assert "7" in page.view.picture.notice and "40" in page.view.picture.notice
+
+
+def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
+    assert node.of("read_survey") == [(SURVEY,)]
+    node.ticket("read_survey").done(stored())
+    window.show_tab(TabName.SURVEYS)
+    show(window, ENDED)
+    assert node.of("focus") == []
+    window.show_tab(TabName.SURVEY)
+    show(window, ENDED)
+    assert len(node.of("focus")) == 1
+    assert ended.view.progress.isVisible() and ended.view.cancel.isVisible()
+
+
+def test_the_plan_s_permittivity_is_noted_when_the_survey_starts(window, page, node):
+    show(window, snapshot())
+    window.on_event(Answer(Request.START, True, verbatim(""), SURVEY))
+    ((survey, _kind, values),) = node.of("note")
+    assert (survey, values["permittivity"]) == (SURVEY, window.control.permittivity)
+    show(window, RUNS)
+    show(window, ENDED)
+    node.ticket("read_survey").done(stored())
+    show(window, ENDED)
+    assert node.of("focus") == [(SURVEY, window.control.permittivity)]
+
+
+def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):
+    view = done.view
+    assert [row.rank.text() for row in view.rows] == ["1", "2", "3", "4", "5"]
+    assert "6" in view.title.text() and "11" in view.title.text()
+    assert [one.text for one in reversed(view.picture.marks)] == ["1", "2", "3", "4", "5"]
+    assert [one.doubtful for one in reversed(view.picture.marks)] == [False] + 4 * [True]
+    click(view.more)
+    assert [row.rank.text() for row in view.rows if row.isVisible()] == list("6789") + ["10"]
+    click(view.more)
+    assert [row.rank.text() for row in view.rows if row.isVisible()] == ["11"]
+    click(view.more)
+    assert view.rows[0].rank.text() == "1"
+
+
+def test_nothing_found_says_what_that_does_not_mean(ended, node):
+    search(ended.result, node, [])
+    view = refreshed(ended).view
+    assert view.title.text() == shown_text(NOTHING_FOUND)
+    assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
+    assert not view.more.isVisible()
+
+
+def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):
+    view = ended.view
+
+    def is_said(label):
+        return label.isVisible() and label.text() == shown_text(NO_CLEARANCE)
+
+    assert is_said(view.no_clearance)
+    node.ticket("read_survey").done(stored())
+    show(window, ENDED)
+    assert is_said(view.no_clearance)
+    node.ticket("focus").fail(REFUSED)
+    refreshed(ended)
+    assert is_said(view.no_clearance)
+    ended.result.try_again()
+    search(ended.result, node)
+    refreshed(ended)
+    assert is_said(view.no_clearance) and view.simulated.isVisible()
+    for key, sheet in (
+        (view.rows[0], ended.place),
+        (view.soil, ended.soil),
+        (view.hiding, ended.hiding),
+        (view.stick, ended.stick),
+    ):
+        click(key)
+        assert sheet.isVisible() and is_said(sheet.no_clearance)
+        click(sheet.close_button)
+
+
+def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
+    node.ticket("read_survey").done(stored())
+    show(window, ENDED)
+    node.ticket("focus").fail(REFUSED)
+    view = refreshed(ended).view
+    assert "agree with every permittivity" in view.state.text()
+    assert view.details.text() == shown_text(REMEDY)
+    click(view.again)
+    search(ended.result, node)
+    assert len(ended.result.places) == 11
+
+
+def test_a_cancelled_search_rests(window, ended, node):
+    click(ended.view.cancel)
+    show(window, ENDED)
+    assert len(node.of("read_survey")) == 1 and ended.view.again.isVisible()
+    click(ended.view.again)
+    show(window, ENDED)
+    assert len(node.of("read_survey")) == 2
+
+
+def test_a_survey_that_begins_closes_the_sheets_and_ends_the_search(window, done, node):
+    click(done.view.soil)
+    show(window, RUNS)
+    assert not done.soil.isVisible() and done.result.image is None
+    assert window.survey_tab.currentWidget() is window.job
+
+
+def test_a_place_says_why_and_opens_what_can_be_done(window, done):
+    wanted = []
+    done.finer_wanted.connect(lambda *asked: wanted.append(("finer", *asked[1:])))
+    done.show_wanted.connect(lambda *asked: wanted.append(("show", *asked)))
+    click(done.view.rows[0])
+    assert "31 dB" in done.place.text.text() and "125" in done.place.title.text()
+    click(done.place.view)
+    click(done.view.rows[0])
+    click(done.place.finer)
+    assert wanted == [("show", SURVEY, SURVEY, 125.0, 90.0, 85.0), ("finer", 125.0, 90.0)]
+
+
+def test_measure_finer_opens_its_plan_and_show_opens_ground(window, done):
+    click(done.view.rows[0])
+    click(done.place.finer)
+    assert window.ground.finer.isVisible() and window.ground.finer.plan.refines == SURVEY
+    click(window.ground.finer.close_button)
+    # The survey that has ended is the one that GROUND shows.
+    window.traces.live.begin(make_grid())
+    click(done.view.rows[0])
+    click(done.place.view)
+    show(window, ENDED)
+    assert window.tabs.currentWidget() is window.ground.view
+
+
+def test_what_was_found_is_stored_only_by_a_hold(done, node):
+    click(done.view.rows[0])
+    click(done.place.found)
+    assert not done.found.store.isEnabled()
+    click(done.found.whats[What.SCRAP])
+    done.found.pad.hide()
+    click(done.found.who)
+    done.found.pad.press("Ana")
+    click(done.found.pad.accept_button)
+    click(done.found.deep)
+    done.found.pad.press("35")
+    click(done.found.pad.accept_button)
+    click(done.found.store)
+    assert node.of("note") == []
+    hold(done.found.store)
+    ((_survey, _kind, values),) = node.of("note")
+    assert (values["what"], values["depth_mm"], values["who"]) == ("scrap", 35.0, "Ana")
+    node.ticket("note").done(None)
+    node.ticket("read_survey").done(stored(log=[noted("found", values)]))
+    refreshed(done)
+    assert "35" in done.view.rows[0].why.whole
+    assert done.result.noting.state is JobState.DONE
+
+
+def test_a_record_that_cannot_be_stored_says_why(done, node):
+    click(done.view.rows[0])
+    click(done.place.found)
+    click(done.found.whats[What.NOTHING])
+    done.found._who = "Ana"
+    done.found.show_now()
+    hold(done.found.store)
+    node.ticket("note").fail(verbatim("the disk is full"))
+    assert "the disk is full".capitalize() in refreshed(done).found.text.text()
+
+
+def test_the_soil_is_changed_by_a_hold_and_everything_is_made_with_it(window, done, node):
+    click(done.view.soil)
+    key = list(done.soil.soils.values())[1]
+    click(key)
+    click(done.soil.use)
+    assert done.soil.isVisible() and len(node.of("focus")) == 1
+    hold(done.soil.use)
+    show(window, ENDED)
+    assert node.of("focus")[-1] == (SURVEY, 8.0) and not done.soil.isVisible()
+    assert "8" in done.view.soil.text()
+
+
+def test_any_permittivity_can_be_entered(done, node):
+    click(done.view.soil)
+    for text, allowed in (("0.5", False), ("101", False), ("x", False), ("6,5", True)):
+        click(done.soil.other)
+        done.soil.pad.edit.setPlainText(text)
+        assert done.soil.pad.accept_button.isEnabled() == allowed
+    click(done.soil.pad.accept_button)
+    hold(done.soil.use)
+    assert done.result.permittivity == 6.5
+
+
+def test_where_a_mine_could_hide_is_hatched(done, node):
+    click(done.view.hiding)
+    click(done.hiding.targets[Targets.PMN])
+    refreshed(done)
+    assert done.hiding.progress.isVisible() and not done.hiding.targets[Targets.PMN].isEnabled()
+    found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
+    node.ticket("map_hidden").done(found)
+    refreshed(done)
+    assert window_text(done.hiding).count("\n") >= 3
+    click(done.hiding.close_button)
+    assert done.view.picture._hiding is found
+    click(done.view.hiding)
+    click(done.hiding.targets[Targets.FRAGMENT])
+    refreshed(done)
+    click(done.hiding.cancel)
+    refreshed(done)
+    assert node.cancelled and not done.hiding.progress.isVisible()
+
+
+def window_text(sheet):
+    return sheet.text.text()
+
+
+def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, node):
+    click(done.view.stick)
+    plug_in(node, BLUE)
+    refreshed(done)
+    assert len(node.of("export")) == 1 and done.stick.progress.isVisible()
+    node.ticket("export").progress(verbatim("copying"))
+    assert "Copying" in window_text(refreshed(done).stick)
+    node.ticket("export").done(("GPR20/a.pdf",))
+    before = done.stick.title.text()
+    assert refreshed(done).stick.title.text() != before and "GPR20" in window_text(done.stick)
+    click(done.stick.close_button)
+    click(done.view.stick)
+    plug_in(node, BLUE, RED)
+    refreshed(done)
+    assert len(node.of("export")) == 1
+    click(done.stick.sticks[1])
+    assert node.of("export")[-1][0].volume == RED.path
+
+
+def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node):
+    click(done.view.stick)
+    plug_in(node, BLUE)
+    node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
+    assert "BLUE is full" in window_text(refreshed(done).stick)
+    click(done.stick.other)
+    refreshed(done)
+    assert all(key.isVisible() for key in done.stick.parts.values())
+    click(done.stick.sticks[0])
+    assert len(node.of("export")) == 2
+
+
+def test_a_stored_survey_opens_its_result(window, page, node):
+    listed = past_survey(stored_traces=40, complete=True, outcome="finished")
+    show(window, snapshot())
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (listed,), False))
+    window.past.choose(listed)
+    click(window.past.result)
+    show(window, snapshot())
+    assert window.tabs.currentWidget() is window.survey_tab
+    assert window.survey_tab.currentWidget() is page
+    assert node.of("read_survey")[-1] == (listed.folder,)
+    click(page.view.plan)
+    show(window, snapshot())
+    assert window.survey_tab.currentWidget() is window.control
+
+
+def test_closing_the_window_ends_what_it_waits_for(window, ended, node):
+    node.ticket("read_survey").done(stored())
+    show(window, ENDED)
+    window.end()
+    assert node.cancelled == [node.ticket("focus").request_id]
+
+
+def test_the_language_changes_at_once(window, done):
+    from gpr20_common.catalogue import Language
+
+    before = done.view.no_clearance.text()
+    window.languages.use(Language.SPANISH)
+    QTest.qWait(1)
+    assert done.view.no_clearance.text() != before
+
+
+def test_the_brightest_place_is_first_whatever_its_flags(ended, node):
+    bright = candidate(1, level_db=40.0, flags=[Flag.SURFACE_RESIDUE, Flag.EDGE])
+    search(ended.result, node, [bright, *ELEVEN[1:]])
+    assert refreshed(ended).view.rows[0].rank.text() == "1"
+    assert ended.result.shown[0] is bright
+    assert PAST != SURVEY and image_of is not None
