@@ -233,7 +233,7 @@ PEOPLE: Specs = (
     _people("site", Message("Site"), empty=_OF_THE_ROBOT),
     FieldSpec(
         *("position", Message("Position"), Tile.NAME, POSITION),
-        allowed=_always(Message("WGS 84, such as {example}", example="4.6; -74.1")),
+        allowed=_always(Message("WGS 84, such as {example}", example="4.603, -74.065")),
         empty=_OF_THE_ROBOT,
         remembered=False,
     ),

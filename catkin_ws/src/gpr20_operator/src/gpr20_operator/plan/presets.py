@@ -128,7 +128,7 @@ def addresses(context: PresetContext) -> List[Preset]:
     """Return the address of the robot's configuration."""
     if not context.address:
         return []
-    return [Preset(Message("As configured"), {"vna_address": context.address})]
+    return [Preset(Message("Robot's own"), {"vna_address": context.address})]
 
 
 def if_bandwidths(_context: PresetContext) -> List[Preset]:

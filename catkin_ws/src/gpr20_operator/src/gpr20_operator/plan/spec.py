@@ -73,6 +73,7 @@ class Kind:
             self.keys,
             lambda text: self.read(text) if text.strip() else self.read("0"),
             lambda value: self.write(value) if value else "",
+            self.metavar,
         )
 
 
