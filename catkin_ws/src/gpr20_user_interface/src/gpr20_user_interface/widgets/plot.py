@@ -222,6 +222,20 @@ class Plot(pyqtgraph.GraphicsView):
         self._zoom, self._centre = 1.0, None
         self._place()
 
+    def fill(self) -> None:
+        """Zoom until the picture fills the room, around the crosshair."""
+        if self.extent is None:
+            return
+        x_px, y_px = self._scale_px()
+        whole = self.extent.width() * x_px, self.extent.height() * y_px
+        shares = self.viewport().width() / whole[0], self.viewport().height() / whole[1]
+        self._zoom *= max(shares)
+        across, second = self._crosshair
+        middle = self._middle()
+        self.centre_on(
+            middle.x() if across is None else across, middle.y() if second is None else second
+        )
+
     def centre_on(self, across: float, second: float) -> None:
         """Bring a place to the middle, as far as there is something around it."""
         self._centre = QPointF(across, second)

@@ -166,7 +166,7 @@ class LayersSheet(Overlay):
     def _key(self, act: Callable[[], None]) -> QPushButton:
         key = new_button(act)
         key.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
-        key.setObjectName("ground_key")
+        key.setObjectName("ground_choice")
         return key
 
     def _switch(self, layer: Layer) -> None:

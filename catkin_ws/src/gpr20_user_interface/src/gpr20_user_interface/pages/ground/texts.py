@@ -133,40 +133,31 @@ def why_no_trace(cell: Cell, ground: MapModel, model: GroundModel) -> Lines:
 
 
 def notes(model: GroundModel) -> Lines:
-    """Return what must be known about the pictures; the first two are never left out."""
-    grid, loading = model.survey.map.grid, model.survey.loading
+    """Return what must always be known about the pictures; it is never left out."""
+    grid = model.survey.map.grid
     simulated = grid is not None and grid.simulated
-    hatched = Layer.HIDING in model.layers and model.additions.hiding is not None
-    lines = [Message("SIMULATED.")] if simulated else []
-    lines.append(NO_CLEARANCE)
-    if model.is_loading:
-        lines.append(
-            Message(
-                "Dashes: loading, {loaded} of {stored}.",
-                loaded=loading.loaded,
-                stored=loading.stored,
-            )
-        )
-    elif hatched:
-        lines.append(Message("Hatched: a mine could hide here."))
-    else:
-        lines.append(_remark(model))
-    return tuple(lines)
+    return (*((Message("SIMULATED."),) if simulated else ()), NO_CLEARANCE)
 
 
-def _remark(model: GroundModel) -> Message:
+def remark(model: GroundModel) -> Message:
     """Return the most important remark; there is no room for more."""
-    radar, image, settings = model.survey.radar, model.image, model.settings
+    loading, radar, settings = model.survey.loading, model.survey.radar, model.settings
+    if model.is_loading:
+        return Message(
+            "Dashes: loading, {loaded} of {stored}.", loaded=loading.loaded, stored=loading.stored
+        )
+    if Layer.HIDING in model.layers and model.additions.hiding is not None:
+        return Message("Hatched: a mine could hide here.")
     if radar.given_up:
         return Message("Cannot be shown: {count}.", count=len(radar.given_up))
-    if model.shows_focused and image is not None:
-        return Message("Focused with permittivity {value:g}.", value=image.found.permittivity)
-    if settings.remove_background and radar.count:
-        if radar.background(settings.polarization) is None:
-            return Message(
-                "The background is not removed from fewer than {count} traces.",
-                count=MIN_BACKGROUND_TRACES,
-            )
+    if model.shows_focused and model.image is not None:
+        return Message("Focused with permittivity {value:g}.", value=model.image.found.permittivity)
+    lacks = settings.remove_background and bool(radar.count)
+    if lacks and radar.background(settings.polarization) is None:
+        return Message(
+            "The background is not removed from fewer than {count} traces.",
+            count=MIN_BACKGROUND_TRACES,
+        )
     return Message("Dotted: not measured.")
 
 

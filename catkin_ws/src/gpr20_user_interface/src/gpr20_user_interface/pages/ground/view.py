@@ -24,7 +24,7 @@ from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
-KEY_WIDTH_PX, BAR_PX, SIDE_PX = 100, 56, 52
+BAR_PX, SIDE_PX = 56, 52
 GAP_PX, LINE_PX = 2, 20
 # The trace takes this part of a section's room, within limits.
 TRACE_PART, LEAST_TRACE_PX, MOST_TRACE_PX = 0.22, 66, 150
@@ -116,8 +116,12 @@ class Pictures(QWidget):
 
     def enlarge(self, plot: Optional[Plot]) -> None:
         """Give one picture the whole room; None: share it."""
+        if self.enlarged is not None:
+            self.enlarged.show_all()
         self.enlarged = plot
         self.arrange()
+        if plot is not None:
+            plot.fill()
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: there is more or less room."""
@@ -276,9 +280,8 @@ class GroundView(TranslatedWidget):
         look = look_of(self)
         gap = look.px(GAP_PX)
         for key in (self.enlarge_key, self.shallower, self.deeper):
-            key.setFixedSize(look.px(SIDE_PX), look.px(TOUCH_PX))
-        for key in self._bar_keys:
-            key.setFixedSize(look.px(KEY_WIDTH_PX), look.px(BAR_PX))
+            key.setFixedWidth(look.px(SIDE_PX))
+            key.setMinimumHeight(look.px(TOUCH_PX))
         self._bottom.setFixedHeight(look.px(BAR_PX))
         for label in (self.note, self.band):
             label.setFixedHeight(look.px(LINE_PX))
@@ -373,13 +376,21 @@ class GroundView(TranslatedWidget):
 
     def _write(self, shown: Shown) -> None:
         model = self.model
-        self.text.setText("\n".join(map(sentence_text, texts.touched_lines(model, shown))))
-        self.note.setText(_sentences(texts.notes(model)))
+        lines = texts.touched_lines(model, shown)
+        if self._band is not None:
+            # Beside the band there is no room for it.
+            lines = (texts.remark(model), *lines)
+        self.text.setText("\n".join(map(sentence_text, lines)))
+        self._write_note()
         hyperbola = model.hyperbola
         value = model.settings.permittivity if hyperbola is None else hyperbola.permittivity
         self.fit_text.setText(self.tr("Permittivity {value:.1f}").format(value=value))
         self.use.setText(self.tr("Use {value:.1f}").format(value=value))
         self._show_keys()
+
+    def _write_note(self) -> None:
+        remark = () if self._band is not None else (texts.remark(self.model),)
+        self.note.setText(_sentences((*texts.notes(self.model), *remark)))
 
     def _show_keys(self) -> None:
         """Enable what can be done now, and say what it does."""
@@ -405,6 +416,7 @@ class GroundView(TranslatedWidget):
         if band is not None:
             self.band.show_text(shown_text(band.text))
             set_look(self.band, "replay", band.replay)
+        self._drawn = ()
 
     def _show_fit(self, fits: bool) -> None:
         for widget in (self.fit_text, self.use, self.drop):
@@ -491,14 +503,18 @@ class GroundView(TranslatedWidget):
         self.note.setObjectName("ground_note")
         self.text.setObjectName("ground_text")
         self.band.setObjectName("shown_band")
-        self.note.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
+        self.note.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self._bar_keys = (self.back, self.next, self.set_marker, self.finer, self.layers)
         self._bar_keys = (*self._bar_keys, self.use, self.drop)
-        for key in (*self._bar_keys, self.enlarge_key, self.shallower, self.deeper):
+        for key in self._bar_keys:
             key.setObjectName("ground_key")
+            key.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        for key in (self.enlarge_key, self.shallower, self.deeper):
+            key.setObjectName("ground_choice")
         self._line, self._column, self._top = QHBoxLayout(), QVBoxLayout(), QHBoxLayout()
         self._line.addWidget(self.band, 1)
-        self._line.addWidget(self.note, 1)
+        self._line.addWidget(self.note)
+        self._line.addStretch(0)
         for key in (self.shallower, self.deeper):
             key.setAutoRepeat(True)
         self._column.addWidget(self.enlarge_key)
