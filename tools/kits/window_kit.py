@@ -22,6 +22,7 @@ from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
 from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
@@ -50,11 +51,18 @@ def virtual_screen(size: str = SCREEN) -> Iterator[None]:
         yield
 
 
-def new_window(languages: Languages, folder: Path) -> UserInterface:
-    """Return the whole window; its profiles are below a folder."""
+def new_window(languages: Languages, folder: Path, replay: bool = False) -> UserInterface:
+    """Return the whole window.
+
+    Args:
+        languages: Its languages.
+        folder: Its profiles are below it.
+        replay: Whether it shows a replay in place of a robot.
+    """
     profiles = Profiles(ProfileFolder(folder / "profiles"))
     settings = SettingsFile(folder / "plan.yaml")
-    return UserInterface(SurveyModel(Clock()), languages, profiles, settings)
+    model = ReplayModel() if replay else SurveyModel(Clock())
+    return UserInterface(model, languages, profiles, settings)
 
 
 class Operator:

@@ -39,14 +39,15 @@ class Shown:
     Args:
         languages: Its languages.
         data: Folder of its profiles and settings.
+        replay: Whether it shows a replay.
 
     Attributes:
         window: It.
         languages: Its languages.
     """
 
-    def __init__(self, languages: Languages, data: Path) -> None:
-        self._interface = new_window(languages, data)
+    def __init__(self, languages: Languages, data: Path, replay: bool) -> None:
+        self._interface = new_window(languages, data, replay)
         self._interface.begin()
         self.window = self._interface.window
         self.languages = languages
@@ -71,18 +72,19 @@ class Shown:
 
 
 @contextlib.contextmanager
-def shown_window(data: Path, screen: str = SCREEN) -> Iterator[Shown]:
+def shown_window(data: Path, screen: str = SCREEN, replay: bool = False) -> Iterator[Shown]:
     """Show the window of the robot whose master is known, on a screen of its own.
 
     Args:
         data: Folder of its profiles and settings.
         screen: Width, height and depth of the screen [pixels, bits].
+        replay: Whether it shows a replay.
     """
     with virtual_screen(screen):
         application = QApplication([])
         wait(rosgraph.is_master_online, "the master is there")
         rospy.init_node("pictures", disable_signals=True)
-        shown = Shown(Languages(application, Language.ENGLISH), data)
+        shown = Shown(Languages(application, Language.ENGLISH), data, replay)
         try:
             yield shown
         finally:

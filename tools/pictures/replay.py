@@ -24,9 +24,9 @@ def make(folder: Path) -> None:
         robot.stop()
         port = free_port()
         os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
-        with running("roscore", "-p", str(port)), shown_window(robot.data) as shown, running(
-            "rosrun", "gpr20_analysis", "replay", str(survey)
-        ):
+        with running("roscore", "-p", str(port)), shown_window(
+            robot.data, replay=True
+        ) as shown, running("rosrun", "gpr20_analysis", "replay", "--ns", "/", str(survey)):
             live = shown.window.traces.live
             wait(lambda: live.radar.count >= SHOWN, "traces are shown")
             shown.window.show_tab(TabName.STATUS)

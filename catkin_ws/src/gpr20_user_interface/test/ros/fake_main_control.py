@@ -6,7 +6,7 @@ import json
 import threading
 import uuid
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Union
+from typing import Any, Dict, List, Optional, Type, Union
 
 import rospkg
 import rospy
@@ -155,21 +155,23 @@ class FakeMainControl:
         def name(relative: str) -> str:
             return f"{self._namespace}/{relative}"
 
-        self._status = rospy.Publisher(
-            name("control_status"), ControlStatus, latch=True, queue_size=10
-        )
-        self._data = rospy.Publisher(name("control_survey_data"), SurveyData, queue_size=10)
-        self._current = rospy.Publisher(
-            name("control_current_coordinate"), Coordinates, queue_size=1
-        )
-        self._target = rospy.Publisher(name("control_target_coordinate"), Coordinates, queue_size=1)
-        self._height = rospy.Publisher(name("measured_height"), Range, queue_size=1)
-        self._parameters_topic = rospy.Publisher(
-            name("survey_parameters"), SurveyParametersMessage, latch=True, queue_size=10
-        )
-        self._configuration = rospy.Publisher(
-            name("robot_configuration"), RobotConfiguration, latch=True, queue_size=1
-        )
+        # Clients believe the main control alone, and this process may have another name.
+        as_main_control = {"callerid": name("main_control")}
+
+        def publisher(
+            topic: str, kind: Type, latch: bool = False, size: int = 10
+        ) -> rospy.Publisher:
+            return rospy.Publisher(
+                name(topic), kind, latch=latch, queue_size=size, headers=as_main_control
+            )
+
+        self._status = publisher("control_status", ControlStatus, latch=True)
+        self._data = publisher("control_survey_data", SurveyData)
+        self._current = publisher("control_current_coordinate", Coordinates, size=1)
+        self._target = publisher("control_target_coordinate", Coordinates, size=1)
+        self._height = publisher("measured_height", Range, size=1)
+        self._parameters_topic = publisher("survey_parameters", SurveyParametersMessage, latch=True)
+        self._configuration = publisher("robot_configuration", RobotConfiguration, latch=True)
         self._services = [
             advertise(name("set_survey_parameters"), SetSurveyParameters, self._set),
             advertise(name("start_survey"), StartSurvey, self._start),

@@ -252,7 +252,8 @@ class Traces(unittest.TestCase):
 
     def test_6_what_is_no_trace_is_told_and_the_window_lives(self) -> None:
         window = self.window(TabName.RADAR)
-        publisher = rospy.Publisher("trace", Trace, queue_size=1)
+        as_storage = {"callerid": "/vna_processing"}
+        publisher = rospy.Publisher("trace", Trace, queue_size=1, headers=as_storage)
         self.addCleanup(publisher.unregister)
 
         def is_reported() -> bool:

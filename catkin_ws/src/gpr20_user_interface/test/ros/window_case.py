@@ -7,7 +7,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Optional, Type
+from typing import Any, Callable, Dict, Mapping, Optional, Type, Union
 
 import rospy
 import rostest
@@ -15,7 +15,7 @@ import waiting
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication, QLineEdit, QWidget
+from PyQt5.QtWidgets import QApplication, QWidget
 from virtual_screen import VirtualScreen
 
 from gpr20_common.catalogue import Language
@@ -24,6 +24,7 @@ from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.plan.spec import Tile
+from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
@@ -34,7 +35,7 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
     waiting.wait_until(condition, what, pause=lambda: QTest.qWait(20))
 
 
-def new_interface(model: SurveyModel, languages: Languages) -> UserInterface:
+def new_interface(model: Union[SurveyModel, ReplayModel], languages: Languages) -> UserInterface:
     """Return a window that is connected to the graph; it remembers nothing of another one."""
     folder = Path(tempfile.gettempdir()) / "gpr20_no_profiles"
     return UserInterface(model, languages, Profiles(ProfileFolder(folder)), NoSettings())
@@ -85,17 +86,15 @@ class WindowCase(unittest.TestCase):
         return self.window.top_bar.band.title.whole.split(" ")[0]
 
     def enter(self, name: str, text: str) -> None:
-        edit = self.open_field(name)
-        edit.selectAll()
-        QTest.keyClicks(edit, text)
+        self.open_field(name)
+        QTest.keyClicks(self.window.values, text)
         self.close_sheet()
 
-    def open_field(self, name: str) -> QLineEdit:
+    def open_field(self, name: str) -> None:
         """Open the sheet of the tile on which a field is, and choose the field."""
         tile = next(one for one in VALUE_TILES if name in TILE_FIELDS[one])
         wait_until(lambda: self.opened(tile), "the sheet opens")
         self.window.values.choose(name)
-        return self.window.values.fields[name]
 
     def opened(self, tile: Tile) -> bool:
         # No touch is taken for a moment after something has closed.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A window in its own process that reports what it shows: one line of JSON per line it reads.
 
-The line `stop` touches STOP first.
+The line `stop` touches STOP first. With `--replay` the window shows a replay.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.condition import JobLevel
+from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
@@ -56,7 +57,8 @@ def main() -> None:
     application = QApplication([])
     rospy.init_node("window", disable_signals=True)
     languages = Languages(application, Language.ENGLISH)
-    interface = new_interface(SurveyModel(Clock()), languages)
+    replay = "--replay" in sys.argv
+    interface = new_interface(ReplayModel() if replay else SurveyModel(Clock()), languages)
     interface.begin()
 
     def answer() -> None:

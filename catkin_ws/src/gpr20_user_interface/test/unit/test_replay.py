@@ -135,7 +135,7 @@ def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
             graph.send(sender, *message(kind, number))
             if sender not in OTHERS:
                 graph_without.send(sender, *message(kind, number))
-            elif kind != "mark":
+            else:
                 heard.append((clock.now_s(), sender))
             for one, queue in ((model, events), (model_without, events_without)):
                 while queue:

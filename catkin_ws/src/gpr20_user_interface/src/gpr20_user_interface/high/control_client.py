@@ -92,8 +92,8 @@ class ControlClient(RosEvents):
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
         self._subscribe_raw("control_status", ControlStatus, self._on_status, None)
+        self._subscribe("replay", Replay, conversions.replay_mark, None)
         if self._senders.replay:
-            self._subscribe("replay", Replay, conversions.replay_mark, None)
             # Recordings of earlier versions lack the one topic, imported surveys the other.
             topics = tuple(self._subscribers)
             self._player = Periodic(PLAYER_PERIOD_S, lambda: self._check_player(topics))

@@ -6,10 +6,8 @@ import dataclasses
 import os
 import queue
 import sys
-import threading
 from typing import Callable, Dict, Sequence
 
-import rosgraph
 import rospy
 
 from gpr20_common.catalogue import Catalogue
@@ -20,8 +18,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Request, StopRequested
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, ControlState, Request, StopRequested
+from gpr20_operator.robot.senders import SenderIgnored, Senders
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.link_watch import LinkWatch
@@ -50,9 +48,9 @@ from gpr20_user_interface.terminal.survey_arguments import (
     terminal_language,
 )
 
-# Recordings of earlier versions lack the one topic, imported surveys the other.
-REPORTS = ("control_status", "replay")
 POLL_S = 0.2
+# A robot beside a replay reports itself within this time [s].
+ROBOT_LIMIT_S = 2.0
 
 
 def main() -> int:
@@ -124,20 +122,24 @@ def _follow(
 
 
 def _is_replay(wait_s: float, signals: StopSignals, clock: Clock) -> bool:
-    """Wait until a survey is reported; return whether a player does that, and no robot."""
-    senders, never = Senders(rospy.get_namespace()), threading.Event()
-    topics = {rospy.resolve_name(name) for name in REPORTS}
-    deadline_s = clock.now_s() + wait_s
-    while not signals.received and clock.now_s() < deadline_s:
-        try:
-            published, _others, _services = rosgraph.Master(rospy.get_name()).getSystemState()
-        except (rosgraph.MasterException, OSError):
-            return False  # that nobody reports is noticed later
-        found = {node for topic, nodes in published if topic in topics for node in nodes}
-        if found:
-            return not any(senders.takes(node) for node in found)
-        clock.wait_s(never, POLL_S)
-    return False
+    """Wait until somebody reports on a survey; return whether that is no robot."""
+    heard: queue.SimpleQueue = queue.SimpleQueue()
+    client = ControlClient(heard.put, Senders(rospy.get_namespace()))
+    client.listen()
+    deadline_s, ignored = clock.now_s() + wait_s, False
+    try:
+        while not signals.received and clock.now_s() < deadline_s:
+            try:
+                event = heard.get(timeout=POLL_S)
+            except queue.Empty:
+                continue
+            if isinstance(event, ControlState):
+                return False
+            if isinstance(event, SenderIgnored) and not ignored:
+                ignored, deadline_s = True, clock.now_s() + ROBOT_LIMIT_S
+    finally:
+        client.close()
+    return ignored
 
 
 def _run_session(

@@ -101,7 +101,6 @@ class UserInterface:
     def __init__(
         self,
         model: Union[SurveyModel, ReplayModel],
-        senders: Senders,
         languages: Languages,
         profiles: Profiles,
         plan_settings: Settings,
@@ -112,6 +111,8 @@ class UserInterface:
         # Namespace of the robot that a window is opened for when this one has ended.
         self.next_robot = ""
         self.signal = EventSignal()
+        # What is shown and who is believed belong together.
+        senders = Senders(rospy.get_namespace(), replay=isinstance(model, ReplayModel))
         self.control = ControlClient(self.signal.emit_event, senders)
         self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
@@ -260,16 +261,15 @@ def _show(
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
-    senders = Senders(rospy.get_namespace(), bool(rospy.get_param("~replay", False)))
+    replay = bool(rospy.get_param("~replay", False))
     interface = UserInterface(
-        ReplayModel() if senders.replay else SurveyModel(Clock()),
-        senders,
+        ReplayModel() if replay else SurveyModel(Clock()),
         languages,
         Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),
-        bool(rospy.get_param("~choose_robot", True)) and not senders.replay,
+        bool(rospy.get_param("~choose_robot", True)) and not replay,
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
