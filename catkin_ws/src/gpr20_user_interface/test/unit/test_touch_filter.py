@@ -185,7 +185,7 @@ def test_stop_acts_on_the_press_whatever_has_just_happened(window, finger):
 
 def test_a_locked_screen_says_so_and_takes_nothing_but_stop_and_the_unlocking(window, finger):
     lock = window.touch_binding
-    finger.tap(lock.lock_button)
+    finger.tap(window.rail.lock)
     assert lock.band.isVisible()
     assert "locked" in lock.band.text.text()
     finger.wait(10.0)
