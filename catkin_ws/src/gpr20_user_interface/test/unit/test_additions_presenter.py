@@ -6,7 +6,6 @@ from window_helpers import Storage
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import (
-    IMAGES_KEPT,
     RETRY_REFRESHES,
     AdditionsFailed,
     AdditionsPresenter,
@@ -16,7 +15,7 @@ from gpr20_operator.ground.additions import (
     RelatedSurvey,
 )
 from gpr20_operator.ground.geometry import Area
-from gpr20_operator.jobs.imaging import ImageFocused
+from gpr20_operator.jobs.pictures import MOST_IMAGES
 
 RELATED = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(1.0, 2.0, 3.0, 4.0))
 
@@ -43,7 +42,7 @@ def test_what_belongs_to_a_survey_is_asked_for_once_and_shown(storage, additions
 def test_nothing_of_another_survey_is_shown(additions):
     additions.on_event(AdditionsRead(FINER, (MARKER,), (RELATED,)))
     additions.on_event(MarkersStored(FINER, (MARKER,)))
-    additions.on_event(ImageFocused(focused(survey_id=FINER)))
+    additions.pictures.add_image(focused(survey_id=FINER))
     assert (additions.markers, additions.related, additions.candidates) == ((), (), ())
     additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
     additions.follow(FINER, can_read=True)
@@ -92,31 +91,32 @@ def test_a_failure_of_a_marker_is_reported_once(additions):
 
 def test_images_of_finer_surveys_are_kept_but_not_without_end(additions):
     additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
-    additions.on_event(ImageFocused(focused()))
-    additions.on_event(ImageFocused(focused(survey_id=FINER)))
+    additions.pictures.add_image(focused())
+    additions.pictures.add_image(focused(survey_id=FINER))
     assert [one.survey_id for one in additions.finer_images] == [FINER]
-    for number in range(2 * IMAGES_KEPT):
-        additions.on_event(ImageFocused(focused(survey_id=str(number))))
+    for number in range(2 * MOST_IMAGES):
+        assert additions.image is not None  # it is looked at
+        additions.pictures.add_image(focused(survey_id=str(number)))
     assert additions.candidates == (SURE, DOUBTED)
     assert additions.finer_images == ()
 
 
 def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
     asked = []
-    additions = AdditionsPresenter(storage, str, lambda *wanted: asked.append(wanted))
+    additions = AdditionsPresenter(storage, str, None, lambda *wanted: asked.append(wanted))
     additions.follow(SURVEY, can_read=True)
     additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
     additions.focus_finer()
     assert additions.laid_image is None
     coarse = focused()
-    additions.on_event(ImageFocused(coarse))
+    additions.pictures.add_image(coarse)
     assert additions.laid_image is coarse
     for _ in range(3):
         additions.focus_finer()
     assert asked == [(FINER, coarse.found.permittivity)]
     fine = focused(survey_id=FINER)
     fine.levels_db[:] = 20.0
-    additions.on_event(ImageFocused(fine))
+    additions.pictures.add_image(fine)
     laid = additions.laid_image
     assert laid.survey_id == SURVEY
     assert laid.levels_db.max() == 20.0

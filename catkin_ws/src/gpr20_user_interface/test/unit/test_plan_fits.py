@@ -4,28 +4,14 @@ import random
 
 from layout_kit import assert_fits, assert_touchable, busiest, screen, spoken
 from PyQt5.QtTest import QTest
-from test_candidates_sheet import MANY
-from view_kit import past_survey, snapshot
 from window_helpers import click, open_field, show
 
-from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import SurveysListed
-from gpr20_operator.jobs.imaging import (
-    CandidatesFound,
-    ExportDone,
-    RequestFailed,
-    RequestProgress,
-    VolumesListed,
-)
+from gpr20_operator.plan.fields import VALUE_TILES, default_parameters
 from gpr20_operator.plan.form import PLAN_FIELDS
-from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.fields import VALUE_TILES
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.look.look import TEXT_PX, TOUCH_PX
 from gpr20_user_interface.look.style_sheet import FITS
-from gpr20_user_interface.window.rail import TabName
 
 __all__ = ["screen", "spoken"]
 
@@ -157,61 +143,6 @@ def test_the_profiles_and_their_keys_fit(spoken):
     for key in ("", "-"):
         profiles.name_pad.press(key)
         assert_plan_fits(spoken, profiles.name_pad)
-
-
-def choose_past_survey(window):
-    window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (past_survey(),), False))
-    show(window, snapshot())
-    window.past.table.selectRow(0)
-
-
-def test_the_sheet_of_the_candidates_fits_in_every_state(spoken):
-    choose_past_survey(spoken)
-    node, sheet = spoken.node, spoken.candidates
-    spoken.past.candidates.click()
-    assert_fits(spoken, sheet)
-    sheet.permittivity.tapped.emit()
-    assert_fits(spoken, sheet.number_pad)
-    sheet.number_pad.hide()
-    sheet.find_button.click()
-    assert_fits(spoken, sheet)
-    found = CandidatesFound(node.of("find")[-1][0], MANY, "note: about the survey. " * 30)
-    spoken.on_event(found)
-    assert_fits(spoken, sheet)
-    assert sheet.permittivity.geometry().right() < sheet.find_button.geometry().left()
-    assert sheet.table.height() >= spoken.look.px(100)
-    sheet.find_button.click()
-    spoken.on_event(RequestFailed(node.of("find")[-1][0], verbatim("refused: why. " * 30)))
-    assert_fits(spoken, sheet)
-
-
-def test_the_sheet_of_the_export_fits_in_every_state(spoken):
-    choose_past_survey(spoken)
-    node, sheet = spoken.node, spoken.export
-    spoken.past.export.click()
-    sticks = (
-        Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True),
-        Volume("/media/gpr/RED", "RED STICK WITH A LONG NAME", 123_000_000, True),
-        Volume("/media/gpr/LOCKED", "LOCKED", 10**9, False),
-    )
-    for volumes in ((), sticks[:1], sticks):
-        spoken.on_event(VolumesListed("gpr20-server", volumes))
-        assert_fits(spoken, sheet)
-    sheet.sticks[1].click()
-    sheet.export_button.click()
-    request_id = node.of("export")[-1][0]
-    spoken.on_event(RequestProgress(request_id, verbatim("copying to the USB stick")))
-    assert_fits(spoken, sheet)
-    spoken.on_event(ExportDone(request_id, ("GPR20/a.pdf", "GPR20/b.zip")))
-    assert_fits(spoken, sheet)
-    sheet.export_button.click()
-    reason = verbatim("the USB stick is full; nothing was left on it. " * 7)
-    spoken.on_event(RequestFailed(node.of("export")[-1][0], reason))
-    assert_fits(spoken, sheet)
-    QTest.qWait(1)
-    show(spoken, busiest())
-    assert_fits(spoken, sheet)
 
 
 def beginning_is_seen(edit):

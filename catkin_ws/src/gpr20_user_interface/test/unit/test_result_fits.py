@@ -1,0 +1,145 @@
+"""The result on every screen, in each language and theme: nothing is cut off, fingers hit it."""
+
+import itertools
+
+import pytest
+from candidate_examples import candidate
+from finger import place_of
+from hiding_kit import a_map
+from layout_kit import assert_fits, screen, seen, spoken
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QAbstractButton
+from result_kit import BLUE, LOCKED, RED, image_of, plug_in, search, stored
+from view_kit import SURVEY, snapshot, state_of
+from window_helpers import show
+
+from gpr20_common.message import Fault, Message, verbatim
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.candidates import Flag
+
+__all__ = ["screen", "spoken"]
+
+ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
+SMALLEST_PX = 48
+MANY = [
+    candidate(number, 1234.0, 1234.0, 1234.0, 31.0, list(Flag)[: (number - 1) // 8])
+    for number in range(1, 51)
+]
+REFUSED = Message("the echoes agree with every permittivity").with_fault(
+    Fault("a.b", Message("Enter the permittivity of the soil, then try again. Or use another one."))
+)
+
+
+@pytest.fixture
+def page(spoken):
+    page = spoken.result
+    page.result.open("")
+    page.end()
+    spoken.node.asked.clear()
+    show(spoken, ENDED)
+    return page
+
+
+def check(window, page, *parts):
+    """Check all that is seen of the page, or of a sheet."""
+    show(window, ENDED)
+    for _ in range(2):
+        QTest.qWait(1)
+    shown = parts or (page,)
+    assert_fits(window, *shown)
+    least_px = window.look.px(SMALLEST_PX) - 1
+    for part in shown:
+        places = [place_of(window, one) for one in seen(part, QAbstractButton)]
+        small = [(one.width(), one.height()) for one in places if one.height() < least_px]
+        assert not small, (small, window.size())
+        assert not [pair for pair in itertools.combinations(places, 2) if pair[0] & pair[1]]
+
+
+def found(page, window, candidates=MANY, record=None, **changes):
+    search(page.result, window.node, candidates, record, **changes)
+    show(window, ENDED)
+
+
+def test_the_states_of_the_search_fit(spoken, page):
+    check(spoken, page)
+    spoken.node.ticket("read_survey").done(stored(7, outcome="interrupted"))
+    check(spoken, page)
+    spoken.node.ticket("focus").fail(REFUSED)
+    check(spoken, page)
+    page.result.try_again()
+    found(page, spoken, (), stored(7, outcome="interrupted"))
+    check(spoken, page)
+
+
+def test_the_places_fit(spoken, page):
+    found(page, spoken, record=stored(7, outcome="interrupted"), omitted=12345, omitted_primary=9)
+    check(spoken, page)
+    for _ in range(9):
+        page.view.more.click()
+    check(spoken, page)
+    page.result.set_permittivity(12.345)
+    show(spoken, ENDED)
+    spoken.node.ticket("focus").done(image_of(page_list()))
+    check(spoken, page)
+
+
+def page_list():
+    from candidate_examples import candidate_list
+
+    return candidate_list(MANY, survey_id=SURVEY)
+
+
+def test_a_place_and_what_was_found_there_fit(spoken, page):
+    found(page, spoken)
+    page.view.rows[4].click()
+    check(spoken, page, page.place)
+    page.place.found.click()
+    page.found._who, page.found._depth = "W" * 60, "1234.5"
+    page.found.show_now()
+    check(spoken, page, page.found)
+    page.found.deep.click()
+    assert_fits(spoken, page.found.pad)
+    page.found.pad.hide()
+
+
+def test_the_soil_fits(spoken, page):
+    found(page, spoken)
+    page.view.soil.click()
+    page.soil._choose(12.345)
+    check(spoken, page, page.soil)
+    page.soil.other.click()
+    assert_fits(spoken, page.soil.pad)
+    page.soil.pad.hide()
+
+
+def test_where_a_mine_could_hide_fits(spoken, page):
+    found(page, spoken)
+    page.view.hiding.click()
+    check(spoken, page, page.hiding)
+    list(page.hiding.targets.values())[1].click()
+    check(spoken, page, page.hiding)
+    spoken.node.ticket("map_hidden").done(a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY))
+    check(spoken, page, page.hiding)
+    page.hiding.hide()
+    check(spoken, page)
+
+
+def test_the_stick_fits_in_every_state(spoken, page):
+    found(page, spoken)
+    page.view.stick.click()
+    check(spoken, page, page.stick)
+    plug_in(spoken.node)
+    check(spoken, page, page.stick)
+    page.result.begin_export("en")
+    plug_in(spoken.node, BLUE, RED, LOCKED)
+    check(spoken, page, page.stick)
+    page.stick.sticks[1].click()
+    spoken.node.ticket("export").progress(verbatim("copying to the USB stick"))
+    check(spoken, page, page.stick)
+    spoken.node.ticket("export").done(("GPR20/a.pdf", "GPR20/b.zip"))
+    check(spoken, page, page.stick)
+    page.stick.other.click()
+    check(spoken, page, page.stick)
+    page.stick.sticks[1].click()
+    spoken.node.ticket("export").fail(verbatim("the USB stick is full; nothing was left. " * 7))
+    check(spoken, page, page.stick)
