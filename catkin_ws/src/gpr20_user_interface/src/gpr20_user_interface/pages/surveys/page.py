@@ -212,6 +212,7 @@ class SurveysPage(TranslatedWidget, Page):
             (self.notes, lambda one: one.problem is None),
         ):
             button.setEnabled(chosen is not None and can(chosen))
+            button.setVisible(chosen is not None)
         title, lines = "", [self.tr("Touch a survey. Times are local.")]
         if chosen is not None:
             title, lines = title_of(chosen), self._lines(chosen)
@@ -236,7 +237,7 @@ class SurveysPage(TranslatedWidget, Page):
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
         self.result.setText(self.tr("Result"))
-        self.open.setText(self.tr("Open"))
+        self.open.setText(self.tr("Ground"))
         self.resume.setText(self.tr("Resume"))
         self.notes.setText(self.tr("Notes"))
         names = {
@@ -255,7 +256,8 @@ class SurveysPage(TranslatedWidget, Page):
         self.search.setIcon(icon("search", ink, look.px(SIGN_PX)))
         self.search.setIconSize(QSize(look.px(SIGN_PX), look.px(SIGN_PX)))
         self.panel.setFixedWidth(look.px(PANEL_PX))
-        self._grid.setSpacing(look.px(GAP_PX))
+        for layout in self._layouts:
+            layout.setSpacing(look.px(GAP_PX))
         self.list.doItemsLayout()
         self._show_list()
 
@@ -282,11 +284,16 @@ class SurveysPage(TranslatedWidget, Page):
         buttons.setContentsMargins(0, 0, 0, 0)
         buttons.addWidget(self.title)
         buttons.addWidget(self.details, 1)
-        for button in (self.result, self.open, self.resume, self.notes):
+        row = QHBoxLayout()
+        for button in (self.resume, self.notes):
+            row.addWidget(button, 1)
+        for button in (self.result, self.open):
             buttons.addWidget(button)
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
-        self._grid.addLayout(top, 0, 0, 1, 2)
-        self._grid.addWidget(self.shown, 1, 0)
-        self._grid.addWidget(self.panel, 1, 1)
-        self._grid.setColumnStretch(0, 1)
+        buttons.addLayout(row)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
+        grid.addLayout(top, 0, 0, 1, 2)
+        grid.addWidget(self.shown, 1, 0)
+        grid.addWidget(self.panel, 1, 1)
+        grid.setColumnStretch(0, 1)
+        self._layouts = (grid, top, buttons, row)
