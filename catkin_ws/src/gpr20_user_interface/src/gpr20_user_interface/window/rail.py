@@ -98,7 +98,7 @@ class Rail(TranslatedWidget):
             TabName.SURVEY: self.tr("Survey"),
             TabName.GROUND: self.tr("Ground"),
             TabName.SURVEYS: self.tr("Stored"),
-            TabName.ROBOT: self.tr("ROBOT"),
+            TabName.ROBOT: self.tr("Robot"),
         }
         for name, title in titles.items():
             self.tabs[name].setText(title)
