@@ -3,7 +3,6 @@
 import csv
 import dataclasses
 import json
-from types import SimpleNamespace
 
 import pytest
 from case_kit import each_case
@@ -13,7 +12,6 @@ pytest.importorskip("rospy")
 import rospy
 from candidate_examples import POSITIONS, candidate, candidate_list, candidate_lists
 from hypothesis import HealthCheck, given, settings
-from PyQt5.QtWidgets import QWidget
 from visualization_msgs.msg import Marker
 
 from gpr20_analysis.candidates.files import write_candidates
@@ -25,16 +23,12 @@ from gpr20_analysis.candidates.table import (
 )
 from gpr20_analysis.report import pictures
 from gpr20_analysis.sentences import ENGLISH
-from gpr20_operator.ground.grid import Cell, Stop
-from gpr20_operator.jobs.search import CandidateSearch, SearchState
+from gpr20_operator.jobs.result_texts import headline, why_line
 from gpr20_survey.high import candidate_topics
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.candidates import Flag, UnknownFlag
-from gpr20_user_interface.pages.ground.map_selection import Selection
-from gpr20_user_interface.pages.ground.map_texts import place_lines
-from gpr20_user_interface.pages.ground.picture_plot import slice_spots
-from gpr20_user_interface.pages.surveys.candidates_sheet import CandidatesSheet
+from gpr20_user_interface.pages.ground import texts as ground_texts
 
 # As it is documented: docs/imaging.md.
 DOUBTFUL = {"clutter", "sidelobe"}
@@ -48,15 +42,6 @@ LABELS = {
     "of-a-later-version": "of-a-later-version",
 }
 HERE = AreaPosition(4.6, -74.1, 30.0)
-
-
-@pytest.fixture(scope="module")
-def sheet(application):
-    window = QWidget()
-    search = CandidateSearch(SimpleNamespace(), lambda: 0.0)
-    yield CandidatesSheet(window, search, lambda: "en")
-    window.close()
-    application.processEvents()
 
 
 def csv_rows(found, folder):
@@ -78,7 +63,7 @@ def labels_of(text):
     return [] if text in ("-", "—") else text.split(", ")
 
 
-def check(found, sheet, folder):
+def check(found, folder):
     flags = {one.id: [flag.value for flag in one.flags] for one in found.candidates}
     doubtful = {name for name, own in flags.items() if DOUBTFUL & set(own)}
     shown = [name for name in flags if name not in doubtful]
@@ -111,28 +96,20 @@ def check(found, sheet, folder):
     assert first.values["primary"] == primary
     assert first.values["secondary"] == len(flags) + found.omitted - primary
 
-    # The window: table, map and radar, from what the node sends.
+    # The window: result and ground, from what the node sends.
     received = list_from(json_text(found))
-    sheet.search.state, sheet.search.found = SearchState.DONE, received
-    sheet.retranslate()
-    table = sheet.table
-    cells = [
-        [table.item(row, column).text() for column in (0, 5)] for row in range(table.rowCount())
-    ]
-    assert [(name, labels_of(text)) for name, text in cells] == [
-        (one, labels[one]) for one in shown
-    ]
-    counted = f"Candidates: {primary}. Doubtful: {len(flags) + found.omitted - primary},"
-    assert counted in sheet.details.text()
-    spots = slice_spots(received.shown(), 0.1, True)
-    assert [(one.text, one.doubtful) for one in spots] == [
-        (str(int(name[1:])), name in doubtful) for name in shown
-    ]
-    for one in received.shown():
-        selected = Selection(Cell(Stop(0, 0), 0), one, one.x_mm, one.y_mm)
-        texts = [str(line) for line in place_lines(selected, None, None)]
-        assert texts[0].endswith("doubtful") == (one.id in doubtful)
-        assert texts[len(texts) - len(one.flags) :] == labels[one.id]
+    for one in received.candidates:
+        words = [str(line) for line in why_line(one).values["sentences"]]
+        assert words[0].startswith("doubtful") == (one.id in doubtful)
+        assert words[1:] == labels[one.id]
+    if received.total:
+        counted = str(headline(received))
+        assert f"doubtful: {len(flags) + found.omitted - primary}" in counted
+        assert f"of {len(flags) + found.omitted} places" in counted
+    for one in received.candidates:
+        lines = [str(line) for line in ground_texts.candidate_lines(one, measured=True)]
+        assert lines[0].endswith("doubtful") == (one.id in doubtful)
+        assert lines[len(lines) - len(one.flags) :] == labels[one.id]
 
     # The topics: everything that is listed.
     message = candidate_topics.list_message(found)
@@ -158,13 +135,13 @@ def report_section(found):
 
 
 @each_case("flag", [*Flag, UnknownFlag("of-a-later-version")])
-def test_every_flag_means_the_same_everywhere(flag, sheet, tmp_path):
+def test_every_flag_means_the_same_everywhere(flag, tmp_path):
     assert str(flag.label) == LABELS[flag.value]
     found = candidate_list([candidate(flags=[flag])], position=HERE)
-    check(found, sheet, tmp_path)
+    check(found, tmp_path)
     # Beside others, and beyond what is shown of doubtful ones.
     many = [candidate(number, flags=[flag]) for number in range(2, 15)]
-    check(candidate_list([candidate(), *many], position=HERE, omitted=3), sheet, tmp_path)
+    check(candidate_list([candidate(), *many], position=HERE, omitted=3), tmp_path)
 
 
 def test_only_clutter_and_sidelobes_are_doubtful():
@@ -173,5 +150,5 @@ def test_only_clutter_and_sidelobes_are_doubtful():
 
 @given(candidate_lists(POSITIONS))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_any_list_is_the_same_everywhere(sheet, tmp_path, found):
-    check(dataclasses.replace(found, method="phase-shift"), sheet, tmp_path)
+def test_any_list_is_the_same_everywhere(tmp_path, found):
+    check(dataclasses.replace(found, method="phase-shift"), tmp_path)

@@ -13,6 +13,7 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.results.soil_note import noted_permittivity, soil_values
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 METADATA = json.dumps(
@@ -50,6 +51,19 @@ def test_what_was_planned_and_stored_is_told_without_the_report(kit, archive):
     assert survey.stored_indices == (0, 3)
     assert survey.description["parameters"]["x_points"] == 3
     assert "report" not in survey.description
+
+
+def test_what_was_found_and_decided_is_told_of_the_log_before_and_after_the_end(kit, archive):
+    folder = fill(kit, [0, 3])
+    soil = soil_values(4.0, STARTED_US)
+    kit.processing.note("", "decision", json.dumps(soil))
+    kit.processing.note(SURVEY, "pause", json.dumps({"text": "", "time": "t"}))
+    kit.processing.close_survey(SURVEY, "finished")
+    kit.processing.note(SURVEY, "found", json.dumps({"what": "scrap"}))
+    log = archive.survey(folder.name).description["log"]
+    assert [one["kind"] for one in log] == ["decision", "found"]
+    assert log[1]["values"] == {"what": "scrap"}
+    assert noted_permittivity(log) == 4.0
 
 
 def test_the_list_tells_the_verdict_and_what_is_missing(kit, archive):
