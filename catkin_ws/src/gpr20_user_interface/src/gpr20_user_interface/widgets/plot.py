@@ -317,8 +317,8 @@ class Plot(pyqtgraph.GraphicsView):
     def resizeEvent(self, event: Optional[QResizeEvent]) -> None:  # noqa: N802 (Qt's name)
         """Qt: it has another size."""
         super().resizeEvent(event)
-        # pyqtgraph calls this itself while it makes the view.
-        if event is not None:
+        # pyqtgraph calls this itself while it makes the view, and Qt after it was closed.
+        if event is not None and not self.closed:
             self._place()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
