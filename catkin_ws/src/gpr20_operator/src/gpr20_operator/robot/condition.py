@@ -54,14 +54,16 @@ class Condition:
 
 MOVES = Message("ROBOT MOVES")
 NO_CONTACT = Message("NO CONTACT")
-# In these the survey moves the robot, and the band says so by its colour.
-_MOVED_BY_SURVEY = (
-    SurveyState.HOMING,
-    SurveyState.SURVEYING,
-    SurveyState.PAUSING,
-    SurveyState.STOPPING,
-)
-_CONTROL = "main_control"
+# Who moves the axes for a survey, where the axis knows it: the band says so by its colour.
+_SURVEY = ("", "main_control")
+_MOVERS: Dict[Optional[SurveyState], Tuple[str, ...]] = {
+    # An axis that still slows down when a check begins.
+    SurveyState.CHECKING: ("main_control",),
+    SurveyState.HOMING: _SURVEY,
+    SurveyState.SURVEYING: _SURVEY,
+    SurveyState.PAUSING: _SURVEY,
+    SurveyState.STOPPING: _SURVEY,
+}
 # The main control reports twice a second; after this time [s] its last word may be out of date.
 CONTROL_LATE_S = 2.5
 # Without a motion, a trace or a new state for so long [s], something is wrong. The main control
@@ -125,9 +127,9 @@ def _motion(snapshot: Snapshot) -> Optional[Condition]:
 
 def _is_survey(snapshot: Snapshot, axis: AxisReport) -> bool:
     """Return whether it is the survey in progress that moves an axis."""
-    if snapshot.code not in _MOVED_BY_SURVEY or not snapshot.control_alive or axis.silent:
+    if not snapshot.control_alive or axis.silent:
         return False
-    return _name(axis) in ("", _CONTROL)
+    return _name(axis) in _MOVERS.get(snapshot.code, ())
 
 
 def _axis(axis: AxisReport) -> Message:
