@@ -5,7 +5,7 @@ from __future__ import annotations
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity
 
-_SET_ZERO = Message("Turn the antennas to their mark and set the zero of the axis on SERVICE.")
+_SET_ZERO = Message("Turn the antennas to their mark and set the zero of the axis on ROBOT.")
 _LESS_LOAD_AND_HOME = Message(
     "End other programs on the robot's computer, and check that it is not hot. Then home the axis."
 )

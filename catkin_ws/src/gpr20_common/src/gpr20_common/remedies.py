@@ -10,7 +10,7 @@ from typing import Optional
 from gpr20_common.message import Message
 
 MOTORS_OFF = Message("Switch off the motors' power now. Keep your hands clear.")
-HOME_AXIS = Message("Home the axis on SERVICE; a survey that is started or resumed homes it too.")
+HOME_AXIS = Message("Home the axis on ROBOT; a survey that is started or resumed homes it too.")
 CHECK_ENDSTOP = Message(
     "Switch off the motors' power. Look for anything that blocks the carriage, and check the "
     "endstop switch, its cable and the belt. Switch the power on again and home the axis."
@@ -27,7 +27,7 @@ MAKE_SPACE = Message("Make space on the disk: copy old surveys to a USB stick an
 CHECK_DISK = Message("Check that the disk is plugged in, not full and not write-protected.")
 LESS_LOAD = Message("End other programs on the robot's computer, and check that it is not hot.")
 WAIT_FOR_PART = Message(
-    "Wait one minute: the robot restarts the part by itself. If it is still OFFLINE on STATUS, "
+    "Wait one minute: the robot restarts the part by itself. If it is still red on ROBOT, "
     "switch the robot off and on."
 )
 RESTART_ROBOT = Message("Switch the robot off and on. If it happens again, keep the log.")
@@ -60,7 +60,7 @@ REPORT = Message(
     "Keep the log and report this to the programmers. Check that all programs of the robot have "
     "the same version."
 )
-CHECK_STATUS = Message("Look on STATUS for the part with a FAULT and touch its line.")
+CHECK_STATUS = Message("Look on ROBOT for the part that is red, and touch it.")
 
 
 def first_step(message: Message) -> Optional[Message]:

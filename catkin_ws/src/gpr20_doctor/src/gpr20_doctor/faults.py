@@ -12,7 +12,7 @@ CANNOT_WORK = Fault(
 CONFIGURATION_REFUSED = Fault("doctor.configuration_refused", remedies.CHECK_CONFIGURATION)
 PART_FAILED = Fault("node.failed", remedies.RESTART_ROBOT)
 PART_WARNS = Fault(
-    "node.warns", Message("Look at the details of this part on STATUS."), Severity.WARNING
+    "node.warns", Message("Touch this part on ROBOT and read its details."), Severity.WARNING
 )
 VNA_UNREACHABLE = Fault("vna.unreachable", remedies.CHECK_VNA_CABLE)
 VNA_TEST_FAILED = Fault("vna.test_failed", remedies.CHECK_VNA_CABLE)

@@ -11,17 +11,17 @@ _CHECK_AXIS = Message(
 )
 _CLEAR_AXIS = Message(
     "Look for anything that blocks or touches the axis, and for whoever stopped it. When the axis "
-    "is clear, resume the survey, or try again on SERVICE."
+    "is clear, resume the survey, or try again on ROBOT."
 )
 _FORMER_LAUNCH = Message(
     "End every launch, start the robot with the configuration that the survey began with, and "
     "resume the survey."
 )
 _CHOOSE_VNA = Message("Look which VNA is connected, resume the survey and choose again.")
-_HOME_AXIS = Message("Home the axis on SERVICE.")
+_HOME_AXIS = Message("Home the axis on ROBOT.")
 _KEEP_AND_PLAN = Message("Keep the survey's folder as it is for an analyst, and plan a new survey.")
 _RESUME_AND_HOME = Message(
-    "Resume the survey: it homes the axis first. Without a survey, home the axis on SERVICE."
+    "Resume the survey: it homes the axis first. Without a survey, home the axis on ROBOT."
 )
 
 SURVEY_FAILED = Fault("survey.failed", remedies.CHECK_STATUS)
@@ -30,8 +30,8 @@ NODE_LOST = Fault("survey.part_lost", remedies.WAIT_FOR_PART)
 NODE_NOT_BACK = Fault(
     "survey.part_not_back",
     Message(
-        "Look on STATUS which part is OFFLINE, and check its power and its cables. If it stays "
-        "OFFLINE, switch the robot off and on."
+        "Look on ROBOT which part is red, and check its power and its cables. If it stays "
+        "red, switch the robot off and on."
     ),
     replaces=True,
 )
@@ -53,7 +53,7 @@ OTHER_PAUSED = Fault(
     Message("Resume the paused survey, or press STOP; then resume the other one."),
 )
 BUSY = Fault("survey.busy", remedies.TRY_LATER)
-NO_PLAN = Fault("survey.no_plan", Message("Enter the plan on CONTROL, then start the survey."))
+NO_PLAN = Fault("survey.no_plan", Message("Enter the plan on SURVEY, then start the survey."))
 NONE_RUNNING = Fault("survey.none_running", remedies.NOTHING_TO_DO, Severity.NOTE)
 NONE_MEASURING = Fault(
     "survey.none_measuring",
@@ -102,7 +102,7 @@ AXIS_SILENT = Fault(
     "survey.axis_silent",
     Message(
         "Keep your hands clear: the axis may still move. Wait one minute: the robot restarts the "
-        "part by itself. If it is still OFFLINE on STATUS, switch off the motors' power, then "
+        "part by itself. If it is still red on ROBOT, switch off the motors' power, then "
         "switch the robot off and on."
     ),
     may_move=True,
@@ -115,7 +115,7 @@ AXIS_OFF_TARGET = Fault(
     "survey.axis_off_target",
     Message(
         "Look for anything that blocks the carriage or holds a cable. Then home the axis on "
-        "SERVICE; a paused survey must be stopped before, and can be resumed afterwards."
+        "ROBOT; a paused survey must be stopped before, and can be resumed afterwards."
     ),
 )
 ZERO_CHANGED = Fault(
@@ -208,7 +208,7 @@ SERVICE_VALUE = Fault("service.value_not_allowed", remedies.CORRECT_VALUE)
 SERVICE_HOME_FIRST = Fault("service.home_first", _HOME_AXIS)
 SERVICE_SET_ZERO = Fault(
     "service.zero_unknown",
-    Message("Turn the antennas to their mark and set the zero of the Z axis on SERVICE."),
+    Message("Turn the antennas to their mark and set the zero of the Z axis on ROBOT."),
 )
 SERVICE_STOPPED = Fault(
     "service.stopped", Message("Nothing to do: the axis is at rest."), Severity.NOTE

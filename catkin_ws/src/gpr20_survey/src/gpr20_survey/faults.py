@@ -190,6 +190,6 @@ OTHER_ZEROS = Fault(
 NOT_HOMED = Fault("axis.not_homed", remedies.HOME_AXIS)
 HEIGHT_NOT_MEASURED = Fault(
     "height.not_measured",
-    Message("A survey measures it; or measure it on SERVICE."),
+    Message("A survey measures it; or measure it on ROBOT."),
     Severity.NOTE,
 )

@@ -9,7 +9,7 @@ _CHECK_CABLE = Message(
     "Check that the VNA is switched on and that its cable is plugged in at both ends."
 )
 _RIGHT_VNA = Message("Check that the right VNA is connected, and its address in the plan.")
-_CONNECT = Message("Connect the VNA: start or resume the survey, or test the VNA on SERVICE.")
+_CONNECT = Message("Connect the VNA: start or resume the survey, or test the VNA on ROBOT.")
 _SET_UP = Message("Enter the plan and start the survey: that sets the VNA up.")
 
 FAILED = Fault("vna.failed", remedies.CHECK_VNA)

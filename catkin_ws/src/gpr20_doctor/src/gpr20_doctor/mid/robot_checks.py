@@ -27,7 +27,7 @@ from gpr20_survey.plan.robot_description import (
 )
 from gpr20_survey.trace.calibration import CalibrationStatus
 
-TEST = Message("A survey reads it; or test the VNA on SERVICE.")
+TEST = Message("A survey reads it; or test the VNA on ROBOT.")
 CALIBRATION_FAULTS: Dict[CalibrationStatus, Fault] = {
     CalibrationStatus.NONE: NOT_CALIBRATED,
     CalibrationStatus.MODERATE_POWER: CALIBRATION_AGED,

@@ -72,7 +72,7 @@ _REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
     ),
     Refused.PLAN: (
         Message("The values of the last survey are not remembered."),
-        Message("Next: check all values in CONTROL before START."),
+        Message("Next: check all values on SURVEY before START."),
     ),
     Refused.MARKER: (
         Message("The markers of the survey were not changed."),
