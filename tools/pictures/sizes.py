@@ -77,8 +77,8 @@ def sheets(window: MainWindow) -> Dict[str, Callable[[], None]]:
     }
     return {
         **openers,
-        "figures": window.control.figures.click,
-        "profiles": window.control.profiles.click,
+        "check_plan": window.control.check_plan.click,
+        "profiles": window.control.saved.click,
         "start": window.control.start.click,
         "settings": window.rail.settings.click,
         "refused": lambda: window.notice.show_notice(

@@ -1,49 +1,95 @@
+"""What is said before the robot moves or something is changed."""
+
 from dataclasses import replace
 
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_fields import annotations, parameters
 from view_kit import FOLDER, past_survey
 
+from gpr20_operator.plan.annotation import LONGEST_SHOWN
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import (
-    LONGEST_NAME,
+    change_records_question,
     delete_profile_question,
     other_analyzer_question,
+    plan_summary,
     resume_past_question,
     resume_question,
     start_question,
 )
-from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.robot.events import Progress
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
 
 PARAMETERS = default_parameters()
-FIGURES = preview(PARAMETERS, 9.0)
+FIGURES = preview(PARAMETERS, 4.0)
 
 
 def rows(question):
     return {str(name): str(value) for name, value in question.rows}
 
 
-def test_start_says_area_spacing_traces_time_and_people():
-    figures = replace(FIGURES, cost=SurveyCost(65.0, 1))
-    question = start_question(
-        PARAMETERS, figures, Annotation(operator="Ana", site="El Dorado", name="field 3")
-    )
-    assert rows(question) == {
-        "Area": "100 x 100 mm: X 50 to 150, Y 50 to 150",
-        "Spacing": "X 25 mm, Y 25 mm",
-        "Traces": "50 at 25 stops",
-        "Time": "about 2 min",
-        "Name": "field 3",
-        "Operator": "Ana",
-        "Site": "El Dorado",
+def start(measured=PARAMETERS, permittivity=4.0, annotation=EMPTY):
+    return start_question(measured, permittivity, preview(measured, permittivity), annotation)
+
+
+def test_start_says_everything_that_the_survey_will_do():
+    figures = replace(FIGURES, cost=SurveyCost(65.0, 44_800_000))
+    people = Annotation(operator="Ana", site="El Dorado", name="field 3")
+    measured = replace(PARAMETERS, vna_address="10.0.0.7", averages=4)
+    assert rows(start_question(measured, 8.0, figures, people)) == {
+        "Where": "X 50 - 150 mm, Y 50 - 150 mm",
+        "How close": "10 mm, 11 x 11 points",
+        "Soil": "Moist sand, permittivity 8",
+        "Radar": "600 to 6000 MHz, 501 points",
+        "Antennas": "0, 90°, 2 traces per stop",
+        "VNA": "10.0.0.7, 4 x",
+        "Name": "field 3, Ana · El Dorado",
+        "Traces": "242 at 121 stops",
+        "Time": "about 2 min, 44.8 MB on the disk",
     }
 
 
-def test_start_says_nothing_of_people_who_are_not_known():
-    question = start_question(PARAMETERS, FIGURES, EMPTY)
-    assert list(rows(question)) == ["Area", "Spacing", "Traces", "Time"]
-    assert rows(question)["Time"] == "not known yet"
+@given(parameters(), st.floats(1.0, 81.0), annotations())
+def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotation):
+    shown = " ".join(rows(start(measured, permittivity, annotation)).values())
+    ends = (measured.x_start_mm, measured.x_stop_mm, measured.y_start_mm, measured.y_stop_mm)
+    named = [
+        *(f"{round(end, 2):.2f}".rstrip("0").rstrip(".") for end in ends),
+        f"{measured.x_points} x {measured.y_points}",
+        f"{measured.start_frequency_hz / 1e6:.12g}",
+        f"{measured.stop_frequency_hz / 1e6:.12g}",
+        f"{measured.frequency_points} points",
+        *(f"{one:.12g}" for one in measured.polarizations_deg),
+        *([measured.vna_address] if measured.vna_address else []),
+        *([f"{measured.if_bandwidth_hz:.12g} Hz"] if measured.if_bandwidth_hz else []),
+        *([f"{measured.averages} x"] if measured.averages else []),
+        *([measured.output_power] if measured.output_power else []),
+        f"permittivity {permittivity:.12g}",
+        *(" ".join(one.split()) for one in (annotation.name, annotation.operator, annotation.site)),
+    ]
+    missing = [one for one in named if one not in shown]
+    assert not missing, (missing, shown)
+
+
+def test_a_coarse_plan_is_said_in_words_before_the_start():
+    coarse = replace(PARAMETERS, x_points=5)
+    assert str(start(coarse).doubt) == (
+        "Measured every 25 mm: targets can be missed. At most 11.4 mm in this soil."
+    )
+    assert start().doubt is None
+
+
+def test_the_summary_says_what_a_plan_can_show_and_holds_for_nothing():
+    question = plan_summary(PARAMETERS, 4.0, FIGURES, EMPTY)
+    assert question.hold is None
+    shown = rows(question)
+    assert shown["Soil needs"] == "11.4 mm between stops, or less"
+    assert shown["Echoes repeat"] == "below 6.94 m; this is not the reach"
+    assert rows(start()).items() <= shown.items()
 
 
 def test_resume_says_what_is_stored_and_how_long_it_takes():
@@ -69,24 +115,34 @@ def test_a_past_survey_is_named_before_it_is_resumed():
     assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}
 
 
-def test_whatever_moves_the_robot_warns_of_it():
-    for question in (
-        start_question(PARAMETERS, FIGURES, EMPTY),
+@pytest.mark.parametrize(
+    "question",
+    [
+        start(),
         resume_question(None),
         resume_past_question(FOLDER, None),
         other_analyzer_question("Anritsu,MS2026C"),
-    ):
-        assert str(question.warning).startswith("Hands clear!")
+    ],
+    ids=lambda question: str(question.title),
+)
+def test_whatever_moves_the_robot_says_what_moves(question):
+    warning = str(question.warning)
+    assert warning.startswith("Hands clear!") and "X, Y and the antennas move" in warning
 
 
 def test_what_is_deleted_is_named():
     question = delete_profile_question("field-1")
-    assert rows(question) == {"Profile": "field-1"}
+    assert rows(question) == {"Plan": "field-1"}
     assert "Hands" not in str(question.warning)
 
 
+def test_records_that_change_are_shown_as_they_were_and_will_be():
+    before = Annotation("Ana", "El Carmen", "wet", name="field 3")
+    question = change_records_question("field 3", before, replace(before, operator="", notes="dry"))
+    assert rows(question) == {"Survey": "field 3", "Operator": "Ana → —", "Notes": "wet → dry"}
+
+
 def test_long_names_end_where_the_sheet_ends():
-    annotation = Annotation(operator="O" * 200, site="S" * 200)
-    shown = rows(start_question(PARAMETERS, FIGURES, annotation))
-    assert len(shown["Operator"]) == len(shown["Site"]) == LONGEST_NAME
-    assert shown["Site"].endswith("…")
+    shown = rows(start(annotation=Annotation("O" * 200, "S" * 200, name="N" * 200)))
+    assert len(shown["Name"]) == 3 * LONGEST_SHOWN + len(", ") + len(" · ")
+    assert shown["Name"].endswith("…")

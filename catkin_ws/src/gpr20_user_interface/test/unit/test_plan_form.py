@@ -1,26 +1,34 @@
+"""The form of the plan: what follows from what, its tiles, and the plan of a new robot."""
+
 import math
 import random
 
 import pytest
 from view_kit import TRAVEL as ROBOT
+from view_kit import past_survey, snapshot
 
-from gpr20_operator.plan.form import (
-    PERMITTIVITY,
-    PLAN_FIELDS,
-    X_SPACING,
-    Y_SPACING,
-    PlanForm,
-)
-from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.presets import PresetContext, presets_for
+from gpr20_operator.ground.past_surveys import PastSurveys
+from gpr20_operator.plan.fields import PLAN, TILE_FIELDS, VALUE_TILES, default_parameters
+from gpr20_operator.plan.form import PlanForm, points_for
+from gpr20_operator.plan.presets import PresetContext, areas, spacings
 from gpr20_operator.plan.preview import preview, quarter_wavelength_mm
-from gpr20_operator.plan.spacing import points_for
-from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
-from gpr20_operator.plan.spec import Tile
-from gpr20_operator.plan.tiles import tile_lines, tile_problem
+from gpr20_operator.plan.tiles import resumable, spacing_warning, tile_lines, tile_problem
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.plan.imported import IMPORTED
+from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import problems
+from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_state import SurveyState
 
-ARROWS = [one for one in PLAN_FIELDS if one not in ("vna_address", "polarizations_deg")]
+LINEAR = dict(
+    dir_pin=13, step_pin=15, sensor_pin=16, step_size=0.01, min_step=0.0015, max_step=0.005,
+    delta_step=0.0001, min_coord=0.0, max_coord=650.0, type="LIN",
+)  # fmt: skip
+ROTARY = {**LINEAR, "step_size": 1.8, "min_step": 0.01, "max_step": 0.025, "delta_step": 0.005}
+ROTARY = {**ROTARY, "min_coord": -90.0, "max_coord": 90.0, "sensor_pin": None, "type": "ROT"}
 
 
 @pytest.fixture
@@ -28,28 +36,32 @@ def form():
     return PlanForm(ROBOT)
 
 
-def test_the_factory_values_can_be_started_and_are_those_of_the_parameters(form):
+def test_the_plan_of_a_new_robot_gives_no_warning_and_takes_a_quarter_of_an_hour(form):
     check = form.check()
-    assert check.problems == {}
-    assert check.parameters == default_parameters()
-    assert (form.texts[X_SPACING], form.texts["x_points"]) == ("25", "5")
+    known = preview(check.parameters, check.permittivity)
+    assert spacing_warning(known) is None
+    assert max(known.x_spacing_mm, known.y_spacing_mm) <= known.quarter_wavelength_mm
+    axes = {AxisId.X: LINEAR, AxisId.Y: LINEAR, AxisId.Z: ROTARY}
+    config = RobotConfig({axis: AxisParameters(**values) for axis, values in axes.items()}, False)
+    cost = survey_cost(check.parameters, config, SurveySettings())
+    assert 600.0 < cost.duration_s < 900.0
 
 
 def test_points_follow_the_spacing_and_the_area(form):
-    form.set_texts({X_SPACING: "10", "x_start_mm": "0", "x_stop_mm": "300"})
+    form.set_texts({"x_spacing_mm": "10", "x_start_mm": "0", "x_stop_mm": "300"})
     assert form.texts["x_points"] == "31"
     form.set_text("x_stop_mm", "305")
     assert form.texts["x_points"] == "32"
-    form.set_text(X_SPACING, "12,5")
+    form.set_text("x_spacing_mm", "12,5")
     assert form.texts["x_points"] == "26"
 
 
 def test_points_that_were_set_stay_and_the_spacing_follows(form):
-    form.set_text("x_points", "11")
-    assert (form.texts[X_SPACING], form.following) == ("10", {"y"})
+    form.set_text("x_points", "6")
+    assert (form.texts["x_spacing_mm"], form.following) == ("20", {"y"})
     form.set_text("x_stop_mm", "350")
-    assert (form.texts["x_points"], form.texts[X_SPACING]) == ("11", "30")
-    form.set_text(X_SPACING, "20")
+    assert (form.texts["x_points"], form.texts["x_spacing_mm"]) == ("6", "60")
+    form.set_text("x_spacing_mm", "20")
     assert form.texts["x_points"] == "16"
 
 
@@ -77,20 +89,15 @@ def test_a_profile_is_measured_as_it_is_whatever_its_spacing():
         assert other.check().parameters == wanted
 
 
-def test_what_is_wrong_is_named_on_its_tile_and_locks(form):
-    right = dict(form.texts)
-    for name, text, words in WRONG:
-        form.set_text(name, text)
+def test_what_is_wrong_is_named_on_its_tile(form):
+    for spec in PLAN:
+        right = dict(form.texts)
+        form.set_text(spec.name, "-7 x5")
         check = form.check()
-        (tile,) = [one for one in VALUE_TILES if name in TILE_FIELDS[one]]
-        assert words in str(tile_problem(tile, check)), (name, text)
-        assert (list(check.problems), check.parameters) == ([name], None), text
-        form.set_texts(right)
-
-
-def test_every_field_is_on_one_tile():
-    on_tiles = [name for tile in Tile for name in TILE_FIELDS[tile]]
-    assert sorted(on_tiles) == sorted(PLAN_FIELDS)
+        (tile,) = (tile for tile in VALUE_TILES if spec.name in TILE_FIELDS[tile])
+        assert str(tile_problem(tile, check)).startswith(str(spec.title))
+        assert list(check.problems) == [spec.name] and check.parameters is None
+        form.restore(right, "xy")
 
 
 def test_any_text_gives_tiles_and_good_parameters_or_a_problem_on_a_tile():
@@ -100,13 +107,13 @@ def test_any_text_gives_tiles_and_good_parameters_or_a_problem_on_a_tile():
     for number in range(1200):
         if number % 30 == 0:
             form = PlanForm(ROBOT)
-        form.set_text(draw.choice(PLAN_FIELDS), draw.choice(texts))
+        form.set_text(draw.choice(PLAN).name, draw.choice(texts))
         if draw.random() < 0.3:
-            form.arrow(draw.choice(ARROWS), draw.choice([-10, 1, 100]))
+            form.arrow(draw.choice(PLAN).name, draw.choice([-10, 1, 100]))
         if draw.random() < 0.2:
             form.normalize()
         check = form.check()
-        assert all(len(tile_lines(tile, form.texts)) in (2, 3) for tile in VALUE_TILES)
+        assert all(len(tile_lines(tile, form.texts, EMPTY)) == 2 for tile in VALUE_TILES)
         wrong = [tile for tile in VALUE_TILES if tile_problem(tile, check) is not None]
         assert (check.parameters is None) == bool(wrong), form.texts
         if check.parameters is not None:
@@ -122,57 +129,20 @@ def test_what_was_understood_is_shown(form):
     assert shown == ["12.5", "600.5", "0, 45"]
 
 
-def context(form, last_area=None, address="10.0.0.2"):
-    parameters = form.check().parameters
-    return PresetContext(ROBOT, last_area or {}, address, quarter_wavelength_mm(parameters, 4.0))
-
-
-WRONG = (
-    ("vna_address", "10.0.0.256", "four whole numbers"),
-    *(("start_frequency_hz", text, "from 0.005 to 6000") for text in ("0", "-1")),
-    ("start_frequency_hz", "6000", "below the stop frequency"),
-    ("stop_frequency_hz", "6000.1", "from 0.005 to 6000"),
-    ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
-    *(("frequency_points", text, "from 2 to 4000") for text in ("0", "1", "4001")),
-    *(("x_start_mm", text, "from 0 to 650") for text in ("-1", "inf", "nan", "-inf")),
-    *(("x_stop_mm", text, "from 0 to 650") for text in ("650.01", "651")),
-    *(("y_start_mm", text, "from 0 to 800") for text in ("nan", "801")),
-    ("y_stop_mm", "800,1", "from 0 to 800"),
-    ("x_points", "2", "3 or more"),
-    ("y_points", "x", "3 or more"),
-    ("x_points", "90000", "at least 0.01 mm apart"),
-    *((Y_SPACING, text, "above 0") for text in ("0", "-5", "x", "", "1e400")),
-    *((PERMITTIVITY, text, "permittivity: from 1 to 81") for text in ("0.9", "82", "wet", "")),
-    ("polarizations_deg", "0, 91", "from -90 to 90"),
-    ("polarizations_deg", "0, 0", "different"),
-    *(("if_bandwidth_hz", text, "as set on the VNA; else 1 to 1e+07") for text in ("0.5", "-10")),
-    ("averages", "65536", "a whole number from 1 to 65535"),
-    ("output_power", "a b", "the MS2026C has LOW and HIGH"),
-)
-
-
-def test_every_preset_can_be_started(form):
-    last = {"x_start_mm": "1", "x_stop_mm": "2", "y_start_mm": "3", "y_stop_mm": "4"}
-    for tile in VALUE_TILES:
-        for field in TILE_FIELDS[tile]:
-            found = presets_for(tile, field, context(form, last))
-            assert found
-            for preset in found:
-                trial = PlanForm(ROBOT)
-                trial.set_texts(preset.texts)
-                assert trial.check().problems == {}, preset
+def context(form, last_area=None):
+    quarter_mm = quarter_wavelength_mm(form.check().parameters, 4.0)
+    return PresetContext(ROBOT, last_area or {}, "", quarter_mm)
 
 
 def test_the_presets_of_the_area(form):
-    whole, centre, origin = presets_for(Tile.AREA, "", context(form))
+    whole, centre, origin = areas(context(form))
     assert list(whole.texts.values()) == ["0", "650", "0", "800"]
     assert list(centre.texts.values()) == ["175", "475", "250", "550"]
     assert list(origin.texts.values()) == ["0", "300", "0", "300"]
 
 
 def test_the_spacing_preset_of_the_soil_is_not_too_coarse(form):
-    quarter = presets_for(Tile.SPACING, X_SPACING, context(form))[-1]
-    form.set_texts(quarter.texts)
+    form.set_texts(spacings(context(form))[-1].texts)
     assert not preview(form.check().parameters, 4.0).too_coarse
     assert preview(form.check().parameters, 8.0).too_coarse
 
@@ -185,7 +155,6 @@ def test_quarter_wavelength_and_depth_in_soil():
     assert math.isclose(air.depth_m, 13.879, rel_tol=1e-4)
     assert math.isclose(soil.depth_m, 6.9396, rel_tol=1e-4)
     assert math.isclose(soil.resolution_m, 0.013879, rel_tol=1e-4)
-    assert air.too_coarse and soil.too_coarse  # 25 mm
 
 
 def test_the_configured_address_is_proposed_until_another_is_entered(form):
@@ -195,3 +164,23 @@ def test_the_configured_address_is_proposed_until_another_is_entered(form):
     form.set_text("vna_address", "10.0.0.7")
     assert not form.propose_address("192.168.1.12")
     assert form.texts["vna_address"] == "10.0.0.7"
+
+
+def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_resumed():
+    idle, early, older = snapshot(SurveyState.IDLE), past_survey(), past_survey(folder="2025")
+    complete = past_survey(complete=True)
+    imported = past_survey(outcome=IMPORTED, folder="2027")
+    for listed, expected in (
+        ((), None),
+        ((early,), early),
+        ((imported, early, older), early),
+        ((complete, older), None),
+    ):
+        past = PastSurveys()
+        past.take("", listed, False)
+        assert resumable(past, idle) == expected
+        for no_robot in (None, snapshot(SurveyState.IDLE, alive=False)):
+            assert resumable(past, no_robot) is None
+        assert resumable(past, snapshot(SurveyState.SURVEYING)) is None
+        past.set_running("another")
+        assert resumable(past, idle) is None

@@ -8,7 +8,7 @@ from view_kit import TRAVEL as ROBOT
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import SettingsFile
-from gpr20_operator.plan.annotation_form import NextAnnotation, first_name, next_name
+from gpr20_operator.plan.annotation import NextAnnotation, first_name, next_name
 from gpr20_operator.plan.form import PlanForm
 from gpr20_operator.plan.memory import PlanMemory, RememberedPlan, plan_from, values_of
 from gpr20_survey.plan.annotation import Annotation

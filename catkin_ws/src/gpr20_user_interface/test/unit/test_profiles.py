@@ -60,7 +60,7 @@ def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
 def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder):
     profiles.save("a", default_parameters())
     path = folder / "a.yaml"
-    other_type = path.read_text().replace("x_points: 5", "x_points: five")
+    other_type = path.read_text().replace("x_points: 11", "x_points: eleven")
     for text, shown in (
         ("", "a.yaml"),
         ("[1, 2]", "a.yaml"),

@@ -1,0 +1,266 @@
+"""Every field of a plan: text and value, limits, arrows, presets, command line."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from view_kit import TRAVEL as ROBOT
+
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.errors import InvalidValueError
+from gpr20_operator.plan.annotation import annotation_texts, check_annotation
+from gpr20_operator.plan.fields import (
+    PARAMETERS,
+    PEOPLE,
+    PLAN,
+    SPECS,
+    TILE_FIELDS,
+    default_parameters,
+    texts_of,
+)
+from gpr20_operator.plan.form import PlanForm, check_plan
+from gpr20_operator.plan.presets import PresetContext
+from gpr20_operator.plan.spec import MAX_GRID_POINTS, Keys, Tile
+from gpr20_operator.plan.texts import stepped
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_user_interface.terminal.survey_arguments import option_of, parse_arguments
+
+DEFAULTS = {spec.name: spec.default for spec in PLAN}
+NUMBERS = [spec for spec in PLAN if spec.limits is not None]
+
+
+def check(travel=ROBOT, following="xy", **texts):
+    return check_plan({**DEFAULTS, **texts}, following, travel)
+
+
+@st.composite
+def parameters(draw):
+    """Any parameters that the robot can measure."""
+
+    def rounded(lower, upper):
+        return st.floats(lower, upper).map(lambda value: float(f"{value:.12g}"))
+
+    def axis(upper):
+        start = draw(rounded(0.0, upper - 10.0))
+        return start, draw(rounded(start + 5.0, upper)), draw(st.integers(3, 300))
+
+    start_hz = float(draw(st.integers(5000, 5_000_000_000)))
+    stop_hz = start_hz + draw(st.integers(1_000_000, 999_000_000))
+    x, y = axis(650.0), axis(800.0)
+    steps = draw(st.lists(st.integers(-50, 50), min_size=1, max_size=6, unique=True))
+    return SurveyParameters(
+        draw(st.sampled_from(["", "10.0.0.7", "192.168.100.100"])),
+        *(start_hz, stop_hz, draw(st.integers(2, 4000))),
+        *(*x, *y),
+        tuple(float(f"{step * 1.8:.12g}") for step in steps),
+        draw(st.sampled_from([0.0, 10.0, 12345.5])),
+        draw(st.integers(0, 65535)),
+        draw(st.sampled_from(["", "LOW", "HIGH", "-10.5dBm"])),
+    )
+
+
+@st.composite
+def annotations(draw):
+    text = st.text(st.sampled_from("abcñÁ 1,;"), max_size=30)
+    degrees = st.floats(-90.0, 90.0)
+    position = draw(st.none() | st.builds(Wgs84Position, degrees, degrees))
+    return Annotation(draw(text), draw(text), draw(text), position, name=draw(text))
+
+
+def test_the_plan_has_every_parameter_of_a_survey_and_every_field_is_on_one_tile():
+    assert {spec.name for spec in PARAMETERS} == set(SurveyParameters.__dataclass_fields__)
+    shown = [name for tile in Tile for name in TILE_FIELDS[tile]]
+    assert sorted(shown) == sorted(SPECS)
+
+
+def test_the_plan_of_a_new_robot_can_be_started():
+    result = check()
+    assert (result.problems, result.parameters) == ({}, default_parameters())
+    assert result.permittivity == 4.0
+    assert problems(default_parameters(), ROBOT) == []
+
+
+@given(parameters())
+def test_texts_of_parameters_are_read_back_as_the_same_parameters(wanted):
+    assert problems(wanted, ROBOT) == []
+    assert check(following="", **texts_of(wanted)).parameters == wanted
+
+
+@given(annotations())
+def test_what_people_write_is_read_back_as_the_same(annotation):
+    assert check_annotation(annotation_texts(annotation)) == (annotation, {})
+
+
+@given(parameters(), annotations())
+def test_the_command_line_reads_what_the_window_reads(wanted, annotation):
+    texts = {**texts_of(wanted), **annotation_texts(annotation)}
+    line = [f"{option_of(SPECS[name])}={text}" for name, text in texts.items()]
+    given_ = parse_arguments(line, Catalogue())
+    assert (given_.parameters, given_.annotation) == (wanted, annotation)
+
+
+@given(st.fixed_dictionaries({spec.name: st.text(max_size=8) for spec in PLAN}))
+def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
+    result = check_plan(texts, "xy", ROBOT)
+    assert (result.parameters is None) == bool(result.problems)
+    assert result.parameters is None or problems(result.parameters, ROBOT) == []
+
+
+@given(st.sampled_from(PLAN), st.text(max_size=10))
+def test_the_command_line_refuses_what_the_window_refuses(spec, text):
+    try:
+        value = spec.kind.read(text)
+    except InvalidValueError:
+        assert spec.name in check(**{spec.name: text}).problems
+    else:
+        if spec in PARAMETERS and not text.startswith("-"):
+            line = [f"{option_of(spec)}={text}"]
+            assert getattr(parse_arguments(line, Catalogue()).parameters, spec.name) == value
+
+
+def test_a_number_beyond_its_limits_is_answered_with_them():
+    for spec in NUMBERS:
+        if spec.allowed is not None and spec.name != "start_frequency_hz":
+            continue
+        lower, upper = spec.limits(ROBOT)
+        beyond = [lower - 1] + [upper + 1] * (upper != MAX_GRID_POINTS)
+        for number in beyond:
+            text = f"{number:.12g}"
+            if spec.empty is not None and text == "0":
+                continue  # as it is set on the VNA
+            problem = str(check(following="", **{spec.name: text}).problems[spec.name])
+            named = [f"{lower:g}"] + [f"{upper:g}"] * (upper != MAX_GRID_POINTS)
+            assert all(limit in problem for limit in named), (spec.name, text, problem)
+
+
+@given(st.sampled_from(NUMBERS), st.text(max_size=8), st.sampled_from([-100, -10, -1, 1, 10, 100]))
+def test_an_arrow_stays_within_the_limits_whatever_was_written(spec, text, change):
+    changed = spec.after_arrow(text, change, ROBOT)
+    if changed == "" or spec.choices:
+        assert spec.empty is not None
+        return
+    lower, upper = spec.limits(ROBOT)
+    assert lower <= float(changed) <= upper
+
+
+def test_an_arrow_changes_a_number_by_its_step():
+    for text, change, expected in (
+        ("50", 10, "60"),
+        ("50.25", -1, "49.25"),
+        ("0.1", 1, "1.1"),
+        ("600", 100, "650"),
+        ("50", -100, "0"),
+        ("", 1, "0"),
+        ("nan", 1, "0"),
+        ("-1e999999999", 1, "0"),
+    ):
+        assert stepped(text, change, (0.0, 650.0)) == expected, text
+
+
+def test_arrows_choose_among_the_values_of_the_vna():
+    for name, text, change, expected in (
+        ("if_bandwidth_hz", "", 1, "10"),
+        ("if_bandwidth_hz", "", -1, ""),
+        ("if_bandwidth_hz", "10000", 100, "20000"),
+        ("if_bandwidth_hz", "100000", 1, "100000"),
+        ("if_bandwidth_hz", "30000", 1, ""),
+        ("averages", "", 1, "1"),
+        ("averages", "", 10, "10"),
+        ("averages", "10", -10, ""),
+        ("averages", "65535", 1, "65535"),
+        ("output_power", "", 1, "LOW"),
+        ("output_power", "LOW", 10, "HIGH"),
+        ("output_power", "LOW", -1, ""),
+    ):
+        assert SPECS[name].after_arrow(text, change, ROBOT) == expected, (name, text)
+
+
+def test_empty_settings_of_the_vna_leave_it_as_it_is():
+    for blank in ("", " "):
+        result = check(if_bandwidth_hz=blank, averages=blank, output_power=blank)
+        assert not result.parameters.sweep_settings.analyzer.is_known
+    result = check(if_bandwidth_hz="1000", averages="16", output_power="LOW")
+    assert result.parameters.sweep_settings.analyzer == AnalyzerSettings(1000.0, 16, "LOW")
+
+
+def test_what_is_wrong_is_named_and_locks():
+    for name, text, words in WRONG:
+        result = check(following="", **{name: text})
+        assert words in str(result.problems[name]), (name, text)
+        assert result.parameters is None
+        # The traces of all axes are too many as well.
+        beside = {"y_points"} if text == "90000" else set()
+        assert set(result.problems) - beside == {name}, (name, text)
+
+
+WRONG = (
+    ("vna_address", "10.0.0.256", "four whole numbers"),
+    *(("start_frequency_hz", text, "from 0.005 to 6000") for text in ("0", "-1")),
+    ("start_frequency_hz", "6000", "below the stop frequency"),
+    ("stop_frequency_hz", "6000.1", "from 0.005 to 6000"),
+    ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
+    ("frequency_points", "1.5", "a whole number from 2 to 4000"),
+    *(("x_start_mm", text, "from 0 to 650") for text in ("-1", "inf", "nan", "-inf")),
+    ("y_stop_mm", "800,1", "from 0 to 800"),
+    ("y_points", "x", "3 or more"),
+    ("x_points", "90000", "at least 0.01 mm apart"),
+    ("permittivity", "wet", "from 1 to 81"),
+    ("polarizations_deg", "0, 91", "from -90 to 90"),
+    ("polarizations_deg", "0, 0", "different"),
+    *(("if_bandwidth_hz", text, "as set on the VNA; else from 1 to 1e+07") for text in ("-10",)),
+    ("averages", "65536", "a whole number from 1 to 65535"),
+    ("output_power", "a b", "LOW or HIGH for the MS2026C"),
+)
+
+
+def test_too_many_points_in_all_are_a_fault_of_both_axes():
+    found = check(following="", x_points="1000", y_points="1000").problems
+    assert list(found) == ["x_points", "y_points"]
+    assert all("at most 1000000 traces" in str(one) for one in found.values())
+
+
+def test_frequencies_closer_than_a_hertz_are_a_fault_of_their_number():
+    result = check(start_frequency_hz="600", stop_frequency_hz="600.0004")
+    assert list(result.problems) == ["frequency_points"]
+
+
+def test_limits_are_those_of_the_axes_that_are_given():
+    assert check(DOCUMENTED_TRAVEL, x_stop_mm="700").parameters is not None
+    assert check(ROBOT, x_stop_mm="700").parameters is None
+
+
+def test_a_decimal_comma_is_read_as_a_point():
+    for name, text, value in (
+        ("x_stop_mm", "149,5", 149.5),
+        ("y_start_mm", ",5", 0.5),
+        ("start_frequency_hz", "700,123456", 700123456.0),
+        ("if_bandwidth_hz", "12,5", 12.5),
+        ("polarizations_deg", "1,8; 90", (1.8, 90.0)),
+        ("position", "4,60283; -74,06514", Wgs84Position(4.60283, -74.06514)),
+    ):
+        assert SPECS[name].kind.read(text) == value
+
+
+def test_every_preset_can_be_started():
+    area = {"x_start_mm": "1", "x_stop_mm": "2", "y_start_mm": "3", "y_stop_mm": "4"}
+    context = PresetContext(ROBOT, area, "10.0.0.2", 11.37)
+    for spec in PLAN:
+        found = spec.presets(context)
+        assert found, spec.name
+        for preset in found:
+            form = PlanForm(ROBOT)
+            form.set_texts(preset.texts)
+            assert form.check().problems == {}, preset
+
+
+@pytest.mark.parametrize("spec", [*PLAN, *PEOPLE], ids=lambda spec: spec.name)
+def test_a_field_says_what_it_allows(spec):
+    assert str(spec.title) and str(spec.hint(ROBOT))
+    assert spec.kind.keys in Keys
+
+
+def test_an_exponent_beyond_all_numbers_is_no_value():
+    for spec in NUMBERS:
+        assert spec.name in check(**{spec.name: "1e400"}).problems, spec.name
