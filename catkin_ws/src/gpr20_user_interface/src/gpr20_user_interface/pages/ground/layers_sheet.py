@@ -91,7 +91,7 @@ class LayersSheet(Overlay):
         self.permittivity.set_texts(self.tr("Permittivity"), "{value:g}")
         self.gain.set_texts(self.tr("Gain"), self.tr("{value:g} dB/ns"))
         self.fit.setText(self.tr("Fit a\nhyperbola"))
-        self.next_problem.setText(self.tr("Next\nunfinished"))
+        self.next_problem.setText(self.tr("Next\ngap"))
         self.done.setText(self.tr("CLOSE"))
         self._show()
 

@@ -61,6 +61,8 @@ class SectionPlot(Plot):
                 self.gripped = Grip.APEX
 
     def _paint_below(self, painter: QPainter, look: Look) -> None:
+        if self.extent is None:
+            return
         ink = QColor(look.colour(Mark.NOT_MEASURED))
         painter.fillRect(self.viewport().rect(), QBrush(ink, Qt.BrushStyle.Dense6Pattern))
 

@@ -41,7 +41,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
             verbatim(made),
         )
     if model.survey.map.grid is None:
-        return (Message("Open a stored survey under SURVEYS, or start one under SURVEY."),)
+        return ()
     cell = model.cell
     if place is None or cell is None:
         return (Message("Touch the ground to see what is below it."),)
@@ -142,6 +142,8 @@ def notes(model: GroundModel) -> Lines:
 def remark(model: GroundModel) -> Message:
     """Return the most important remark; there is no room for more."""
     loading, radar, settings = model.survey.loading, model.survey.radar, model.settings
+    if radar.grid is None:
+        return verbatim("")
     if model.is_loading:
         return Message(
             "Dashes: loading, {loaded} of {stored}.", loaded=loading.loaded, stored=loading.stored
@@ -173,7 +175,7 @@ def above_notice(model: GroundModel, shown: Shown, problem: Optional[Message]) -
     if grid is None:
         return (
             Message("No survey yet."),
-            Message("Start one under SURVEY, or open a stored one under SURVEYS."),
+            Message("Start one under Survey, or open a stored one under Stored."),
         )
     if Layer.FOCUSED in model.layers and not model.shows_focused:
         echoes = Message("The image is not focused yet. These are the echoes.")

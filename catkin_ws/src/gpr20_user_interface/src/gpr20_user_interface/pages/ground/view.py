@@ -401,7 +401,7 @@ class GroundView(TranslatedWidget):
         for key in (self.shallower, self.deeper):
             key.setEnabled(model.deepest_m is not None)
         candidates = bool(additions.candidates) and Layer.CANDIDATES in model.layers
-        self.next.setText(self.tr("Next\ncandidate") if candidates else self.tr("Next\nunfinished"))
+        self.next.setText(self.tr("Next\ncandidate") if candidates else self.tr("Next\ngap"))
         self.next.setEnabled(candidates or model.survey.map.next_problem(None) is not None)
         self.set_marker.setEnabled(additions.can_mark and point is not None)
         kept = additions.plan is not None
