@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from view_kit import FOLDER, SURVEY, past_survey, snapshot, state_of
-from window_helpers import click, show, start
+from PyQt5.QtWidgets import QPushButton
+from view_kit import FOLDER, SURVEY, snapshot, state_of
+from window_helpers import click, hold, show, start
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
     AnnotationRead,
     AnnotationStored,
-    SurveysListed,
 )
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.window.rail import TabName
 
 
 @pytest.fixture(autouse=True)
@@ -37,26 +37,17 @@ def sheet(window):
 
 def write(sheet, name, text):
     """Touch a field and press the keys of a text."""
-    field = sheet.fields[name]
-    QTest.mouseClick(field.viewport() if name == "notes" else field, Qt.LeftButton)
-    pad = sheet.number_pad if name in ("latitude", "longitude") else sheet.text_pad
-    assert pad.isVisible()
-    if pad is sheet.number_pad:
-        for character in text:
-            pad.press(character)
-    else:
-        pad.press(text)
-    click(pad.accept_button)
-    assert not pad.isVisible()
+    click(sheet.tiles[name])
+    assert sheet.pad.isVisible()
+    sheet.pad.press(text)
+    click(sheet.pad.accept_button)
+    assert not sheet.pad.isVisible()
 
 
 def write_example(sheet):
-    write(sheet, "name", EXAMPLE.name)
-    write(sheet, "operator", EXAMPLE.operator)
-    write(sheet, "site", EXAMPLE.site)
-    write(sheet, "notes", EXAMPLE.notes)
-    write(sheet, "latitude", "4.60283")
-    write(sheet, "longitude", "-74.06514")
+    for name in ("name", "operator", "site", "notes"):
+        write(sheet, name, getattr(EXAMPLE, name))
+    write(sheet, "position", "4.60283,-74.06514")
 
 
 def started(window):
@@ -78,9 +69,9 @@ def test_operator_and_site_stay_for_the_survey_after_that_which_gets_the_next_na
     click(sheet.save)
     started(window)
     click(window.control.tiles[Tile.NAME])
-    assert sheet.fields["operator"].text() == EXAMPLE.operator
-    assert {sheet.fields[name].text() for name in ("latitude", "longitude", "notes")} == {""}
-    click(sheet.save)
+    assert sheet.texts["operator"] == EXAMPLE.operator
+    assert {sheet.texts[name] for name in ("position", "notes")} == {""}
+    click(sheet.close_button)
     start(window)
     assert window.survey.annotations == [
         Annotation(EXAMPLE.operator, EXAMPLE.site, name="El Carmen 4")
@@ -108,24 +99,28 @@ def test_the_defaults_of_the_robot_fill_what_is_empty(window):
     assert window.control.next_annotation.value == Annotation("Ana", "here")
 
 
-def test_a_wrong_position_cannot_be_saved_and_says_why(window, sheet):
-    for name, text, reason in (
-        ("latitude", "91", "latitude is 91 deg; it must lie between -90 and 90 deg"),
-        ("longitude", "1-", "longitude is '1-'; it must be a decimal number of degrees"),
-        ("longitude", "10", "a position needs latitude and longitude"),
+def test_a_wrong_position_cannot_be_accepted_and_says_why(window, sheet):
+    click(window.control.tiles[Tile.NAME])
+    click(sheet.tiles["position"])
+    pad = sheet.pad
+    for text, reason in (
+        ("91,0", "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        ("4,1-", "longitude is '1-'; it must be a decimal number of degrees"),
+        ("4.6", "position is '4.6'; it must be latitude and longitude"),
     ):
-        click(window.control.tiles[Tile.NAME])
-        write(sheet, name, text)
-        assert not sheet.save.isEnabled()
-        assert sheet.problem.text().startswith(reason)
-        click(sheet.close_button)
-        assert window.control.next_annotation.value == EMPTY
+        pad.edit.clear()
+        pad.press(text)
+        assert not pad.accept_button.isEnabled()
+        assert pad.hint.text().startswith(reason)
+    click(pad.cancel)
+    click(sheet.close_button)
+    assert window.control.next_annotation.value == EMPTY
 
 
 def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
     click(window.control.tiles[Tile.NAME])
-    QTest.mouseClick(sheet.fields["operator"], Qt.LeftButton)
-    pad = sheet.text_pad
+    click(sheet.tiles["operator"])
+    pad = sheet.pad
     pad.edit.insertPlainText("a" * 201)
     assert pad.hint.text() == "operator has 201 characters; at most 200 are allowed"
     assert not pad.accept_button.isEnabled()
@@ -135,53 +130,94 @@ def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
 
 def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):
     click(window.control.tiles[Tile.NAME])
-    QTest.mouseClick(sheet.fields["operator"], Qt.LeftButton)
-    QTest.keyClicks(sheet.text_pad.edit, "Ana")
-    QTest.keyClick(sheet.text_pad.edit, Qt.Key_Return)
-    assert sheet.fields["operator"].text() == "Ana"
-    QTest.mouseClick(sheet.fields["notes"].viewport(), Qt.LeftButton)
-    QTest.keyClicks(sheet.text_pad.edit, "a")
-    QTest.keyClick(sheet.text_pad.edit, Qt.Key_Return)
-    assert sheet.text_pad.edit.toPlainText() == "a\n"
-    assert sheet.text_pad.isVisible()
+    click(sheet.tiles["operator"])
+    QTest.keyClicks(sheet.pad.edit, "Ana")
+    QTest.keyClick(sheet.pad.edit, Qt.Key_Return)
+    assert sheet.texts["operator"] == "Ana"
+    click(sheet.tiles["notes"])
+    QTest.keyClicks(sheet.pad.edit, "a")
+    QTest.keyClick(sheet.pad.edit, Qt.Key_Return)
+    assert sheet.pad.edit.toPlainText() == "a\n"
+    assert sheet.pad.isVisible()
 
 
-def test_the_notes_of_the_running_survey_are_read_and_changed(window, storage, sheet):
+def test_nothing_can_be_saved_before_something_was_changed(window, sheet):
+    window.on_event(AnnotationRead(FOLDER, EXAMPLE))
+    assert not sheet.save.isEnabled()
+    write(sheet, "site", "s")
+    assert sheet.save.isEnabled()
+
+
+def shown_survey(window, annotation):
+    """Open the records of the survey that runs."""
     show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY)))
-    click(window.control.tiles[Tile.NAME])
-    assert storage.asked[-1] == ("annotation", SURVEY)
-    window.on_event(AnnotationRead(SURVEY, EXAMPLE))
-    assert sheet.fields["notes"].text() == EXAMPLE.notes
-    write(sheet, "notes", "!")
+    window.control.show_notes()
+    window.on_event(AnnotationRead(SURVEY, annotation))
+
+
+def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, storage, sheet):
+    shown_survey(window, replace(EXAMPLE, notes=""))
+    assert ("annotation", SURVEY) in storage.asked
+    write(sheet, "notes", "wet")
     click(sheet.save)
-    changed = replace(EXAMPLE, notes=EXAMPLE.notes + "!")
-    assert storage.asked[-1] == ("annotate", SURVEY, changed)
+    assert storage.asked[-1] == ("annotate", SURVEY, replace(EXAMPLE, notes="wet"))
     assert sheet.isVisible()
     window.on_event(AnnotationStored(SURVEY))
     assert not sheet.isVisible()
     assert window.control.next_annotation.value == EMPTY
 
 
+def test_notes_of_the_running_survey_that_exist_are_changed_by_a_hold(window, storage, sheet):
+    shown_survey(window, EXAMPLE)
+    write(sheet, "notes", "!")
+    click(sheet.save)
+    assert storage.asked[-1][0] != "annotate"
+    hold(window.control.confirm.hold)
+    changed = replace(EXAMPLE, notes=EXAMPLE.notes + "!")
+    assert storage.asked[-1] == ("annotate", SURVEY, changed)
+
+
+def test_a_stored_survey_is_changed_only_by_a_hold_that_says_old_and_new(window, storage, sheet):
+    confirm = window.control.confirm
+    window.on_event(AnnotationRead(FOLDER, Annotation("Ana", name="field 3")))
+    assert FOLDER in sheet.title.whole
+    write(sheet, "operator", "b")
+    click(sheet.save)
+    shown = {str(name): str(value) for name, value in confirm.question.rows}
+    assert shown == {"Survey": "field 3", "Operator": "Ana → Anab"}
+    for touch in (lambda: click(confirm.hold), lambda: hold(confirm.hold, 0.9)):
+        touch()
+        assert [one for one in storage.asked if one[0] == "annotate"] == []
+    click(confirm.cancel)
+    assert sheet.isVisible() and sheet.texts["operator"] == "Anab"
+    click(sheet.save)
+    hold(confirm.hold)
+    assert storage.asked[-1] == ("annotate", FOLDER, Annotation("Anab", name="field 3"))
+
+
+def test_random_touches_never_change_the_records_of_a_stored_survey(window, storage, sheet):
+    draw = random.Random(4)
+    parts = (sheet, sheet.pad, window.control.confirm)
+    saves = 0
+    for _ in range(600):
+        if not any(part.isVisible() for part in parts):
+            window.on_event(AnnotationRead(FOLDER, EXAMPLE))
+        top = next(part for part in reversed(parts) if part.isVisible())
+        button = draw.choice([one for one in top.findChildren(QPushButton) if one.isVisible()])
+        saves += button is sheet.save and button.isEnabled()
+        QTest.mouseClick(button, Qt.LeftButton)
+    assert saves > 5
+    assert [one for one in storage.asked if one[0] == "annotate"] == []
+
+
 def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
     window.on_event(AnnotationRead(FOLDER, EMPTY))
     write(sheet, "site", "here")
     click(sheet.save)
+    hold(window.control.confirm.hold)
     window.on_event(AnnotationFailed(verbatim("The disk is full")))
     assert window.notice.isVisible()
     assert window.notice.reason.toPlainText() == "The disk is full"
     click(window.notice.close_button)
     assert sheet.isVisible()
-    assert sheet.fields["site"].text() == "here"
-
-
-def test_a_past_survey_is_annotated_from_the_list(window, storage, sheet):
-    window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (past_survey(),), False))
-    assert not window.past.notes.isEnabled()
-    window.past.table.selectRow(0)
-    click(window.past.notes)
-    assert storage.asked[-1] == ("annotation", FOLDER)
-    window.on_event(AnnotationRead(FOLDER, EXAMPLE))
-    assert FOLDER in sheet.title.text()
-    click(sheet.save)
-    assert storage.asked[-1] == ("annotate", FOLDER, EXAMPLE)
+    assert sheet.texts["site"] == "here"

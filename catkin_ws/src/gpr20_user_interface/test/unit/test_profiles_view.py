@@ -14,11 +14,11 @@ def idle(window):
 
 
 def save(window, name):
-    click(window.control.profiles)
+    click(window.control.saved)
     click(window.profiles.save)
     for character in name:
-        window.profiles.name_pad.press(character)
-    click(window.profiles.name_pad.accept_button)
+        window.profiles.pad.press(character)
+    click(window.profiles.pad.accept_button)
 
 
 def names(window):
@@ -39,17 +39,17 @@ def test_fields_are_saved_and_loaded_with_fingers_alone(window):
 def test_a_taken_or_forbidden_name_cannot_be_accepted(window):
     save(window, "a")
     click(window.profiles.save)
-    assert not window.profiles.name_pad.accept_button.isEnabled()
-    window.profiles.name_pad.press("a")
-    assert not window.profiles.name_pad.accept_button.isEnabled()
-    window.profiles.name_pad.press("b")
-    assert window.profiles.name_pad.accept_button.isEnabled()
+    assert not window.profiles.pad.accept_button.isEnabled()
+    window.profiles.pad.press("a")
+    assert not window.profiles.pad.accept_button.isEnabled()
+    window.profiles.pad.press("b")
+    assert window.profiles.pad.accept_button.isEnabled()
 
 
 def test_the_empty_name_is_not_red_before_typing(window):
-    click(window.control.profiles)
+    click(window.control.saved)
     click(window.profiles.save)
-    pad = window.profiles.name_pad
+    pad = window.profiles.pad
     assert pad.hint.property("level") != "wrong"
     assert pad.hint.text() == "at most 32 characters"
     assert not pad.accept_button.isEnabled()
@@ -58,9 +58,9 @@ def test_the_empty_name_is_not_red_before_typing(window):
 
 
 def test_a_name_that_is_refused_says_what_is_allowed(window):
-    click(window.control.profiles)
+    click(window.control.saved)
     click(window.profiles.save)
-    pad = window.profiles.name_pad
+    pad = window.profiles.pad
     for name in ("a ", "-a", "a" * 33):
         pad.edit.setPlainText(name)
         assert not pad.accept_button.isEnabled()
@@ -94,13 +94,13 @@ def test_a_profile_that_is_not_deleted_after_all_stays(window):
 
 def test_wrong_fields_cannot_be_saved(window):
     enter(window, "x_points", "1")
-    click(window.control.profiles)
+    click(window.control.saved)
     assert not window.profiles.save.isEnabled()
 
 
 def test_damaged_profile_opens_a_dialog(window, tmp_path):
     (tmp_path / "a.yaml").write_text("[")
-    click(window.control.profiles)
+    click(window.control.saved)
     window.profiles.names.setCurrentRow(0)
     click(window.profiles.load)
     assert window.notice.isVisible()
@@ -109,8 +109,8 @@ def test_damaged_profile_opens_a_dialog(window, tmp_path):
 
 
 def test_profiles_that_are_open_when_a_survey_begins_elsewhere_are_closed_and_locked(window):
-    click(window.control.profiles)
+    click(window.control.saved)
     click(window.profiles.save)
     show(window, snapshot(SurveyState.CHECKING))
-    assert not window.profiles.isVisible() and not window.profiles.name_pad.isVisible()
-    assert not window.control.profiles.isEnabled()
+    assert not window.profiles.isVisible() and not window.profiles.pad.isVisible()
+    assert not window.control.saved.isEnabled()

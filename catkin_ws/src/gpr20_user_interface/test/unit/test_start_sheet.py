@@ -30,7 +30,7 @@ def test_the_sheet_closes_when_it_is_too_late(window):
     surveying = snapshot(SurveyState.SURVEYING)
 
     def ask_start():
-        sheet.ask_start(default_parameters(), Annotation())
+        sheet.ask_start(default_parameters(), 4.0, Annotation())
 
     def ask_past():
         sheet.ask_resume_past(FOLDER)
@@ -86,5 +86,5 @@ def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_h
     figures = SurveyPreview(25, 50, 25.0, 25.0, 1.0, 1.0, 1.0, 1.0, SurveyCost(1080.0, 1))
     window.survey.preview = figures
     show(window, snapshot(SurveyState.IDLE))
-    assert "about 18 min" in texts(window.start_sheet)
+    assert "about 18 min, 1e-06 MB on the disk" in texts(window.start_sheet)
     assert window.start_sheet.isVisible()

@@ -350,3 +350,5 @@ class PlanPage(TranslatedWidget, Page):
         self.resume.setVisible(offered)
         column = COLUMNS - 1 if offered else 0
         self._grid.addWidget(self.start, ROWS - 1, column, 1, COLUMNS - column)
+        # At once: nothing may lie over the other for a touch.
+        self._grid.activate()

@@ -1,15 +1,15 @@
-"""CONTROL: the plan in tiles, the sheets of the tiles, and why START is locked."""
+"""The plan in tiles, the sheets of the tiles, START and RESUME, and why START is locked."""
 
 from dataclasses import replace
 
+from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from view_kit import snapshot
-from window_helpers import click, enter, open_field, show, start, tile_of, wishes
+from view_kit import FOLDER, past_survey, snapshot, state_of
+from window_helpers import click, enter, hold, open_field, show, start, tile_of, wishes
 
-from gpr20_operator.plan.form import PERMITTIVITY, X_SPACING, Y_SPACING
-from gpr20_operator.plan.fields import ANALYZER_FIELDS, default_parameters
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.plan.preview import preview
-from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Request, RobotDefaults
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
@@ -23,8 +23,12 @@ def text(window, name):
     return window.control.form.texts[name]
 
 
-def lines(window, tile):
-    return tuple(line.whole for line in window.control.tiles[tile].lines if line.whole)
+def lines(tile):
+    return tuple(line.whole for line in tile.lines if line.whole)
+
+
+def tile(window, which):
+    return lines(window.control.tiles[which])
 
 
 def press(window, keys):
@@ -46,16 +50,16 @@ def test_start_carries_what_the_operator_entered(window):
 
 def test_the_tiles_show_todays_values(window):
     show(window, snapshot(SurveyState.IDLE))
-    assert lines(window, Tile.AREA) == ("X 50 - 150", "Y 50 - 150")
-    assert lines(window, Tile.SPACING) == ("25 mm", "5 x 5 points")
-    assert lines(window, Tile.FREQUENCIES) == ("600 to 6000 MHz", "501 points")
-    assert lines(window, Tile.VNA) == ("127.0.0.1", "as set")
-    assert lines(window, Tile.SOIL) == ("Dry sand", "permittivity 4")
-    assert lines(window, Tile.ANTENNAS) == ("0, 90°", "2 traces per stop")
-    for name, value in (("if_bandwidth_hz", "1000"), ("averages", "4"), ("x_points", "11")):
+    assert tile(window, Tile.AREA) == ("X 50 - 150 mm", "Y 50 - 150 mm")
+    assert tile(window, Tile.SPACING) == ("10 mm", "11 x 11 points")
+    assert tile(window, Tile.FREQUENCIES) == ("600 to 6000 MHz", "501 points")
+    assert tile(window, Tile.VNA) == ("127.0.0.1", "as set")
+    assert tile(window, Tile.SOIL) == ("Dry sand", "permittivity 4")
+    assert tile(window, Tile.ANTENNAS) == ("0, 90°", "2 traces per stop")
+    for name, value in (("if_bandwidth_hz", "1000"), ("averages", "4"), ("x_points", "6")):
         enter(window, name, value)
-    assert lines(window, Tile.VNA) == ("127.0.0.1", "1000 Hz", "4 x")
-    assert lines(window, Tile.SPACING) == ("10 x 25 mm", "11 x 5 points")
+    assert tile(window, Tile.VNA) == ("127.0.0.1", "1000 Hz · 4 x")
+    assert tile(window, Tile.SPACING) == ("20 x 10 mm", "6 x 11 points")
 
 
 def test_a_touch_fills_in_an_area_or_a_spacing(window):
@@ -63,12 +67,12 @@ def test_a_touch_fills_in_an_area_or_a_spacing(window):
     click(window.control.tiles[Tile.AREA])
     click(window.values.presets[1])
     click(window.values.done)
-    assert lines(window, Tile.AREA) == ("X 175 - 475", "Y 250 - 550")
+    assert tile(window, Tile.AREA) == ("X 175 - 475 mm", "Y 250 - 550 mm")
     click(window.control.tiles[Tile.SPACING])
     click(window.values.presets[1])
     assert window.values.presets[1].isChecked()
     click(window.values.done)
-    assert lines(window, Tile.SPACING) == ("10 mm", "31 x 31 points")
+    assert tile(window, Tile.SPACING) == ("10 mm", "31 x 31 points")
 
 
 def test_undo_brings_back_what_there_was(window):
@@ -85,12 +89,11 @@ def test_arrows_change_a_field_by_the_chosen_step(window):
     show(window, snapshot(SurveyState.IDLE))
     name = "frequency_points"
     window.control.form.set_text(name, "40")
-    open_field(window, name)
+    field = open_field(window, name)
     press(window, [UP, UP])
     assert text(window, name) == "42"
     press(window, [STEP, UP, DOWN, DOWN])
-    assert text(window, name) == "32"
-    assert window.values.fields[name].text() == "32"
+    assert text(window, name) == field.lines[0].whole == "32"
     click(window.values.done)
     open_field(window, name)
     press(window, [UP])
@@ -105,22 +108,20 @@ def test_arrows_change_a_field_by_the_chosen_step(window):
 def test_settings_of_the_vna_are_chosen_with_the_arrows_and_reach_the_survey(window):
     received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
-    click(window.control.tiles[Tile.VNA])
-    fields = window.values.fields
-    assert [fields[name].placeholderText() for name in ANALYZER_FIELDS] == ["as set"] * 3
     for choose in (lambda: press(window, [UP]), lambda: click(window.values.presets[0])):  # AS SET
         click(window.control.tiles[Tile.VNA])
-        for name in ANALYZER_FIELDS:
+        for name in TILE_FIELDS[Tile.VNA][1:]:
             window.values.choose(name)
             choose()
         click(window.values.done)
         start(window)
+    assert [lines(field) for field in window.values.fields[1:]] == [("as set on the VNA",)] * 3
     chosen, as_set = (one.sweep_settings.analyzer for one in received)
     assert chosen == AnalyzerSettings(10.0, 1, "LOW")
     assert not as_set.is_known
 
 
-def test_what_is_wrong_is_named_in_sheet_tile_and_start_which_is_locked(window):
+def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(window):
     received = wishes(window)
     show(window, snapshot(SurveyState.IDLE))
     for number, (name, wrong, words) in enumerate(
@@ -128,41 +129,40 @@ def test_what_is_wrong_is_named_in_sheet_tile_and_start_which_is_locked(window):
             ("vna_address", "10.0.0.256", "four whole numbers"),
             ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
             ("x_points", "90000", "at least 0.01 mm apart"),
-            (PERMITTIVITY, "100", "from 1 to 81"),
+            ("permittivity", "100", "from 1 to 81"),
             ("polarizations_deg", "0, 91", "from -90 to 90"),
-            ("output_power", "a b", "the MS2026C has LOW and HIGH"),
+            ("output_power", "a b", "LOW or HIGH for the MS2026C"),
         )
     ):
         right = text(window, name)
-        edit = open_field(window, name)
+        field = open_field(window, name)
         assert window.values.hint.property("level") in ("", None)
-        edit.clear()
-        QTest.keyClicks(edit, wrong)
+        QTest.keyClicks(window.values, wrong)
         assert words in window.values.hint.text()
-        assert words in edit.toolTip() and edit.parent().property("wrong") is True
+        assert field.property("level") == "wrong"
         click(window.values.done)
-        tile = window.control.tiles[tile_of(name)]
-        assert words in tile.problem.text() and tile.property("level") == "wrong"
-        assert words in window.control.start.problem.text()
+        shown = window.control.tiles[tile_of(name)]
+        assert words in shown.sentence.text() and shown.property("level") == "wrong"
+        assert window.control.start.sentence.text() == f"Correct first: {shown.title.whole}"
         start(window)
         assert len(received) == number
         enter(window, name, right)
-        assert not tile.problem.isVisible() and not window.control.start.problem.isVisible()
+        assert not shown.sentence.isVisible() and not window.control.start.sentence.isVisible()
         start(window)
         assert len(received) == number + 1
 
 
 def test_nothing_is_red_before_something_was_written(window):
     show(window, snapshot(SurveyState.IDLE))
-    for tile in VALUE_TILES:
-        click(window.control.tiles[tile])
-        for name in list(window.values.fields):
+    for which in VALUE_TILES:
+        click(window.control.tiles[which])
+        for number, name in enumerate(TILE_FIELDS[which]):
             window.values.choose(name)
-            box = window.values.fields[name].parent()
-            assert box.property("wrong") is not True, name
+            field = window.values.fields[number]
+            assert field.property("level") == "chosen", name
             press(window, [CLEAR])
             click(window.values.undo)
-            assert box.property("wrong") is not True, name
+            assert field.property("level") == "chosen", name
         click(window.values.done)
 
 
@@ -187,7 +187,7 @@ def test_start_says_why_it_is_locked(window):
         assert window.control.start.isEnabled()
         show(window, shown)
         assert not window.control.start.isEnabled()
-        assert window.control.start.problem.text() == reason
+        assert window.control.start.sentence.text() == reason
 
 
 def test_a_replay_offers_no_notes(window):
@@ -200,7 +200,7 @@ def test_a_replay_offers_no_notes(window):
 def test_parameters_of_a_survey_that_was_started_elsewhere_are_shown(window):
     theirs = replace(default_parameters(), x_points=17, vna_address="10.1.2.3")
     show(window, snapshot(SurveyState.SURVEYING, survey_parameters=theirs))
-    assert lines(window, Tile.SPACING)[1] == "17 x 5 points"
+    assert tile(window, Tile.SPACING)[1] == "17 x 11 points"
     assert window.control.parameters == theirs
 
 
@@ -212,38 +212,43 @@ def test_a_sheet_that_is_open_when_a_survey_begins_elsewhere_changes_nothing(win
     assert window.control.parameters == default_parameters()
 
 
-def test_what_the_survey_will_be_is_shown(window):
+def test_what_the_survey_will_be_is_shown_and_what_is_too_coarse_is_amber(window):
     window.survey.preview = preview(default_parameters(), 4.0)
     show(window, snapshot(SurveyState.IDLE))
-    tile = window.control.figures
-    assert tile.lines[0].whole == "50 traces"
-    assert tile.lines[1].whole == "Spacing 25 mm > λ/4 11.4 mm"
-    assert tile.property("level") == "doubtful"
-    click(tile)
-    sheet = window.control.figures
-    assert sheet.figures[4:] == ("25, 25 mm", "11.4 mm", "6.94 m", "13.9 mm", "10.8 MHz", "2")
-    assert "more than λ/4" in sheet.warning.text()
-    window.survey.preview = replace(window.survey.preview, x_spacing_mm=10.0, y_spacing_mm=10.0)
-    window.refresh()
-    assert not sheet.warning.isVisible()
-    assert tile.lines[1].whole == "Depth 6.94 m, resolution 13.9 mm"
+    control = window.control
+    assert lines(control.start) == ("242 traces",)
+    assert lines(control.check_plan) == ("resolution 13.9 mm",)
+    click(control.check_plan)
+    assert control.summary.isVisible() and not control.summary.hold.isVisible()
+    assert not control.summary.doubt.isVisible()
+    click(control.summary.cancel)
+    window.survey.preview = replace(window.survey.preview, x_spacing_mm=25.0, y_spacing_mm=25.0)
+    show(window, snapshot(SurveyState.IDLE))
+    assert tile(window, Tile.SPACING) == ("10 mm", "at most 11.4 mm")
+    assert control.tiles[Tile.SPACING].property("level") == "doubtful"
+    click(control.check_plan)
+    assert "targets can be missed" in control.summary.doubt.text()
 
 
-def test_the_soil_reaches_the_preview(window):
+def test_the_soil_reaches_the_preview_and_the_start(window):
     show(window, snapshot(SurveyState.IDLE))
     click(window.control.tiles[Tile.SOIL])
     click(window.values.presets[2])
     click(window.values.done)
     assert window.survey.plan[1] == 20.0
-    assert lines(window, Tile.SOIL) == ("Wet sand", "permittivity 20")
+    assert tile(window, Tile.SOIL) == ("Wet sand", "permittivity 20")
+    click(window.control.start)
+    assert "Wet sand, permittivity 20" in [
+        str(value) for _, value in window.start_sheet.question.rows
+    ]
 
 
 def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses_another(window):
     configured = RobotDefaults("192.168.1.10", Site())
     show(window, snapshot(SurveyState.IDLE, defaults=None))
-    assert lines(window, Tile.VNA)[0] == "no address"
+    assert tile(window, Tile.VNA)[0] == "no address"
     show(window, snapshot(SurveyState.IDLE, defaults=configured))
-    assert lines(window, Tile.VNA)[0] == "192.168.1.10"
+    assert tile(window, Tile.VNA)[0] == "192.168.1.10"
     enter(window, "vna_address", "10.0.0.7")
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults("192.168.1.11", Site())))
     assert text(window, "vna_address") == "10.0.0.7"
@@ -253,8 +258,7 @@ def test_an_address_of_another_form_in_the_configuration_is_shown_and_used(windo
     resource = "GPIB0::16::INSTR"
     show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults(resource, Site())))
     assert window.control.parameters.vna_address == resource
-    edit = open_field(window, "vna_address")
-    assert edit.text() == resource
+    assert lines(open_field(window, "vna_address")) == (resource,)
     press(window, ["10.", "1", ".", "2", ".", "3"])
     click(window.values.done)
     assert window.control.parameters.vna_address == "10.1.2.3"
@@ -262,23 +266,80 @@ def test_an_address_of_another_form_in_the_configuration_is_shown_and_used(windo
 
 def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(window):
     show(window, snapshot(SurveyState.IDLE))
-    edit = open_field(window, "x_stop_mm")
+    field = open_field(window, "x_stop_mm")
     press(window, ["6", "0", "0", ".", "1", "2", "3", "4", "5", ERASE])
-    assert (edit.text(), text(window, "x_stop_mm")) == ("600.1234", "600.1234")
+    assert lines(field) == ("600.1234|",)
     click(window.values.done)
-    assert lines(window, Tile.AREA)[0] == "X 50 - 600.12"
+    assert tile(window, Tile.AREA)[0] == "X 50 - 600.12 mm"
     assert window.control.parameters.x_stop_mm == 600.1234
-    open_field(window, X_SPACING)
-    press(window, "10")
-    assert window.values.fields["x_points"].text() == "57"
-    assert window.values.fields[Y_SPACING].text() == "25"
+    open_field(window, "x_spacing_mm")
+    press(window, "20")
+    shown = dict(zip(TILE_FIELDS[Tile.SPACING], map(lines, window.values.fields)))
+    assert (shown["x_points"], shown["y_spacing_mm"]) == (("29",), ("10",))
+
+
+def test_a_real_keyboard_writes_erases_and_ends(window):
+    show(window, snapshot(SurveyState.IDLE))
+    open_field(window, "x_stop_mm")
+    QTest.keyClicks(window.values, "3005")
+    QTest.keyClick(window.values, Qt.Key_Backspace)
+    QTest.keyClick(window.values, Qt.Key_Return)
+    assert not window.values.isVisible()
+    assert window.control.parameters.x_stop_mm == 300.0
+
+
+def ended_early(window, **changes):
+    """Show a robot at rest whose last survey ended early."""
+    show(window, snapshot(SurveyState.IDLE))
+    listed = past_survey(name="El Carmen 2", stored_traces=1234, planned_traces=4489, **changes)
+    window.on_event(SurveysListed("", (listed,), False))
+    show(window, snapshot(SurveyState.IDLE))
+    return window.control
+
+
+def test_the_list_of_surveys_is_asked_for_once_the_robot_is_there(window, storage):
+    assert ("list", "") not in storage.asked
+    for _ in range(3):
+        show(window, snapshot(SurveyState.IDLE))
+    assert storage.asked.count(("list", "")) == 1
+    window.on_event(SurveysListed("", (), False))
+    for _ in range(100):
+        show(window, snapshot(SurveyState.IDLE))
+    assert storage.asked.count(("list", "")) == 1
+
+
+def test_a_survey_that_ended_early_is_resumed_by_a_hold_and_start_comes_second(window):
+    control = ended_early(window)
+    assert lines(control.resume) == ("El Carmen 2", "1234 of 4489 stored")
+    assert control.resume.width() > control.start.width()
+    assert control.start.isEnabled() and control.start.property("level") == "second"
+    click(control.resume)
+    assert wishes(window) == []
+    hold(window.start_sheet.hold)
+    assert wishes(window) == [f"resume {FOLDER}"]
+
+
+def test_start_stays_possible_after_a_survey_that_ended_early(window):
+    ended_early(window)
+    start(window)
+    assert [type(one).__name__ for one in wishes(window)] == ["SurveyParameters"]
+
+
+def test_nothing_is_offered_to_resume_after_a_complete_survey_or_without_a_robot(window):
+    assert not ended_early(window, complete=True).resume.isVisible()
+    control = ended_early(window)
+    assert control.resume.isVisible()
+    show(window, snapshot(SurveyState.IDLE, alive=False))
+    assert not control.resume.isVisible()
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING)))
+    assert not control.resume.isVisible()
 
 
 def test_a_tile_with_few_fields_opens_after_the_last_field_of_a_larger_one(window):
     sheet = window.values
-    by_size = sorted(VALUE_TILES, key=lambda tile: len(TILE_FIELDS[tile]))
+    by_size = sorted(VALUE_TILES, key=lambda one: len(TILE_FIELDS[one]))
     sheet.show_tile(by_size[-1])
     sheet.choose(TILE_FIELDS[by_size[-1]][-1])
     sheet.finish()
     sheet.show_tile(by_size[0])
-    assert list(sheet.fields) == list(TILE_FIELDS[by_size[0]])
+    assert sum(field.isVisible() for field in sheet.fields) == len(TILE_FIELDS[by_size[0]])
