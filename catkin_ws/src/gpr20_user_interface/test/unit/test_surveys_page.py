@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import click, close, new_window, show
 
@@ -223,13 +224,17 @@ def touched(application, tmp_path_factory):
     close(window)
 
 
-def pull(finger, start, moves):
-    """Press, move by steps and release."""
+def pull(touched, start, moves, step_ms=0):
+    """Touch a list at rest: press, move by steps and release."""
+    window, finger = touched
+    QScroller.scroller(window.past.list.viewport()).stop()
     place = QPoint(start)
     finger.press(place)
     for dx, dy in moves:
         place += QPoint(dx, dy)
         finger.move(place)
+        # The list follows in Qt's own time.
+        QTest.qWait(step_ms)
     finger.release(place)
 
 
@@ -245,38 +250,44 @@ STEPS = st.lists(st.tuples(st.integers(-40, 40), st.integers(-90, 90)), min_size
 
 @given(st.integers(2, 90), st.integers(2, 98), STEPS)
 def test_a_pull_never_chooses_a_survey_even_if_it_comes_back(touched, x, y, moves):
-    window, finger = touched
+    window = touched[0]
     window.past.choose(None)
     # Farther than a finger that shakes.
     far = [(0, 60), (0, -60)]
-    pull(finger, row_place(window, x, y), [*far, *moves])
+    pull(touched, row_place(window, x, y), [*far, *moves])
     QTest.qWait(1)
     assert window.past.chosen is None
 
 
 @given(st.integers(2, 90), st.integers(2, 98), st.integers(-4, 4), st.integers(-4, 4))
 def test_a_tap_of_a_shaking_finger_chooses_the_survey_below_it(touched, x, y, dx, dy):
-    window, finger = touched
+    window = touched[0]
     page = window.past
     page.choose(None)
     QTest.qWait(1)
     place = row_place(window, x, y)
     row = page.list.indexAt(page.list.viewport().mapFrom(window, place + QPoint(dx, dy))).row()
-    pull(finger, place, [(dx, dy)])
+    pull(touched, place, [(dx, dy)])
     assert page.chosen == page.model.surveys[row]
 
 
 def test_a_pull_scrolls_the_list(touched):
-    window, finger = touched
+    window = touched[0]
     bar = window.past.list.verticalScrollBar()
     bar.setValue(0)
-    pull(finger, row_place(window, 50, 90), [(0, -20)] * 8)
-    # It follows in Qt's own time.
-    for _ in range(1000):
-        if bar.value() >= window.look.px(ROW_PX):
-            return
-        QTest.qWait(10)
-    pytest.fail(f"the list is at {bar.value()}")
+    pull(touched, row_place(window, 50, 90), [(0, -20)] * 8, step_ms=20)
+    assert bar.value() >= window.look.px(ROW_PX)
+
+
+def test_a_tap_of_a_list_that_still_moves_only_stops_it(touched):
+    window, finger = touched
+    window.past.choose(None)
+    scroller = QScroller.scroller(window.past.list.viewport())
+    pull(touched, row_place(window, 50, 90), [(0, -30)] * 6, step_ms=20)
+    assert scroller.state() == QScroller.Scrolling
+    finger.tap(row_place(window, 50, 50))
+    assert scroller.state() == QScroller.Inactive
+    assert window.past.chosen is None
 
 
 def test_each_action_names_the_chosen_survey(window, listed):
