@@ -55,23 +55,31 @@ def headline(found: CandidateList, first: int = 0) -> Message:
         first: Number of the first place that is shown, from 0.
     """
     shown = len(found.candidates[first : first + PLACES_SHOWN])
-    more, unlisted = len(found.candidates) - shown, found.omitted
+    more = len(found.candidates) - shown
     if not found.total:
         return NOTHING_FOUND
+    doubtful = found.total - found.primary
     parts = [
         Message("{shown} of {total} places", shown=shown, total=found.total),
-        Message("doubtful: {count}", count=found.total - found.primary),
+        *([Message("doubtful: {count}", count=doubtful)] if doubtful else []),
         *([Message("{count} more in the list", count=more)] if more else []),
     ]
-    if unlisted:
-        parts.append(
+    return in_a_row(parts)
+
+
+def notices(result: SurveyResult) -> List[Message]:
+    """Return what a person must know of the whole list: what was not measured, or is not in it."""
+    part, image = measured(result), result.image
+    lines = [] if part is None else [part]
+    if image is not None and image.found.omitted:
+        lines.append(
             Message(
-                "{count} not listed, {primary} of them not doubtful",
-                count=unlisted,
-                primary=found.omitted_primary,
+                "{count} places are not in the list, {primary} of them not doubtful",
+                count=image.found.omitted,
+                primary=image.found.omitted_primary,
             )
         )
-    return in_a_row(parts)
+    return lines
 
 
 def place_line(place: Candidate) -> Message:
@@ -88,11 +96,10 @@ def whole_place(place: Candidate) -> Message:
 
 def why_line(place: Candidate) -> Message:
     """Return in one line how deep a place is, and why it is on the list."""
-    line = Message(
-        "{deep} deep, {level:.0f} dB", deep=place.place_texts[2], level=place.above_clutter_db
-    )
+    deep, level = place.place_texts[2], place.above_clutter_db
+    line = Message("{deep} deep, {level:.0f} dB", deep=deep, level=level)
     if place.is_doubtful:
-        line = Message("doubtful: {line}", line=line)
+        line = Message("{deep} deep, doubtful, {level:.0f} dB", deep=deep, level=level)
     return in_a_row([line, *place.labels])
 
 

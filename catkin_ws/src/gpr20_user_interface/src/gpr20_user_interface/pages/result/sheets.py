@@ -44,7 +44,7 @@ BYTES_PER_MB, BYTES_PER_GB = 1e6, 1e9
 PERMITTIVITIES = Message(
     "{lowest:g} to {highest:g}", lowest=MIN_PERMITTIVITY, highest=LARGEST_PERMITTIVITY
 )
-DEPTHS = Message("depth of its top in mm, 0 to {deepest:g}; empty: not known", deepest=MAX_DEPTH_MM)
+DEPTHS = Message("0 to {deepest:g} mm; empty: not known", deepest=MAX_DEPTH_MM)
 
 
 def with_remedy(problem: Message) -> str:

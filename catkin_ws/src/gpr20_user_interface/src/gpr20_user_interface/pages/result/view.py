@@ -27,7 +27,7 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import Candidate
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
@@ -46,11 +46,11 @@ class PlaceRow(QPushButton):
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
         self.rank, self.place, self.why = QLabel(), QLabel(), ElidedLabel()
         self.rank.setObjectName("tile_title")
-        self.place.setObjectName("place")
+        self.place.setObjectName("preview")
         self.rank.setAlignment(Qt.AlignmentFlag.AlignCenter)
         grid = QGridLayout(self)
         grid.setSpacing(0)
-        grid.setContentsMargins(2, 2, 2, 2)
+        grid.setContentsMargins(BORDER_PX, BORDER_PX, BORDER_PX, BORDER_PX)
         grid.addWidget(self.rank, 0, 0, 2, 1)
         grid.addWidget(self.place, 0, 1)
         grid.addWidget(self.why, 1, 1)
@@ -75,7 +75,7 @@ class PlaceRow(QPushButton):
 
     def _fit(self) -> None:
         lines_px = self.place.fontMetrics().height() + self.why.fontMetrics().height()
-        self.why.setVisible(self.height() >= lines_px)
+        self.why.setVisible(self.height() >= lines_px + 2 * BORDER_PX)
 
 
 class ResultView(TranslatedWidget):
@@ -94,7 +94,8 @@ class ResultView(TranslatedWidget):
         self._drawn: object = None
         self._drawn_image: object = None
         self.title = QLabel()
-        self.title.setObjectName("title")
+        self.title.setObjectName("preview")
+        self.title.setWordWrap(True)
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
         self.no_clearance = QLabel()
@@ -147,7 +148,8 @@ class ResultView(TranslatedWidget):
         gap_px = look.px(GAP_PX)
         self._panel.setFixedWidth(look.px(PANEL_PX))
         self._page.setContentsMargins(gap_px // 2, gap_px // 2, gap_px // 2, gap_px // 2)
-        for layout in (self._page, self._keys, self._places):
+        self._page.setSpacing(gap_px // 2)
+        for layout in (self._keys, self._places):
             layout.setSpacing(gap_px)
         self._list.setSpacing(look.px(2))
         self._drawn_image = self._drawn = None
@@ -192,6 +194,7 @@ class ResultView(TranslatedWidget):
         seconds = f" {int(search.running_s or reading.running_s)} s" if running else ""
         self.state.setText(sentence_text(headline) + seconds)
         self.details.setText("\n".join(lines))
+        self.details.setVisible(bool(lines))
         self.progress.setVisible(running)
         self.cancel.setVisible(running)
         self.again.setVisible(failed is not None and not running and not result.waits)
@@ -218,9 +221,8 @@ class ResultView(TranslatedWidget):
                 for one in reversed(result.shown)
             ]
         )
-        part = texts.measured(result)
-        notice = [part, texts.FROM_MARK] if part is not None else [texts.FROM_MARK]
-        self.picture.set_notice("\n".join(shown_text(one) for one in notice))
+        self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
+        self.picture.labels = shown_text(texts.FROM_MARK), ""
         self._right.setCurrentIndex(int(not result.places))
         for row, place in zip(self.rows, result.shown):
             found = result.find_at(place)
