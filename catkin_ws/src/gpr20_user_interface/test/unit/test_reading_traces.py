@@ -1,0 +1,176 @@
+"""Stored traces are read once, those that show the whole area first, and none is lost."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from view_kit import FOLDER, PAST, SURVEY, description, make_grid, trace_at
+
+from gpr20_common.message import verbatim
+from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.trace_events import (
+    ReadingFailed,
+    SurveyDescribed,
+    SurveyRead,
+    TracesRead,
+)
+from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
+from gpr20_survey.trace.trace_block import TraceBlock
+
+OTHER = PAST
+GRID = make_grid()
+
+
+@pytest.fixture
+def traces(storage):
+    """What MAP and RADAR show, without a window."""
+    problems = []
+    traces = TracePresenter(storage, problems.append)
+    traces.problems = problems
+    return traces
+
+
+def stored(count, survey=SURVEY, planned=40):
+    return CoverageRuns(survey, planned, (0, count), (1, 0), {}, verbatim(f"{count} are stored"))
+
+
+def read(first_index, *indices, unreadable=None, grid=GRID):
+    traces = [trace_at(grid, index) for index in indices]
+    return TracesRead(first_index, TraceBlock.of(grid.survey_id, traces), unreadable or {})
+
+
+def refresh(traces, times=1):
+    for _ in range(times):
+        traces.refresh()
+
+
+def test_a_window_that_comes_late_reads_what_was_measured_before(traces, storage):
+    traces.on_event(stored(6))
+    traces.on_event(SurveyDescribed(description()))
+    refresh(traces, 2)
+    assert storage.asked == [("traces", SURVEY, (0, 1, 2, 3, 4, 5))]
+    assert traces.shown.map.counts()[StopState.DONE] == 3
+    traces.on_event(read(0, 0, 1, 2))  # what is left is requested at once
+    assert storage.asked[1:] == [("traces", SURVEY, (3, 4, 5))]
+    traces.on_event(read(3, 3, 4, 5))
+    refresh(traces, 5)
+    assert traces.shown.radar.count == 6
+    assert len(storage.asked) == 2
+
+
+def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
+    grid = make_grid(100, 50, rotations_deg=(0.0,))
+    traces.open_survey(FOLDER)
+    parameters = {**grid.plan[0].__dict__, "polarizations_deg": [0.0]}
+    text = description(survey_id=OTHER, parameters=parameters)
+    traces.on_event(SurveyRead(FOLDER, text, tuple(range(4000))))
+    loading = traces.shown.loading
+    assert (loading.loaded, loading.stored, loading.is_over, loading.step) == (0, 4000, False, 3)
+    assert loading.waiting.sum() == 4000 and not loading.waiting[0, 40:].any()
+    requested, shown = [], traces.shown
+    refresh(traces, 2)
+    while storage.asked[-1] != ("answered",):
+        _name, _survey, indices = storage.asked[-1]
+        requested += indices
+        storage.asked.append(("answered",))
+        # The last but one cannot be read.
+        some = [one for one in indices if one != 3998]
+        why = {3998: verbatim("torn")} if 3998 in indices else None
+        traces.on_event(read(indices[0], *some, unreadable=why, grid=shown.map.grid))
+        here = len(requested) - (3998 in requested)
+        assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 4000 - len(requested))
+    assert sorted(requested) == list(range(4000))
+    coarse = requested[: 14 * 34]
+    row, column, _polarization = shown.map.grid.cells(np.array(coarse))
+    assert set(row % 3) == set(column % 3) == {0}
+    assert requested[14 * 34 :] == sorted(set(range(4000)).difference(coarse))
+    assert (shown.loading.loaded, shown.loading.stored, shown.loading.is_over) == (3999, 3999, True)
+
+
+def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    for index in range(5):
+        traces.on_event(stored(index + 1))
+        traces.refresh()  # reported as stored, not received yet
+        traces.on_event(trace_at(GRID, index))
+        traces.refresh()
+    assert storage.asked == []
+    assert traces.shown.radar.count == 5
+
+
+def test_a_trace_that_the_topic_lost_is_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(GRID, 0))
+    traces.on_event(trace_at(GRID, 2))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
+    assert storage.asked == [("traces", SURVEY, (1,))]
+
+
+def test_a_file_that_cannot_be_read_is_told_once(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
+    traces.on_event(read(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
+    refresh(traces, 4)
+    assert storage.asked == [("traces", SURVEY, (0, 1, 2))]
+    assert list(map(str, traces.problems)) == ["trace 1: no strict JSON"]
+    assert traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
+
+
+def test_an_answer_without_the_trace_does_not_ask_for_ever(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(read(0, 1))
+    refresh(traces, 4)
+    assert storage.asked == [("traces", SURVEY, (0, 1))]
+    assert "no file" in str(traces.shown.radar.given_up[0])
+
+
+def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(ReadingFailed(verbatim("the storage did not answer")))
+    refresh(traces, RETRY_REFRESHES + 2)
+    assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
+
+
+def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(GRID, 0))
+    traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
+    assert traces.shown.radar.count == 1
+    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    assert traces.shown.radar.count == 0
+
+
+def test_coverage_of_another_survey_waits_for_its_plan(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(4, OTHER))
+    traces.refresh()
+    assert traces.shown.map.counts() is None
+    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    traces.refresh()
+    assert traces.shown.map.counts()[StopState.DONE] == 2
+
+
+def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
+    for event in (
+        SurveyDescribed("{"),
+        CoverageRuns(SURVEY, 40, (3,), (0,)),
+        CoverageRuns(SURVEY, 41, (0,), (0,)),
+        trace_at(GRID, 3, x_coord_mm=1.0),
+        dataclasses.replace(trace_at(GRID, 3), index=99),
+        SurveyRead(FOLDER, "{}", (0,)),
+    ):
+        problems = []
+        traces = TracePresenter(storage, problems.append)
+        traces.on_event(SurveyDescribed(description()))
+        traces.open_survey(FOLDER)
+        traces.on_event(event)
+        traces.refresh()
+        assert len(problems) == 1, event
+        traces.on_event(trace_at(GRID, 0))
+        assert traces.shown.radar.count == 1
