@@ -208,8 +208,8 @@ class WindowOnRobot(WindowCase):
         overview, tools = page.overview, view.instruments
         wait_until(lambda: "checks good" in overview.fold_button.text(), "the checks have ended")
         self.touch(overview.fold_button)
-        wait_until(lambda: bool(overview.findings.texts), "the findings are listed")
-        self.assertTrue(any("simulated" in text for text in overview.findings.texts))
+        wait_until(lambda: bool(overview.listed), "the findings are listed")
+        self.assertTrue(any("simulated" in str(one.text) for one in overview.listed))
         self.keep_picture("robot_service")
         self.hold_down(overview.enter_button)
         wait_until(lambda: page.in_service, "the service begins")

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 from PyQt5.QtCore import Qt
+from PyQt5.QtGui import QTextDocumentFragment
 from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import click, hold, show
@@ -42,6 +43,17 @@ def service(window):
     window.refresh()
     window.tools.asked.clear()
     return window
+
+
+def listed(window):
+    """Return the lines of the findings that are shown."""
+    shown = QTextDocumentFragment.fromHtml(window.robot.overview.findings.text()).toPlainText()
+    texts = [
+        f"{one.level.title}: " + "\n".join(map(str, filter(None, (one.text, one.remedy))))
+        for one in window.robot.overview.listed
+    ]
+    assert all(text.split(": ", 1)[1].split("\n")[0] in shown for text in texts)
+    return texts
 
 
 def begin(window):
@@ -186,10 +198,10 @@ def test_the_findings_are_listed_without_service_and_during_a_survey(service):
     report = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
     show(service, snapshot(SurveyState.SURVEYING, health=HealthReport((report,))))
     service.draw()
-    assert service.robot.overview.findings.texts[0].startswith("FAULT: Height sensor: stuck\n")
+    assert listed(service)[0].startswith("FAULT: Height sensor: stuck\n")
     show(service, snapshot(SurveyState.SURVEYING))
     service.draw()
-    assert not any("Height" in text for text in service.robot.overview.findings.texts)
+    assert not any("Height" in text for text in listed(service))
 
 
 def test_a_touch_checks_everything_and_the_findings_are_listed(service):
@@ -206,9 +218,9 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     service.draw()
     assert len(service.tools.asked) == 3
     assert service.robot.overview.check_button.isEnabled()
-    listed = "\n".join(service.robot.overview.findings.texts)
-    assert "FAULT: Temperature of the processor: 85 °C" in listed
-    assert "FAULT: Test of the VNA: no connection" in listed
+    texts = "\n".join(listed(service))
+    assert "FAULT: Temperature of the processor: 85 °C" in texts
+    assert "FAULT: Test of the VNA: no connection" in texts
 
 
 def test_instruments_are_not_tested_beside_a_survey(service):
@@ -222,13 +234,13 @@ def test_only_what_is_wrong_is_listed_until_a_touch_unfolds_the_rest(service):
     nodes = tuple(NodeHealth(name, HealthLevel.OK, verbatim("fine"), {}) for name in EXPECTED_NODES)
     show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     service.draw()
-    assert overview.findings.texts == []
+    assert listed(service) == []
     count = int(overview.fold_button.text().split()[0])
     assert count >= len(EXPECTED_NODES)
     click(overview.fold_button)
-    assert sum(text.startswith("GOOD") for text in overview.findings.texts) == count
+    assert sum(text.startswith("GOOD") for text in listed(service)) == count
     click(overview.fold_button)
-    assert overview.findings.texts == []
+    assert listed(service) == []
 
 
 def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):

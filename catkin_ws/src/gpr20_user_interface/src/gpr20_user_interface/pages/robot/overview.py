@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from functools import partial
 from typing import Dict, List, Tuple
 
@@ -29,12 +30,12 @@ from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
 from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
 
-FINDING_LOOKS: Dict[Level, str] = {
-    Level.OK: "good",
-    Level.NOTE: "",
-    Level.UNKNOWN: "",
-    Level.WARNING: "doubtful",
-    Level.FAULT: "bad",
+FINDING_COLOURS: Dict[Level, TextColours] = {
+    Level.OK: TextColours.GOOD,
+    Level.NOTE: TextColours.REST,
+    Level.UNKNOWN: TextColours.REST,
+    Level.WARNING: TextColours.DOUBTFUL,
+    Level.FAULT: TextColours.BAD,
 }
 # The look of a part's tile, its sign, and the colours of both.
 PART_LOOKS: Dict[HealthLevel, Tuple[str, str, TextColours]] = {
@@ -43,79 +44,9 @@ PART_LOOKS: Dict[HealthLevel, Tuple[str, str, TextColours]] = {
     HealthLevel.ERROR: ("bad", "fault", TextColours.BAD),
     HealthLevel.STALE: ("bad", "fault", TextColours.BAD),
 }
-COLUMNS = 5
+COLUMNS = 4
 SIGN_PX = 22
 LEVEL_PX = 100
-
-
-class FindingsList(TranslatedWidget):
-    """One line per finding: its level, its sentence, and the remedy below."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._findings: Tuple[Finding, ...] = ()
-        self._unfolded = False
-        self._rows: List[Tuple[QLabel, QLabel]] = []
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(0, 0, 0, 0)
-        self._grid.setColumnStretch(1, 1)
-
-    @property
-    def texts(self) -> List[str]:
-        """The lines that are shown."""
-        rows = self._rows[: len(self._shown)]
-        return [f"{level.text()}: {text.text()}" for level, text in rows]
-
-    @property
-    def _shown(self) -> Tuple[Finding, ...]:
-        if self._unfolded:
-            return self._findings
-        return tuple(one for one in self._findings if one.level >= Level.WARNING)
-
-    def show_findings(self, findings: Tuple[Finding, ...]) -> None:
-        """Show findings; most times they are the last ones."""
-        if findings != self._findings:
-            self._findings = findings
-            self.retranslate()
-
-    def fold(self, folded: bool) -> None:
-        """Show only what is wrong, or every check."""
-        self._unfolded = not folded
-        self.retranslate()
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        self._grid.setSpacing(look_of(self).px(GAP_PX))
-        self._grid.setColumnMinimumWidth(0, look_of(self).px(LEVEL_PX))
-
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        shown = self._shown
-        while len(self._rows) < len(shown):
-            self._add_row()
-        for number, (level, text) in enumerate(self._rows):
-            used = number < len(shown)
-            level.setVisible(used)
-            text.setVisible(used)
-            if used:
-                self._show(shown[number], level, text)
-
-    def _add_row(self) -> None:
-        level, text = QLabel(), QLabel()
-        level.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        text.setWordWrap(True)
-        row = len(self._rows)
-        self._grid.addWidget(level, row, 0, Qt.AlignmentFlag.AlignTop)
-        self._grid.addWidget(text, row, 1)
-        self._rows.append((level, text))
-
-    @staticmethod
-    def _show(finding: Finding, level: QLabel, text: QLabel) -> None:
-        # First: the width of the text counts with the padding of its look.
-        set_look(level, "level", FINDING_LOOKS[finding.level])
-        level.setText(shown_text(finding.level.title))
-        lines = [finding.text] if finding.remedy is None else [finding.text, finding.remedy]
-        text.setText("\n".join(map(shown_text, lines)))
 
 
 class PartTiles(TranslatedWidget):
@@ -193,7 +124,9 @@ class Overview(TranslatedWidget):
         self._folded = True
         self._headline = QLabel()
         self._headline.setObjectName("title")
-        self.findings, self.parts = FindingsList(), PartTiles()
+        self.findings, self.parts = QLabel(), PartTiles()
+        self.findings.setTextFormat(Qt.TextFormat.RichText)
+        self.findings.setWordWrap(True)
         self._parts_title, self.hint = QLabel(), QLabel()
         self._parts_title.setObjectName("title")
         self.hint.setObjectName("quiet")
@@ -206,11 +139,16 @@ class Overview(TranslatedWidget):
         self._lay_out()
         self.retranslate()
 
+    @property
+    def listed(self) -> List[Finding]:
+        """The findings that are listed: what is wrong, or every check."""
+        return [one for one in self._findings if not self._folded or one.level >= Level.WARNING]
+
     def show_findings(self, findings: Tuple[Finding, ...]) -> None:
-        """Show what is wrong with the robot."""
-        self._findings = findings
-        self.findings.show_findings(findings)
-        self._write_counts()
+        """Show what is wrong with the robot; most times it is the same as before."""
+        if findings != self._findings:
+            self._findings = findings
+            self._write_findings()
 
     def show_state(self, state: ServiceState) -> None:
         """Show whether the robot can be serviced now."""
@@ -227,7 +165,7 @@ class Overview(TranslatedWidget):
         """Write the texts in the language of the application."""
         self._parts_title.setText(self.tr("Parts"))
         self.enter_button.setText(self.tr("HOLD FOR SERVICE"))
-        self._write_counts()
+        self._write_findings()
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -235,6 +173,24 @@ class Overview(TranslatedWidget):
         self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
         for layout in (self._layout, self._bottom, self._content):
             layout.setSpacing(gap_px)
+        self._write_findings()
+
+    def _write_findings(self) -> None:
+        look = look_of(self)
+        rows = []
+        for one in self.listed:
+            pair = look.text(FINDING_COLOURS[one.level])
+            lines = [one.text] if one.remedy is None else [one.text, one.remedy]
+            text = "<br>".join(html.escape(shown_text(line)) for line in lines)
+            level = html.escape(shown_text(one.level.title))
+            rows.append(
+                f'<tr><td width="{look.px(LEVEL_PX)}" align="center" bgcolor="{pair.ground}">'
+                f'<font color="{pair.ink}">{level}</font></td><td>{text}</td></tr>'
+            )
+        table = f'<table cellpadding="{look.px(4)}">{"".join(rows)}</table>'
+        self.findings.setText(table if rows else "")
+        self.findings.setVisible(bool(rows))
+        self._write_counts()
 
     def _write_counts(self) -> None:
         levels = [one.level for one in self._findings]
@@ -255,8 +211,7 @@ class Overview(TranslatedWidget):
 
     def _on_fold(self) -> None:
         self._folded = not self._folded
-        self.findings.fold(self._folded)
-        self._write_counts()
+        self._write_findings()
 
     def _lay_out(self) -> None:
         content = QWidget()
