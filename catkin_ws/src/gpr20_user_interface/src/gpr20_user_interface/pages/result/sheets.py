@@ -225,8 +225,8 @@ class FoundSheet(ResultSheet):
         self.store.setText(self.tr("Hold to store"))
         self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
         if self._place is not None:
-            place = shown_text(texts.whole_place(self._place))
-            self.title.setText(self.tr("Found at {place}").format(place=place))
+            number = self._place.number
+            self.title.setText(self.tr("Found at place {number}").format(number=number))
         stored = self.tr("It is stored with the survey.")
         asked = self.tr("Choose what was found and say who found it. A later entry replaces this.")
         if self._problem is not None:

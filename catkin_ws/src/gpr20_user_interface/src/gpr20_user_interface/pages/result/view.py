@@ -46,7 +46,7 @@ class PlaceRow(QPushButton):
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
         self.rank, self.place, self.why = QLabel(), QLabel(), ElidedLabel()
         self.rank.setObjectName("tile_title")
-        self.place.setObjectName("preview")
+        self.place.setObjectName("first_title")
         self.rank.setAlignment(Qt.AlignmentFlag.AlignCenter)
         grid = QGridLayout(self)
         grid.setSpacing(0)
@@ -94,7 +94,7 @@ class ResultView(TranslatedWidget):
         self._drawn: object = None
         self._drawn_image: object = None
         self.title = QLabel()
-        self.title.setObjectName("preview")
+        self.title.setObjectName("first_title")
         self.title.setWordWrap(True)
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
