@@ -221,9 +221,15 @@ def _is_ready(window: MainWindow) -> bool:
 
 def _look(shown: Shown, name: str, folder: Path) -> Dict[str, Dict[str, str]]:
     begun_s, said = time.monotonic(), {}
+    last: Dict[str, str] = {}
     for after_s in MOMENTS_S:
-        run_events(max(0.0, begun_s + after_s - time.monotonic()))
-        said[str(after_s)] = _words(shown.window)
+        while time.monotonic() < begun_s + after_s:
+            run_events(0.1)
+            words = _words(shown.window)
+            if words != last:
+                print(f"{name} {time.monotonic() - begun_s:.1f} s: {words}", flush=True)
+            last = words
+        said[str(after_s)] = last
         save(shown.window, folder / f"{name}_{after_s:g}s.png", drawn_s=0.05)
     return said
 

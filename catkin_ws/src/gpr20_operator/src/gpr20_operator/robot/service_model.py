@@ -1,57 +1,39 @@
-"""SERVICE: whether the robot may be serviced, what was asked for, and what came back."""
+"""The service of the robot: whether it is possible, what was asked for, and what was found."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from collections import deque
+from dataclasses import dataclass, replace
 from functools import singledispatchmethod
-from typing import Dict, Optional, Protocol, Tuple
+from typing import Deque, Dict, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
-from gpr20_operator.robot.events import Position, Request
-from gpr20_operator.robot.examination import ExaminationRequests, RobotExamination
+from gpr20_doctor.mid.findings import findings
+from gpr20_doctor.mid.machine_facts import MachineFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_operator.robot.events import AxisLimits, MeasuredHeight, Request
 from gpr20_operator.robot.service_events import (
+    PARTS,
     AxisAction,
     AxisMeasured,
     AxisMoved,
+    AxisState,
     CheckStepTaken,
+    ClockOffset,
+    DailyCheckState,
     EndstopState,
     HeightTested,
+    MachineExamined,
+    ServiceState,
 )
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import Part
-
-PARTS = tuple(Part)
-
-
-@dataclass(frozen=True)
-class DailyCheckState:
-    """Where the daily check is.
-
-    Attributes:
-        part: What is to be measured next, or is measured now; None: no check is in progress.
-        answer: The verdict, or why the last step failed; None: there is neither.
-        measuring: Whether a step is in progress.
-    """
-
-    part: Optional[Part] = None
-    answer: Optional[CheckStepTaken] = None
-    measuring: bool = False
-
-    def after(self, answer: CheckStepTaken) -> DailyCheckState:
-        """Return where the check is after the answer to a step."""
-        if not answer.success:
-            # A step that failed is repeated, unless the robot has forgotten those before it.
-            forgotten = answer.message.fault_code == CHECK_ORDER.code
-            return DailyCheckState(None if forgotten else self.part, answer)
-        if self.part is None or self.part is PARTS[-1]:
-            return DailyCheckState(None, answer)
-        return DailyCheckState(PARTS[PARTS.index(self.part) + 1])
-
 
 # Service ends by itself when nothing was touched for this long [s].
 IDLE_LIMIT_S = 120.0
@@ -60,118 +42,129 @@ AXIS_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
 STEPS = (1, 10, 100)
+# The smallest of this many offsets has the least delay in it.
+OFFSETS = 5
+# A test of the VNA is listed for so long [s]; then it may no longer be true.
+TEST_AGE_S = 120.0
 
 
-class ServiceRequests(ExaminationRequests, Protocol):
-    """Requests for SERVICE, without waiting; the answers come as events."""
+class ServiceRequests(Protocol):
+    """Requests for ROBOT, without waiting; the answers come as events."""
 
     def set_watched(self, watched: bool) -> None:
         """Follow endstops and clocks, or no longer."""
 
+    def examine(
+        self, nodes: Mapping[str, NodeDescription], surveying: bool, thorough: bool
+    ) -> None:
+        """Ask what is known about the window's computer."""
+
     def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero."""
+
+    def measure_height(self) -> None:
+        """Ask for one height."""
+
+    def test_analyzer(self) -> None:
+        """Ask for a test of the VNA."""
 
     def check_daily(self, part: Part) -> None:
         """Ask to measure a part of the daily check."""
 
 
 @dataclass(frozen=True)
-class AxisState:
-    """What is known about an axis.
+class _Endstop:
+    """An endstop, when it was heard last, and when it was pressed last [s]."""
 
-    Attributes:
-        axis: Which axis.
-        coordinate: Where it is [mm or deg]; None: not known.
-        homed: Whether its zero is known; None: not known now.
-        pressed: Whether its endstop is pressed; None: not known now, or there is none.
-    """
-
-    axis: AxisId
-    coordinate: Optional[float]
-    homed: Optional[bool]
-    pressed: Optional[bool]
-
-
-@dataclass(frozen=True)
-class ServiceState:
-    """What SERVICE shows.
-
-    Attributes:
-        entered: Whether the axes may be moved.
-        obstacle: Why the robot cannot be serviced now; None: it can.
-        busy: Whether a request is in progress.
-        outcome: The last answer about an axis, or what is done now; None: there was none.
-        failed: Whether the last answer was a failure.
-        axes: X, Y and Z.
-        height: The last height; None: none was measured.
-        analyzer: The last test of the VNA; None: there was none.
-        examining: Whether everything is being checked.
-        daily_check: Where the daily check is.
-    """
-
-    entered: bool
-    obstacle: Optional[Message]
-    busy: bool
-    outcome: Optional[Message]
-    failed: bool
-    axes: Tuple[AxisState, ...]
-    height: Optional[HeightTested]
-    analyzer: Optional[AnalyzerTest]
-    examining: bool = False
-    daily_check: DailyCheckState = field(default_factory=DailyCheckState)
+    seen: EndstopSeen
+    heard_s: float
+    pressed_s: float = -math.inf
 
 
 class ServiceModel:
-    """Takes events and touches, gives states. Belongs to one thread."""
+    """Takes events and touches, gives states and findings. Belongs to one thread."""
 
     def __init__(self, requests: ServiceRequests, clock: Clock) -> None:
         self._requests = requests
         self._clock = clock
+        self._begun_s = clock.now_s()
         self._snapshot: Optional[Snapshot] = None
         self._entered = False
         self._touched_s = 0.0
         self._pending = False
+        # How many answers of an examination are awaited.
+        self._awaited = 0
         self._answer: Optional[AxisMoved] = None
-        self._height: Optional[HeightTested] = None
+        self._tested: Optional[HeightTested] = None
+        # The test that is shown, and the one that is judged with its time [s].
         self._analyzer: Optional[AnalyzerTest] = None
+        self._judged: Tuple[Optional[AnalyzerTest], float] = (None, 0.0)
         self._daily_check = DailyCheckState()
-        self._endstops: Dict[AxisId, _Lamp] = {}
-        # Whether each axis is homed, and when that was reported [s].
-        self._homed: Dict[AxisId, Tuple[bool, float]] = {}
-        self._examination = RobotExamination(requests, clock)
-
-    def on_event(self, event: object) -> None:
-        """Take an event."""
-        self._examination.take(event)
-        self._take(event)
+        self._endstops: Dict[AxisId, _Endstop] = {}
+        self._axes: Dict[AxisId, Tuple[AxisPosition, float]] = {}
+        self._offsets_s: Dict[str, Deque[float]] = {}
+        self._height_m = math.nan
+        self._limits = AxisLimits(None)
+        self._machine: Optional[MachineFacts] = None
 
     @singledispatchmethod
-    def _take(self, _event: object) -> None:
+    def on_event(self, _event: object) -> None:
         """Take an event; most are about something else."""
 
-    @_take.register
+    @on_event.register
     def _(self, event: EndstopState) -> None:
-        self._endstops.setdefault(event.axis, _Lamp(self._clock)).note(event.pressed)
+        now_s, known = self._clock.now_s(), self._endstops.get(event.axis)
+        changes, pressed_s = 0, -math.inf
+        if known is not None:
+            changes = known.seen.changes + int(known.seen.pressed != event.pressed)
+            pressed_s = known.pressed_s
+        seen = EndstopSeen(event.pressed, changes)
+        pressed_s = now_s if event.pressed else pressed_s
+        self._endstops[event.axis] = _Endstop(seen, now_s, pressed_s)
 
-    @_take.register
+    @on_event.register
     def _(self, event: AxisMeasured) -> None:
-        self._homed[event.axis] = event.position.homed, self._clock.now_s()
+        self._axes[event.axis] = event.position, self._clock.now_s()
 
-    @_take.register
+    @on_event.register
+    def _(self, event: MeasuredHeight) -> None:
+        self._height_m = event.height_m
+
+    @on_event.register
+    def _(self, event: ClockOffset) -> None:
+        self._offsets_s.setdefault(event.node, deque(maxlen=OFFSETS)).append(event.offset_s)
+
+    @on_event.register
+    def _(self, event: AxisLimits) -> None:
+        if event.master_alive:
+            self._limits = event
+
+    @on_event.register
+    def _(self, event: MachineExamined) -> None:
+        self._note_answer()
+        self._machine = event.machine
+
+    @on_event.register
     def _(self, event: AxisMoved) -> None:
         self._pending, self._answer = False, event
 
-    @_take.register
+    @on_event.register
     def _(self, event: HeightTested) -> None:
-        self._pending, self._height = False, event
+        self._note_answer()
+        self._pending, self._tested = False, event
 
-    @_take.register
+    @on_event.register
     def _(self, event: AnalyzerTest) -> None:
+        self._note_answer()
         self._pending, self._analyzer = False, event
+        self._judged = event, self._clock.now_s()
 
-    @_take.register
+    @on_event.register
     def _(self, event: CheckStepTaken) -> None:
         self._pending, self._daily_check = False, self._daily_check.after(event)
+
+    def _note_answer(self) -> None:
+        self._awaited = max(0, self._awaited - 1)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
@@ -212,31 +205,60 @@ class ServiceModel:
             outcome=outcome,
             failed=failed,
             axes=tuple(self._axis(axis) for axis in AxisId),
-            height=self._height,
+            height=self._tested,
             analyzer=self._analyzer,
-            examining=self._examination.in_progress,
+            examining=self._awaited > 0,
             daily_check=self._daily_check,
         )
 
     def findings(self) -> Tuple[Finding, ...]:
         """Return what is wrong with the robot, the worst first."""
-        if self._snapshot is None:
+        shown = self._snapshot
+        if shown is None:
             return ()
-        return self._examination.findings(self._snapshot)
+        now_s = self._clock.now_s()
+        analyzer, tested_s = self._judged
+        nodes = self._limits.nodes
+        robot = RobotFacts(
+            master_alive=shown.master_alive,
+            control_alive=shown.control_alive,
+            configured=shown.travel is not None,
+            simulated=shown.simulated,
+            surveying=shown.running,
+            nodes=shown.health.nodes,
+            configuration_problem=self._limits.reason,
+            clock_offsets_s={node: min(few, key=abs) for node, few in self._offsets_s.items()},
+            listening_s=now_s - self._begun_s,
+            software={name: one.software for name, one in nodes.items()},
+            endstops={axis: one.seen for axis, one in self._endstops.items()},
+            axes={axis: position for axis, (position, _heard_s) in self._axes.items()},
+            height_m=self._height_m,
+            analyzer=None if shown.running or now_s - tested_s >= TEST_AGE_S else analyzer,
+        )
+        return findings(robot, self._machine)
 
     def check_everything(self) -> None:
-        """Check everything, also what takes longer; instruments only outside a survey."""
-        running = self._snapshot is not None and self._snapshot.running
-        self._examination.check_everything(running, self.obstacle is None and not self._busy)
+        """Look at everything, also at what takes longer; instruments only outside a survey."""
+        if self._awaited:
+            return
+        can_test = self.obstacle is None and not self._busy
+        self._awaited = 3 if can_test else 1
+        self._requests.examine(self._limits.nodes, self._surveying, True)
+        if can_test:
+            self._requests.measure_height()
+            self._requests.test_analyzer()
 
     def set_watched(self, watched: bool) -> None:
-        """Note whether SERVICE is in front; service ends when it is not."""
+        """Note whether ROBOT is in front; service ends when it is not."""
         self._requests.set_watched(watched)
+        self._endstops.clear()
         if watched:
-            self._examination.begin(self._snapshot is not None and self._snapshot.running)
-        else:
-            self.leave()
-            self._examination.end()
+            self._requests.examine(self._limits.nodes, self._surveying, False)
+            return
+        self.leave()
+        self._offsets_s.clear()
+        self._axes.clear()
+        self._awaited = 0
 
     def enter(self) -> None:
         """Begin the service, unless there is an obstacle."""
@@ -260,7 +282,7 @@ class ServiceModel:
     def measure_height(self) -> None:
         """Ask for one height."""
         if self._take_turn():
-            self._height = None
+            self._tested = None
             self._requests.measure_height()
 
     def test_analyzer(self) -> None:
@@ -293,41 +315,21 @@ class ServiceModel:
         self._answer = None
         return True
 
-    def _axis(self, axis: AxisId) -> AxisState:
-        lamp = self._endstops.get(axis)
-        pressed = None if lamp is None else lamp.pressed
-        if self._snapshot is None:
-            return AxisState(axis, None, None, pressed)
-        known, noted_s = self._homed.get(axis, (None, 0.0))
-        homed = known if self._clock.now_s() - noted_s <= AXIS_LIMIT_S else None
-        return AxisState(axis, _coordinate(self._snapshot.current, axis), homed, pressed)
-
-
-class _Lamp:
-    """The state of an endstop as a lamp shows it."""
-
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
-        self._pressed = False
-        self._noted_s = 0.0
-        self._pressed_s: Optional[float] = None
-
-    def note(self, pressed: bool) -> None:
-        self._pressed, self._noted_s = pressed, self._clock.now_s()
-        if pressed:
-            self._pressed_s = self._noted_s
-
     @property
-    def pressed(self) -> Optional[bool]:
-        now_s = self._clock.now_s()
-        if now_s - self._noted_s > AXIS_LIMIT_S:
-            return None
-        shining = self._pressed_s is not None and now_s - self._pressed_s < LAMP_S
-        return self._pressed or shining
+    def _surveying(self) -> bool:
+        return self._snapshot is not None and self._snapshot.running
 
-
-def _coordinate(position: Optional[Position], axis: AxisId) -> Optional[float]:
-    if position is None:
-        return None
-    places = {AxisId.X: position.x_mm, AxisId.Y: position.y_mm, AxisId.Z: position.z_deg}
-    return places[axis]
+    def _axis(self, axis: AxisId) -> AxisState:
+        known, now_s = AxisState(axis, None, None, None), self._clock.now_s()
+        endstop = self._endstops.get(axis)
+        if endstop is not None and now_s - endstop.heard_s <= AXIS_LIMIT_S:
+            pressed = endstop.seen.pressed or now_s - endstop.pressed_s < LAMP_S
+            known = replace(known, pressed=pressed)
+        position, heard_s = self._axes.get(axis, (None, 0.0))
+        if position is not None and now_s - heard_s <= AXIS_LIMIT_S:
+            known = replace(known, homed=position.homed)
+        current = None if self._snapshot is None else self._snapshot.current
+        if current is not None:
+            places = {AxisId.X: current.x_mm, AxisId.Y: current.y_mm, AxisId.Z: current.z_deg}
+            known = replace(known, coordinate=places[axis])
+        return known

@@ -22,7 +22,7 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.titles import node_title
 from gpr20_operator.robot.health import HealthReport
-from gpr20_operator.robot.service_model import ServiceState
+from gpr20_operator.robot.service_events import ServiceState
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text

@@ -17,14 +17,15 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.robot.service_events import AxisAction, HeightTested
-from gpr20_operator.robot.service_model import (
+from gpr20_operator.robot.service_events import (
     PARTS,
-    STEPS,
+    AxisAction,
     AxisState,
     DailyCheckState,
+    HeightTested,
     ServiceState,
 )
+from gpr20_operator.robot.service_model import STEPS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
