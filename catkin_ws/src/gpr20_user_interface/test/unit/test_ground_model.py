@@ -19,7 +19,7 @@ from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_user_interface.pages.ground.model import GroundModel, Grip, Layer
+from gpr20_user_interface.pages.ground.model import Grip, GroundModel, Layer
 
 TARGET = Place(150.0, 90.0)
 BOTH = (Axis.X_MM, Axis.Y_MM)

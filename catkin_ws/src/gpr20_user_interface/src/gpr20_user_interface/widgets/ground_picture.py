@@ -152,7 +152,7 @@ class GroundPicture(Plot):
             self._cells_of = shown
             self._take_states(grid, found, states)
             self.resetCachedContent()
-        self.viewport().update()
+        self.scene().update()
 
     def _take_states(
         self, grid: Optional[SurveyGrid], found: Optional[np.ndarray], states: bool
@@ -176,13 +176,13 @@ class GroundPicture(Plot):
         """Hatch where a mine could hide; None: nowhere."""
         if found is not self._hiding:
             self._hiding = found
-            self.viewport().update()
+            self.scene().update()
 
     def set_carriage(self, place_mm: Optional[Tuple[float, float]]) -> None:
         """Note where the antennas are [mm]; None: not known."""
         if place_mm != self._carriage_mm:
             self._carriage_mm = place_mm
-            self.viewport().update()
+            self.scene().update()
 
     def _fit(self) -> None:
         """Show the survey, with the others around it."""

@@ -14,9 +14,11 @@ from PyQt5.QtGui import (
     QColor,
     QFont,
     QFontMetrics,
+    QImage,
     QMouseEvent,
     QPainter,
     QPen,
+    QPixmap,
     QPolygonF,
     QResizeEvent,
     QWheelEvent,
@@ -102,6 +104,16 @@ def round_ticks(low: float, high: float, most: int) -> np.ndarray:
     return np.zeros(0)
 
 
+class ShadeItem(pyqtgraph.ImageItem):
+    """An image in the one format that Qt enlarges fast."""
+
+    def render(self) -> None:
+        """Make the image that is drawn, after a change."""
+        super().render()
+        if self.qimage is not None:
+            self.qimage = self.qimage.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
+
+
 class Plot(pyqtgraph.GraphicsView):
     """Draws a Picture, with what lies below and above it; both axes have numbers inside.
 
@@ -135,7 +147,7 @@ class Plot(pyqtgraph.GraphicsView):
         super().__init__(background=None)
         self._to_scale, self._downwards, self._scrubs = to_scale, downwards, scrubs
         self._box = pyqtgraph.ViewBox(enableMenu=False, invertY=downwards, defaultPadding=0.0)
-        self._image = pyqtgraph.ImageItem(axisOrder="row-major")
+        self._image = ShadeItem(axisOrder="row-major")
         self._box.addItem(self._image, ignoreBounds=True)
         self.setCentralItem(self._box)
         self.centralWidget.setAcceptHoverEvents(False)
@@ -160,6 +172,7 @@ class Plot(pyqtgraph.GraphicsView):
         self._pressed: Optional[QPointF] = None
         self._pressed_ms = 0
         self._finger: Optional[QPointF] = None
+        self._axes: Tuple[object, QPixmap] = (None, QPixmap())
 
     @property
     def numbers(self) -> Optional[np.ndarray]:
@@ -205,17 +218,17 @@ class Plot(pyqtgraph.GraphicsView):
     def set_marks(self, marks: Sequence[GroundMark]) -> None:
         """Mark places; later ones are painted over earlier ones."""
         self._marks = tuple(marks)
-        self.viewport().update()
+        self.scene().update()
 
     def set_crosshair(self, across: Optional[float], second: Optional[float]) -> None:
         """Mark a place on each axis; None: nowhere."""
         self._crosshair = (across, second)
-        self.viewport().update()
+        self.scene().update()
 
     def set_notice(self, notice: str) -> None:
         """Write over the picture; empty: nothing."""
         self.notice = notice
-        self.viewport().update()
+        self.scene().update()
 
     def show_all(self) -> None:
         """Show everything again after moving and zooming."""
@@ -311,7 +324,7 @@ class Plot(pyqtgraph.GraphicsView):
             shown = QRectF(middle.x() - half_x, middle.y() - half_y, 2 * half_x, 2 * half_y)
             self._box.setRange(shown, padding=0.0)
         self.resetCachedContent()
-        self.viewport().update()
+        self.scene().update()
         self.moved.emit()
 
     def resizeEvent(self, event: Optional[QResizeEvent]) -> None:  # noqa: N802 (Qt's name)
@@ -420,7 +433,7 @@ class Plot(pyqtgraph.GraphicsView):
             self._paint_crosshair(painter, look)
             for one in self._marks:
                 self._paint_mark(painter, look, one)
-            self._paint_axes(painter, look)
+            painter.drawPixmap(0, 0, self._axes_pixmap(look))
         self._paint_notice(painter, look)
         painter.restore()
 
@@ -432,7 +445,11 @@ class Plot(pyqtgraph.GraphicsView):
 
     def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
         """Return the pixels of places."""
-        return QPolygonF([self.to_screen(*one) for one in zip(across.tolist(), second.tolist())])
+        (x_px, y_px), middle = self._scale_px(), self._centre or self._middle()
+        xs = self.viewport().width() / 2.0 + (across - middle.x()) * x_px
+        down = (second - middle.y()) * (y_px if self._downwards else -y_px)
+        ys = self.viewport().height() / 2.0 + down
+        return QPolygonF([QPointF(x, y) for x, y in zip(xs.tolist(), ys.tolist())])
 
     def _paint_crosshair(self, painter: QPainter, look: Look) -> None:
         across, second = self._crosshair
@@ -480,6 +497,24 @@ class Plot(pyqtgraph.GraphicsView):
             box = QRectF(place.x() - radius, place.y() - radius, 2 * radius, 2 * radius)
             text = QColor(look.colour(Mark.INK if mark.measured else Mark.NOT_MEASURED))
             _paint_text(painter, font, box, mark.text, text)
+
+    def _axes_pixmap(self, look: Look) -> QPixmap:
+        """Return the numbers along the axes; texts are written again only after a change."""
+        size = self.viewport().size()
+        ends = self.to_data(QPointF()), self.to_data(QPointF(size.width(), size.height()))
+        state = (ends, size, self.labels, look, self._axes_state())
+        if state != self._axes[0]:
+            pixmap = QPixmap(size)
+            pixmap.fill(Qt.GlobalColor.transparent)
+            painter = QPainter(pixmap)
+            painter.setFont(self.font())
+            self._paint_axes(painter, look)
+            painter.end()
+            self._axes = state, pixmap
+        return self._axes[1]
+
+    def _axes_state(self) -> object:
+        """Return what else the numbers depend on."""
 
     def _paint_axes(self, painter: QPainter, look: Look) -> None:
         """Write numbers along the lower and the left edge, inside of the picture."""

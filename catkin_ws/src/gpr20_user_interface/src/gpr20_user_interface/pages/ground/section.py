@@ -51,7 +51,7 @@ class SectionPlot(Plot):
     ) -> None:
         """Draw a curve with a grip at its apex; None: without."""
         self._curve, self.grip = (across, second), apex
-        self.viewport().update()
+        self.scene().update()
 
     def _begin_drag(self, place: QPointF) -> None:
         self.gripped = Grip.FLANK
@@ -114,7 +114,10 @@ class TracePlot(Plot):
         bottom = section.to_data(QPointF(0.0, height))[1]
         lowest = -1.0 if curve.signed else 0.0
         self.set_extent(QRectF(lowest, top, LARGEST_SHADE - lowest, bottom - top))
-        self.viewport().update()
+        self.scene().update()
+
+    def _axes_state(self) -> object:
+        return None if self._curve is None else self._curve.scale
 
     def _across_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
         if self._curve is None:
