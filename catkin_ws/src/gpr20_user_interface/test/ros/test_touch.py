@@ -77,7 +77,7 @@ class Touch(unittest.TestCase):
         self.assert_stops(window)
         window.close()
         again = self.open()
-        again.tap("job.plan")
+        again.tap("result.view.plan")
         self.assert_starts(again, most_touches=10)
 
     def assert_starts(self, window: TouchedWindow, most_touches: int) -> None:
@@ -109,7 +109,7 @@ class Touch(unittest.TestCase):
         profile.parent.mkdir()
         profile.write_text("x_points: 5\n")
         window = self.open()
-        window.tap("control.profiles")
+        window.tap("control.saved")
         time.sleep(QUIET_S)
         names = window.find("profiles.names")
         window.tap_at(names["x"] + 30, names["y"] + 30)

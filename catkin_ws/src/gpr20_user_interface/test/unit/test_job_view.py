@@ -37,16 +37,12 @@ def is_job_shown(window):
     return window.survey_tab.currentWidget() is window.job
 
 
-def test_control_shows_the_job_until_the_next_is_planned(window):
+def test_the_job_is_shown_from_the_begin_of_a_survey_to_its_end(window):
     show(window, shown(SurveyState.IDLE))
     assert not is_job_shown(window)
     for code in ENDED:
         show(window, shown(SurveyState.SURVEYING))
-        assert not window.job.plan.isVisible()
-        show(window, shown(code))
         assert is_job_shown(window)
-        click(window.job.plan)
-        assert not is_job_shown(window)
         show(window, shown(code))
         assert not is_job_shown(window)
 
@@ -84,7 +80,7 @@ def test_the_job_of_a_survey_that_begins_has_nothing_of_the_one_before(window, m
     drawn = []
     monkeypatch.setattr(window.job.map, "show_coverage", drawn.append)
     window.on_event(SurveyDescribed(description(survey_id="id", annotation={"name": "Field 4"})))
-    show(window, shown(SurveyState.FINISHED))
+    show(window, shown(SurveyState.SURVEYING))
     window.draw()
     assert "Field 4" in window.job.area.whole
     assert drawn[-1].grid.survey_id == "id"
@@ -161,7 +157,7 @@ def test_a_replay_opens_no_card(window):
     replay = ReplayView(ReplayMark(), state=SurveyState.PAUSED)
     show(window, shown(SurveyState.PAUSED, state=paused(FULL), replay=replay))
     assert not window.notice.isVisible()
-    assert not window.job.plan.isVisible() and not window.job.notes.isVisible()
+    assert not window.job.notes.isVisible()
 
 
 def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):

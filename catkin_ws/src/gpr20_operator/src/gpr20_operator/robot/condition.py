@@ -103,7 +103,12 @@ def urgent(snapshot: Snapshot) -> Optional[Condition]:
     if snapshot.replay is not None:
         replay = snapshot.replay
         return Condition(JobLevel.REPLAY, replay.title, replay.message)
-    return _motion(snapshot) or _no_contact(snapshot) or _interrupted(snapshot)
+    return _motion(snapshot) or lost(snapshot)
+
+
+def lost(snapshot: Snapshot) -> Optional[Condition]:
+    """Return what is lost: the contact with the robot, or a survey; None: neither."""
+    return _no_contact(snapshot) or _interrupted(snapshot)
 
 
 def _motion(snapshot: Snapshot) -> Optional[Condition]:
@@ -117,10 +122,10 @@ def _motion(snapshot: Snapshot) -> Optional[Condition]:
     if snapshot.service is not None:
         said.append(Message("in service: {activity}", activity=snapshot.service))
     motion = in_a_row(said)
-    lost = _no_contact(snapshot) or _interrupted(snapshot)
-    if lost is not None:
-        motion = Message("{motion}. {alarm}", motion=motion, alarm=lost.message)
-    failed = lost is not None or (snapshot.state is not None and snapshot.state.is_fault)
+    gone = lost(snapshot)
+    if gone is not None:
+        motion = Message("{motion}. {alarm}", motion=motion, alarm=gone.message)
+    failed = gone is not None or (snapshot.state is not None and snapshot.state.is_fault)
     level = JobLevel.FAULT if failed else JobLevel.ATTENTION
     return Condition(level, MOVES, motion.with_fault(faults.ROBOT_MOVES))
 

@@ -10,7 +10,7 @@ from gpr20_common import remedies
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.titles import level_title, node_title
-from gpr20_operator.robot.condition import JobLevel, condition_of, urgent
+from gpr20_operator.robot.condition import Condition, condition_of, lost, urgent
 from gpr20_operator.robot.events import Answer, ControlState
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
@@ -159,7 +159,10 @@ def band_notice(snapshot: Snapshot) -> Notice:
     state = snapshot.state
     if urgent(snapshot) is None and state is not None and state.is_fault:
         return fault_notice(state)
-    shown = condition_of(snapshot)
+    return _notice_of(condition_of(snapshot))
+
+
+def _notice_of(shown: Condition) -> Notice:
     return Notice(shown.title, shown.message, shown.remedy, details=_details(shown.message))
 
 
@@ -187,15 +190,15 @@ class CardWatch:
         if snapshot.replay is not None:
             return []
         found: List[Tuple[object, Notice]] = []
-        shown, state = urgent(snapshot), snapshot.state
-        concerns = snapshot.running or snapshot.interrupted or bool(snapshot.moving)
-        if shown is not None and shown.level is JobLevel.FAULT and concerns:
-            found.append((shown.title.template, band_notice(snapshot)))
+        state = snapshot.state
         if state is not None and state.is_fault:
             # Without the warnings around it, which may come and go.
             reason = state.reason
             key = state.code, state.survey_id, reason.fault_code or reason
             found.append((key, fault_notice(state)))
+        gone = lost(snapshot)
+        if gone is not None and (snapshot.running or snapshot.interrupted or snapshot.moving):
+            found.insert(0, (gone.title.template, _notice_of(gone)))
         return found
 
 

@@ -206,7 +206,6 @@ class MainWindow(TranslatedWidget):
         )
         self.robot = RobotPage(presenters.service, self.alerts.notice.show_notice)
         self.job.card_pressed.connect(self.alerts.show_condition)
-        self.job.plan_pressed.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
         self.ground = GroundPage(
             *(self, survey, traces, self.additions),
             *(self._imaging, self.alerts.show_refusal),

@@ -30,8 +30,6 @@ class JobPage(TranslatedWidget, Page):
         traces: The traces, for the small map.
     """
 
-    # The operator wants to plan the next survey.
-    plan_pressed = pyqtSignal()
     notes_pressed = pyqtSignal()
     # The operator wants to see all that is known of the condition.
     card_pressed = pyqtSignal()
@@ -52,7 +50,6 @@ class JobPage(TranslatedWidget, Page):
         self.remedy.setObjectName("first")
         self.remedy.setWordWrap(True)
         self.map = GroundPicture(interactive=False)
-        self.plan = new_button(self.plan_pressed.emit)
         self.notes = new_button(self.notes_pressed.emit)
         self.card = new_button(self.card_pressed.emit)
         self._lay_out()
@@ -60,7 +57,6 @@ class JobPage(TranslatedWidget, Page):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.plan.setText(self.tr("Plan the next survey"))
         self.notes.setText(self.tr("NOTES"))
         self.card.setText(self.tr("DETAILS"))
         if self._snapshot is not None:
@@ -99,8 +95,6 @@ class JobPage(TranslatedWidget, Page):
         self.remedy.setText("" if condition.remedy is None else shown_text(condition.remedy))
         self.remedy.setVisible(asks)
         self.card.setVisible(asks)
-        self.plan.setVisible(not snapshot.running and snapshot.replay is None)
-        self.plan.setEnabled(not snapshot.pending)
         self.notes.setVisible(snapshot.running and snapshot.replay is None)
         self.map.set_carriage(self._traces.carriage_mm)
 
@@ -121,7 +115,7 @@ class JobPage(TranslatedWidget, Page):
         words.addWidget(self.message, 1)
         words.addWidget(self.remedy)
         self._buttons = QHBoxLayout()
-        for button in (self.plan, self.card, self.notes):
+        for button in (self.card, self.notes):
             self._buttons.addWidget(button, 1)
         self._grid = QGridLayout(self)
         self._grid.addLayout(words, 0, 0)
