@@ -117,7 +117,9 @@ def _finer(processed: xr.Dataset, image: xr.Dataset, options: ImageOptions) -> x
     ):
         return image
     permittivity = float(image.attrs["permittivity"])
-    finer = replace(options, grid_step_m=FINE_STEP_M, permittivity=permittivity)
+    # However it is known, it is that of the image now.
+    known = {"permittivity": permittivity, "soil": None, "buried": None}
+    finer = replace(options, grid_step_m=FINE_STEP_M, **known)
     # What is said about the estimate and the data is that of the image with the candidates.
     return image_survey(processed, finer, with_echoes=False).assign_attrs(image.attrs)
 

@@ -48,6 +48,15 @@ def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
 
 
 @pytest.mark.usefixtures("blank_figures")
+def test_a_soil_is_enough_for_the_finer_figures(tmp_path):
+    folder = make_survey(tmp_path, ALL, "finished")
+    output = tmp_path / "report.html"
+    soil = ["--soil", "dry-sand", *OPTIONS[2:], *LOW]
+    assert main(["report", str(folder), "--output", str(output), *soil]) == 0
+    assert "permittivity" in output.read_text(encoding="utf-8")
+
+
+@pytest.mark.usefixtures("blank_figures")
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     status, text = report(tmp_path, ALL - 4, "stopped")
     assert status == 1
