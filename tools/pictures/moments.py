@@ -33,9 +33,10 @@ from pictures.kit import Shown, save, shown_window, wait
 MOMENTS_S = (1.0, 5.0, 30.0)
 # Long moves at the speed of the robot, so that a fault meets an axis on its way.
 SURVEY = {"x_points": 4, "x_stop_mm": 600.0, "y_points": 4, "frequency_points": 51}
-SMALL_DISK = "size=12m"
+# More than the reserve of the storage, which is 500 MB.
+SMALL_DISK = "size=560m"
 LIMIT_S = 20.0
-BLOCK = b"x" * 4096
+BLOCK = b"x" * 2**16
 STORAGE = "vna_processing"
 
 
@@ -124,14 +125,14 @@ class Fault:
         title: What happens, in the table.
         prepare: Called before it.
         happen: Makes it; the moments count from its end.
-        arguments: Of the launch.
-        small_disk: Whether the surveys are on a disk of a few megabytes.
+        time_scale: How many times faster than in reality the robot moves.
+        small_disk: Whether the surveys are on a small disk.
     """
 
     title: str
     happen: Callable[[Scene], None]
     prepare: Callable[[Scene], None] = Scene.survey
-    arguments: Tuple[str, ...] = ()
+    time_scale: int = 4
     small_disk: bool = False
 
 
@@ -156,6 +157,8 @@ FAULTS: Dict[str, Fault] = {
         "endstop of Y never closes, then START",
         Scene.start,
         lambda scene: scene.set_fault("endstop_y", "STUCK_OPEN"),
+        # Its fault is sure only after the whole length of the axis.
+        time_scale=40,
     ),
     "height": Fault("height out of range", lambda scene: scene.set_fault("adc", "OUT_OF_RANGE")),
     "disk_full": Fault("disk full", Scene.fill_disk, small_disk=True),
@@ -196,7 +199,8 @@ def _rows(title: str, moments: Dict[str, Dict[str, str]]) -> Iterator[str]:
 
 def _meet(name: str, folder: Path) -> None:
     fault = FAULTS[name]
-    with simulated_robot("time_scale:=4", *fault.arguments) as robot, contextlib.ExitStack() as end:
+    scale = f"time_scale:={fault.time_scale}"
+    with simulated_robot(scale) as robot, contextlib.ExitStack() as end:
         if fault.small_disk:
             end.enter_context(_small_disk(robot.data))
         with shown_window(robot.data) as shown:
@@ -249,7 +253,7 @@ def _words(window: MainWindow) -> Dict[str, str]:
 
 @contextlib.contextmanager
 def _small_disk(folder: Path) -> Iterator[None]:
-    """Put a folder on a disk of a few megabytes; needs root."""
+    """Put a folder on a small disk; needs root."""
     folder.mkdir(exist_ok=True)
     subprocess.run(["mount", "-t", "tmpfs", "-o", SMALL_DISK, "tmpfs", str(folder)], check=True)
     accept = ["rosrun", "gpr20_launch", "robot_config", "accept_data"]
