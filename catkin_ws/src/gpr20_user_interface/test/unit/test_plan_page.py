@@ -58,7 +58,7 @@ def test_the_tiles_show_todays_values(window):
     assert tile(window, Tile.ANTENNAS) == ("0, 90°", "2 traces per stop")
     for name, value in (("if_bandwidth_hz", "1000"), ("averages", "4"), ("x_points", "6")):
         enter(window, name, value)
-    assert tile(window, Tile.VNA) == ("127.0.0.1", "1000 Hz · 4 x")
+    assert tile(window, Tile.VNA) == ("127.0.0.1", "1 kHz, 4 x")
     assert tile(window, Tile.SPACING) == ("20 x 10 mm", "6 x 11 points")
 
 

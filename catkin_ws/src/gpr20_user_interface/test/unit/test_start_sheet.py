@@ -83,8 +83,8 @@ def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_h
     show(window, snapshot(SurveyState.IDLE))
     click(window.control.start)
     assert "not known yet" in texts(window.start_sheet)
-    figures = SurveyPreview(25, 50, 25.0, 25.0, 1.0, 1.0, 1.0, 1.0, SurveyCost(1080.0, 1))
+    figures = SurveyPreview(25, 50, 25.0, 25.0, 1.0, 1.0, 1.0, SurveyCost(1080.0, 10**6))
     window.survey.preview = figures
     show(window, snapshot(SurveyState.IDLE))
-    assert "about 18 min, 1e-06 MB on the disk" in texts(window.start_sheet)
+    assert "about 18 min, 1 MB on the disk" in texts(window.start_sheet)
     assert window.start_sheet.isVisible()

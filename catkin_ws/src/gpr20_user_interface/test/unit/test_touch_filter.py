@@ -190,7 +190,7 @@ def test_a_locked_screen_says_so_and_takes_nothing_but_stop_and_the_unlocking(wi
     assert "locked" in lock.band.text.text()
     finger.wait(10.0)
     finger.tap(window.control.start)
-    finger.tap(window.control.profiles)
+    finger.tap(window.control.saved)
     assert not window.start_sheet.isVisible() and not window.profiles.isVisible()
     finger.tap(lock.band.unlock)
     finger.wait(2.0)

@@ -12,7 +12,7 @@ from gpr20_operator.plan.fields import PEOPLE
 from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
 
 # Of a text in a sheet, which has no room for more.
-LONGEST_SHOWN = 40
+LONGEST_SHOWN = 30
 _NUMBER_AT_END = re.compile(r"([0-9]{1,9})$", re.ASCII)
 
 

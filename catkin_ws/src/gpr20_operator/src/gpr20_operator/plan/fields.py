@@ -119,8 +119,7 @@ def _axis(axis: str, start: Message, stop: Message, spacing: Message, points: Me
 
 def _rotations_allowed(travel: RobotTravel) -> Message:
     return Message(
-        "different rotations from {lower:g} to {upper:g}, each a multiple of {step:g}, "
-        "separated by commas",
+        "different, from {lower:g} to {upper:g} in steps of {step:g}",
         lower=travel.z.lower,
         upper=travel.z.upper,
         step=travel.z.step,

@@ -86,11 +86,16 @@ def check_plan(
 
 
 def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
-    allowed = spec.hint(travel)
+    allowed = spec.allows(travel)
     if spec.kind.keys is not Keys.NUMBER or _is_number(text):
         return allowed
     # Many a keyboard and country writes 12,5.
-    return Message("a number such as 12.5, {allowed}", allowed=allowed)
+    number = Message("a number such as 12.5")
+    return (
+        number
+        if spec.allowed
+        else Message("{a_number}, {allowed}", a_number=number, allowed=allowed)
+    )
 
 
 def _is_number(text: str) -> bool:
@@ -103,17 +108,13 @@ def _is_number(text: str) -> bool:
 
 def _correction(spec: FieldSpec, rule: Rule, travel: RobotTravel) -> Message:
     if rule is Rule.FREQUENCY_SPACING:
-        return Message(
-            "the frequencies must be at least {least:g} Hz apart", least=MIN_FREQUENCY_SPACING_HZ
-        )
+        return Message("frequencies at least {least:g} Hz apart", least=MIN_FREQUENCY_SPACING_HZ)
     if rule in (Rule.X_SPACING, Rule.Y_SPACING):
         step_mm = (travel.x if rule is Rule.X_SPACING else travel.y).step
-        return Message(
-            "the points between start and stop must be at least {step:g} mm apart", step=step_mm
-        )
+        return Message("stops at least {step:g} mm apart", step=step_mm)
     if rule is Rule.SIZE:
         return Message("at most {most} traces per survey", most=MAX_TRACES)
-    return spec.hint(travel)
+    return spec.allows(travel)
 
 
 class PlanForm:

@@ -110,7 +110,8 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
 def other_analyzer_question(identity: str) -> HoldQuestion:
     """Return what is asked before a survey is continued with another analyzer."""
     rows = (
-        (Message("VNA"), verbatim(identity)),
+        # Its parts are separated by commas alone: a line could not end there.
+        (Message("VNA"), verbatim(", ".join(identity.split(",")))),
         (Message("Survey"), Message("It then names both VNAs.")),
     )
     return HoldQuestion(Message("Continue with this VNA?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)

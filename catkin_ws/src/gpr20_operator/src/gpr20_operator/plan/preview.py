@@ -22,7 +22,6 @@ class SurveyPreview:
         traces: Number of traces, one per stop and polarization.
         x_spacing_mm: Distance of two stops of a line [mm].
         y_spacing_mm: Distance of two lines [mm].
-        frequency_step_hz: Distance of two frequencies [Hz].
         depth_m: Depth in the soil beyond which echoes fold back [m].
         resolution_m: Smallest distance of two separate echoes in the soil [m].
         quarter_wavelength_mm: Coarsest spacing that samples the echoes completely [mm].
@@ -33,7 +32,6 @@ class SurveyPreview:
     traces: int
     x_spacing_mm: float
     y_spacing_mm: float
-    frequency_step_hz: float
     depth_m: float
     resolution_m: float
     quarter_wavelength_mm: float
@@ -75,7 +73,6 @@ def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
         traces=p.total_points,
         x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
         y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
-        frequency_step_hz=step_hz,
         depth_m=one_way_path_m(1.0 / step_hz, permittivity),
         resolution_m=one_way_path_m(1.0 / bandwidth_hz, permittivity),
         quarter_wavelength_mm=quarter_wavelength_mm(parameters, permittivity),

@@ -109,10 +109,21 @@ class FieldSpec:
     empty: Optional[Message] = None
     remembered: bool = True
 
+    def allows(self, travel: RobotTravel) -> Message:
+        """Return what the field allows."""
+        if self.allowed is not None:
+            return self.allowed(travel)
+        lower, upper = (0.0, 0.0) if self.limits is None else self.limits(travel)
+        if self.kind.keys is not Keys.WHOLE:
+            return Message("from {lower:g} to {upper:g}", lower=lower, upper=upper)
+        if upper == MAX_GRID_POINTS:
+            return Message("a whole number, {lower:g} or more", lower=lower)
+        return Message("a whole number from {lower:g} to {upper:g}", lower=lower, upper=upper)
+
     def hint(self, travel: RobotTravel) -> Message:
         """Return what the field allows, and what it means if it is empty."""
-        allowed = self._in_limits(travel) if self.allowed is None else self.allowed(travel)
-        if self.empty is None or self.tile is Tile.NAME:
+        allowed = self.allows(travel)
+        if self.empty is None:
             return allowed
         return Message("empty: {meaning}; else {allowed}", meaning=self.empty, allowed=allowed)
 
@@ -127,14 +138,6 @@ class FieldSpec:
             return stepped(text, change, (lower, upper))
         changed = stepped(text or "0", change, (0.0, upper))
         return "" if float(changed) < lower else changed
-
-    def _in_limits(self, travel: RobotTravel) -> Message:
-        lower, upper = (0.0, 0.0) if self.limits is None else self.limits(travel)
-        if self.kind.keys is not Keys.WHOLE:
-            return Message("from {lower:g} to {upper:g}", lower=lower, upper=upper)
-        if upper == MAX_GRID_POINTS:
-            return Message("a whole number, {lower:g} or more", lower=lower)
-        return Message("a whole number from {lower:g} to {upper:g}", lower=lower, upper=upper)
 
 
 def _next_choice(choices: Tuple[str, ...], text: str, change: int) -> str:

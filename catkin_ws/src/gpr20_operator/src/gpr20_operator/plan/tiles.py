@@ -13,7 +13,7 @@ from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
 from gpr20_operator.plan.form import PlanCheck, problem_of
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.spec import TILE_TITLES, Tile
-from gpr20_operator.plan.texts import HERTZ_PER_MEGAHERTZ, number_text
+from gpr20_operator.plan.texts import number_text
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import decimal_from_text, duration, number_from_text, plain_text
@@ -24,7 +24,7 @@ from gpr20_survey.results.survey_summary import SurveySummary
 
 Lines = Tuple[Message, ...]
 Row = Tuple[Message, Message]
-BYTES_PER_MEGABYTE = 1.0e6
+BYTES_PER_MEGABYTE, BYTES_PER_GIGABYTE = 1.0e6, 1.0e9
 MILLIMETRES_PER_METRE = 1000.0
 # Of rotations in a row; the sheet has no room for more.
 MOST_ROTATIONS = 6
@@ -92,10 +92,6 @@ def figure_rows(known: SurveyPreview) -> Tuple[Row, ...]:
             Message("Echoes repeat"),
             Message("below {depth:.3g} m; this is not the reach", depth=known.depth_m),
         ),
-        (
-            Message("Frequency step"),
-            verbatim(f"{known.frequency_step_hz / HERTZ_PER_MEGAHERTZ:.4g} MHz"),
-        ),
     )
 
 
@@ -105,9 +101,7 @@ def cost_text(known: SurveyPreview) -> Message:
     if cost is None or not math.isfinite(cost.duration_s):
         return Message("not known yet")
     return Message(
-        "{time}, {size:.3g} MB on the disk",
-        time=about(cost.duration_s),
-        size=cost.size_bytes / BYTES_PER_MEGABYTE,
+        "{time}, {size} on the disk", time=about(cost.duration_s), size=_size(cost.size_bytes)
     )
 
 
@@ -191,7 +185,7 @@ def check_lines(known: Optional[SurveyPreview]) -> Lines:
     )
     if known.cost is None:
         return (resolution,)
-    return resolution, verbatim(f"{known.cost.size_bytes / BYTES_PER_MEGABYTE:.3g} MB")
+    return resolution, _size(known.cost.size_bytes)
 
 
 def _range(axis: str, texts: Mapping[str, str]) -> Message:
@@ -238,19 +232,32 @@ def _antennas(text: str) -> Lines:
 
 
 def _analyzer(texts: Mapping[str, str]) -> Lines:
-    address, bandwidth, averages = (
-        texts[name] for name in ("vna_address", "if_bandwidth_hz", "averages")
-    )
+    address, averages = texts["vna_address"], texts["averages"]
     made = (
-        f"{bandwidth} Hz" if bandwidth else "",
+        _bandwidth(texts["if_bandwidth_hz"]),
         f"{averages} x" if averages else "",
         texts["output_power"],
     )
-    settings = " · ".join(one for one in made if one)
+    settings = ", ".join(one for one in made if one)
     return (
         verbatim(address) if address else Message("no address"),
         verbatim(settings) if settings else Message("as set"),
     )
+
+
+def _bandwidth(text: str) -> str:
+    """Return a bandwidth [Hz] with its unit; empty if there is none."""
+    try:
+        hertz = number_from_text(text)
+    except InvalidValueError:
+        return text
+    return f"{hertz:.12g} Hz" if hertz < 1000.0 else f"{hertz / 1000.0:.12g} kHz"
+
+
+def _size(size_bytes: float) -> Message:
+    if size_bytes >= BYTES_PER_GIGABYTE:
+        return verbatim(f"{size_bytes / BYTES_PER_GIGABYTE:.3g} GB")
+    return verbatim(f"{size_bytes / BYTES_PER_MEGABYTE:.3g} MB")
 
 
 def _joined(lines: Lines) -> Message:

@@ -27,7 +27,7 @@ from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
-MOST_ROWS = 13
+MOST_ROWS = 12
 HOLD_WIDTH_PX = 230
 HOLD_HEIGHT_PX = 120
 MARGIN_PX = 12

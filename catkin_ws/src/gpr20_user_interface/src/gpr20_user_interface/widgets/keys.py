@@ -197,7 +197,7 @@ Judge = Callable[[str], str]
 MARGIN_PX = 4
 # What five rows of keys leave.
 TEXT_ROW_PX = 54
-WORDS_PX = 380
+WORDS_PX = 400
 
 
 class Pad(Overlay):

@@ -108,7 +108,7 @@ class AnnotationSheet(Overlay):
             self.texts[name] = text
             self.retranslate()
 
-        hint = shown_text(spec.hint(DOCUMENTED_TRAVEL))
+        hint = shown_text(spec.allows(DOCUMENTED_TRAVEL))
         self.pad.ask(deliver, shown_text(spec.title), hint, self.texts[name], judge, spec.kind.keys)
 
     def _lay_out(self) -> None:

@@ -11,6 +11,9 @@ from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.widgets import set_look
 
+# Above and below: so much is left for four lines of a sentence.
+EDGE_PX = 2
+
 
 class PlanTile(QPushButton):
     """A title, and below it lines or one sentence; a touch opens their sheet.
@@ -53,8 +56,9 @@ class PlanTile(QPushButton):
         """Qt: something about the widget has changed."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.StyleChange:
-            gap_px = look_of(self).px(GAP_PX)
-            self._layout.setContentsMargins(gap_px, gap_px // 2, gap_px, gap_px // 2)
+            look = look_of(self)
+            gap_px, edge_px = look.px(GAP_PX), look.px(EDGE_PX)
+            self._layout.setContentsMargins(gap_px, edge_px, gap_px, edge_px)
         elif event.type() == QEvent.Type.EnabledChange:
             self._show_level()
 
