@@ -1,5 +1,10 @@
-"""What fits on a screen: no text is cut off, and a gloved finger hits every button."""
+"""What is wrong on a screen: text that is cut off, widgets over each other, too small to touch.
 
+`assert_fits` looks at a window, or at parts of it. test_layout.py shows every page and sheet;
+the tests of a page show it with the longest values.
+"""
+
+import contextlib
 import itertools
 from dataclasses import replace
 
@@ -8,15 +13,26 @@ import pytest
 pytest.importorskip("PyQt5")
 
 from finger import place_of
-from pseudo_language import PSEUDO, write_pseudo_catalogue
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QLabel, QLineEdit
+from PyQt5.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractScrollArea,
+    QGraphicsView,
+    QLabel,
+    QLineEdit,
+    QPlainTextEdit,
+    QProgressBar,
+    QScrollArea,
+    QTextEdit,
+    QToolButton,
+    QWidget,
+)
 from result_kit import Requests
 from view_kit import snapshot
 from window_helpers import close, new_window, show
 
 from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_operator.plan.fields import default_parameters, texts_of
@@ -25,7 +41,7 @@ from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress,
 from gpr20_operator.robot.health import HealthReport
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, TEXT_PX, TOUCH_PX, Theme
+from gpr20_user_interface.look.look import BORDER_PX, Theme
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
@@ -37,7 +53,6 @@ LARGEST = SurveyPreview(
     traces=1000000,
     x_spacing_mm=12.34,
     y_spacing_mm=23.45,
-    frequency_step_hz=1.350675e6,
     depth_m=110.98,
     resolution_m=0.02776,
     quarter_wavelength_mm=1.234,
@@ -45,36 +60,39 @@ LARGEST = SurveyPreview(
 )
 # These leave out what has no room, and say so.
 CUT = (ElidedLabel, LinesLabel)
+# A finger in a glove, on a screen of 800x480.
+SMALLEST_TOUCH_PX = 48
+SMALLEST_TEXT_PX = 16
+# What a rounding at each end of a column adds up to.
+ROUNDING_PX = 2
+CONTENT = (
+    *(QLabel, QAbstractButton, QLineEdit, QPlainTextEdit, QTextEdit, QProgressBar, QGraphicsView),
+    *(QAbstractItemView, QScrollArea),
+)
 SIZES = ((480, 320), (800, 480), (1280, 800))
-# The colours change no size: each theme once with each size.
-SCREENS = [
-    (size, language, theme)
-    for size in SIZES
-    for language, theme in ((Language.ENGLISH, Theme.SUN), (Language.SPANISH, Theme.NIGHT))
-]
-# A language of somebody else's, on the robot's screen.
-SCREENS.append(((800, 480), PSEUDO, Theme.SUN))
+LANGUAGES = (Language.ENGLISH, Language.SPANISH)
+SCREENS = list(itertools.product(SIZES, LANGUAGES, Theme))
+# The colours change no size: with the longest values, each theme once with each size.
+STRESSED = [one for one in SCREENS if (one[1] is Language.SPANISH) == (one[2] is Theme.NIGHT)]
 
 
-@pytest.fixture(scope="module", params=SCREENS, ids=lambda screen: f"{screen[0]}-{screen[1].value}")
+@contextlib.contextmanager
+def window_on(application, folder, size, language, theme):
+    """A window on a screen."""
+    window = new_window(Languages(application, language), profiles=folder, imaging=Requests())
+    window.use_look(replace(window.look, theme=theme))
+    window.show()
+    window.resize(*size)
+    yield window
+    close(window)
+
+
+@pytest.fixture(scope="module", params=STRESSED, ids=lambda one: f"{one[0][0]}-{one[1].value}")
 def screen(request, application, tmp_path_factory):
     """One window for all tests on a screen."""
-    size, language, theme = request.param
-    own_folder = tmp_path_factory.mktemp("translations")
-    if language == PSEUDO:
-        write_pseudo_catalogue(own_folder)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(VARIABLE, str(own_folder))
-        window = new_window(
-            Languages(application, language),
-            profiles=tmp_path_factory.mktemp("profiles"),
-            imaging=Requests(),
-        )
-        window.use_look(replace(window.look, theme=theme))
-        window.show()
-        window.resize(*size)
+    folder = tmp_path_factory.mktemp("profiles")
+    with window_on(application, folder, *request.param) as window:
         yield window
-        close(window)
 
 
 @pytest.fixture
@@ -115,61 +133,110 @@ def seen(part, *kinds):
     return [one for kind in kinds for one in part.findChildren(kind) if one.isVisible()]
 
 
-def assert_fits(window, *parts, padding_px=0):
-    """Check every text that is seen on parts of a window, or on all of it."""
-    # What is laid out again for a text, and then for its height, takes two rounds.
-    for _ in range(2):
-        QTest.qWait(1)
-    wrong = [
-        f"{type(part).__name__}: {widget.text()!r} {reason}"
-        for part in parts or [window]
-        for widget in seen(part, QLabel, QAbstractButton, QLineEdit)
-        if not isinstance(widget, CUT)
-        for reason in misfits(window, widget, padding_px)
-    ]
+def assert_fits(window, *parts):
+    """Check everything that is seen on parts of a window; without parts, on the whole window."""
+    settle()
+    wrong = problems(window, parts or front(window))
     assert not wrong, "\n".join(wrong)
 
 
-def misfits(window, widget, padding_px):
-    """Yield what is wrong with the place of a text."""
-    metrics, is_label = widget.fontMetrics(), isinstance(widget, QLabel)
-    if not window.rect().contains(place_of(window, widget)):
+def settle():
+    """Let everything be laid out: for a text, and again for its height."""
+    for _ in range(3):
+        QTest.qWait(1)
+
+
+def front(window):
+    """Return what is not covered: the band, and below it the sheet that is open or the page."""
+    sheets = [one for one in window.children() if isinstance(one, Overlay) and one.isVisible()]
+    # The last one lies over the others.
+    below = [sheets[-1]] if sheets else [window.rail, window.tabs.currentWidget()]
+    return [window.top_bar, *below]
+
+
+def problems(window, parts):
+    """Return what is wrong with what is seen on parts of a window."""
+    content = [one for part in parts for one in content_of(part)]
+    wrong = [f"{name_of(one)} {reason}" for one in content for reason in misfits(window, one)]
+    for one, other in itertools.combinations(content, 2):
+        if not (one.isAncestorOf(other) or other.isAncestorOf(one)):
+            both = place_of(window, one).intersected(place_of(window, other))
+            if min(both.width(), both.height()) > ROUNDING_PX:
+                wrong.append(f"{name_of(one)} lies over {name_of(other)}")
+    return wrong
+
+
+def content_of(part):
+    """Return what is seen in a part, but for what is inside of a text or list that scrolls."""
+    found = [part] if isinstance(part, CONTENT) else []
+    for one in part.findChildren(QWidget):
+        if one.isVisible() and isinstance(one, CONTENT) and not is_empty(one):
+            found.append(one)
+    areas = [one for one in found if isinstance(one, QAbstractScrollArea)]
+    return [one for one in found if not any(area.isAncestorOf(one) for area in areas)]
+
+
+def is_empty(widget):
+    return isinstance(widget, QLabel) and not widget.text() and widget.pixmap() is None
+
+
+def name_of(widget):
+    """Return what a failure calls a widget."""
+    text = widget.text()[:40] if hasattr(widget, "text") else ""
+    owner = widget
+    while owner.parentWidget() is not None and not type(owner).__module__.startswith("gpr20"):
+        owner = owner.parentWidget()
+    return f"{type(owner).__name__}: {type(widget).__name__} {widget.objectName()} {text!r}"
+
+
+def misfits(window, widget):
+    """Yield what is wrong with the place of a widget."""
+    place = place_of(window, widget)
+    if not window.rect().contains(place):
         yield "reaches over the edge"
-    if is_label and widget.text() and widget.fontInfo().pixelSize() < window.look.px(TEXT_PX):
+    if isinstance(widget, QLabel):
+        yield from label_misfits(window, widget)
+    elif isinstance(widget, QAbstractButton):
+        yield from button_misfits(window, widget)
+    elif isinstance(widget, QLineEdit):
+        yield from line_misfits(widget, widget.text() or widget.placeholderText(), 0)
+
+
+def label_misfits(window, label):
+    if label.text() and label.fontInfo().pixelSize() < window.look.px(SMALLEST_TEXT_PX) - 1:
         yield "is written too small"
-    if is_label and widget.wordWrap():
-        if widget.heightForWidth(widget.width()) > widget.height():
-            yield "has too few lines"
+    if isinstance(label, CUT) or not label.text():
         return
-    text = widget.text().replace("&", "")
-    if isinstance(widget, QLineEdit):
-        text = text or widget.placeholderText()
-    lines = text.split("\n")
-    frame_px = 0 if is_label else 2 * window.look.px(BORDER_PX + padding_px)
+    if not label.wordWrap():
+        yield from line_misfits(label, label.text(), 0)
+    elif label.heightForWidth(label.width()) > label.height() + ROUNDING_PX:
+        yield "has too few lines"
+    else:
+        longest = max(label.text().split(), key=len)
+        if label.fontMetrics().horizontalAdvance(longest) > label.contentsRect().width():
+            yield f"cuts the word {longest}"
+
+
+def button_misfits(window, button):
+    frame_px = 2 * window.look.px(BORDER_PX)
+    if isinstance(button, QToolButton):
+        # Its sign is above the text.
+        frame_px = 0
+    elif not button.icon().isNull():
+        frame_px += button.iconSize().width()
+    if button.text():
+        yield from line_misfits(button, button.text().replace("&", ""), frame_px)
+    least_px = window.look.px(SMALLEST_TOUCH_PX) - ROUNDING_PX
+    if window.look.touchable and min(button.width(), button.height()) < least_px:
+        yield f"is hard to touch: {button.width()}x{button.height()}"
+
+
+def line_misfits(widget, text, frame_px):
+    metrics, lines = widget.fontMetrics(), text.split("\n")
     if max(map(metrics.horizontalAdvance, lines)) + frame_px > widget.contentsRect().width():
         yield "is cut off at its end"
-    if len(lines) * metrics.height() > widget.height():
+    if len(lines) * metrics.height() > widget.height() + ROUNDING_PX:
         yield "is cut off at its top"
 
 
-def assert_touchable(window, *parts):
-    """Check that a gloved finger hits each button and field, and no two at once."""
-    # A pixel of rounding at the small scale, for each of the three parts of a column.
-    least_px, gap_px = window.look.px(TOUCH_PX) - 3, window.look.px(GAP_PX) - 1
-    for part in parts:
-        touched = seen(part, QAbstractButton)
-        places = {one: place_of(window, one) for one in touched}
-        assert min(place.height() for place in places.values()) >= least_px
-        close_by = [
-            (places[one], places[other])
-            for one, other in itertools.combinations(touched, 2)
-            if apart(places[one], places[other]) < gap_px
-        ]
-        assert not close_by, close_by
-
-
-def apart(one, other):
-    """Return how far two places are apart [px]; negative if they overlap."""
-    across = max(one.left() - other.right(), other.left() - one.right())
-    down = max(one.top() - other.bottom(), other.top() - one.bottom())
-    return max(across, down) - 1
+assert_touchable = assert_fits

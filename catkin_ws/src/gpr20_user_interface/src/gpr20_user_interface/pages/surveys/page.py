@@ -173,6 +173,8 @@ class SurveysPage(TranslatedWidget, Page):
         self._read_older()
 
     def _show_search(self) -> None:
+        self.clear.setVisible(bool(self._text))
+        self._layouts[0].activate()
         room_px = self.search.width() - look_of(self).px(SIGN_PX + 4 * GAP_PX)
         # Dots, while there may be more than were found.
         count = f" · {len(self.model.surveys)}{'…' if self._surveys.more else ''}"
@@ -180,7 +182,6 @@ class SurveysPage(TranslatedWidget, Page):
         room_px -= metrics.horizontalAdvance(count)
         shown = metrics.elidedText(self._text, ELIDE, room_px) + count
         self.search.setText(shown if self._text else self.tr("Search"))
-        self.clear.setVisible(bool(self._text))
 
     def _show_empty(self) -> None:
         surveys, is_empty = self._surveys, not self.model.surveys

@@ -1,0 +1,110 @@
+"""Every page and sheet on every screen: nothing is cut off or covered, a glove hits every button.
+
+The window itself says which pages and sheets there are, so that no new one is forgotten.
+"""
+
+import importlib
+import pkgutil
+import warnings
+
+import pytest
+from layout_kit import SCREENS, busiest, front, problems, settle, window_on
+from layout_tour import STOPS
+from pseudo_language import PSEUDO, write_pseudo_catalogue
+from PyQt5.QtWidgets import QStackedWidget, QWidget
+from window_helpers import show
+
+import gpr20_user_interface
+from gpr20_common.low.catalogue_file import VARIABLE
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.look import Theme
+from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.window.rail import TabName
+
+
+def every_problem(window):
+    """Show every page and sheet; return what is wrong, and the classes that were seen.
+
+    What is wrong is named once, with the first page that shows it.
+    """
+    wrong, seen = {}, set()
+
+    def look(what):
+        settle()
+        for one in problems(window, front(window)):
+            wrong.setdefault(one, what)
+        seen.update(type(one) for one in window.findChildren(QWidget) if one.isVisible())
+
+    for name, stop in STOPS.items():
+        close_sheets(window)
+        stop(window)
+        look(name)
+    close_sheets(window)
+    for tab in TabName:
+        window.show_tab(tab)
+        for stack in window.tabs.currentWidget().findChildren(QStackedWidget):
+            look_through(stack, look)
+        if isinstance(window.tabs.currentWidget(), QStackedWidget):
+            look_through(window.tabs.currentWidget(), look)
+        else:
+            look(tab.value)
+    for sheet in window.findChildren(Overlay):
+        close_sheets(window)
+        if not any(issubclass(one, type(sheet)) for one in seen):
+            sheet.open()
+            look(type(sheet).__name__)
+    close_sheets(window)
+    return "\n".join(f"{what}: {one}" for one, what in wrong.items()), seen
+
+
+def look_through(stack, look):
+    """Look at each page of a stack, and leave it as it was."""
+    shown = stack.currentIndex()
+    for number in range(stack.count()):
+        stack.setCurrentIndex(number)
+        if stack.isVisible():
+            look(type(stack.currentWidget()).__name__)
+    stack.setCurrentIndex(shown)
+
+
+def close_sheets(window):
+    for sheet in window.findChildren(Overlay):
+        sheet.hide()
+
+
+def own_widgets():
+    """Return the classes of all widgets of pages, and of those that several pages share."""
+    package = gpr20_user_interface
+    found = set()
+    for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        if any(part in one.name for part in (".pages.", ".widgets.", ".window.")):
+            module = importlib.import_module(one.name)
+            found |= {
+                value
+                for value in vars(module).values()
+                if isinstance(value, type)
+                and issubclass(value, QWidget)
+                and value.__module__ == one.name
+            }
+    return found
+
+
+@pytest.mark.parametrize("size,language,theme", SCREENS)
+def test_every_page_and_sheet_fits(application, tmp_path, size, language, theme):
+    with window_on(application, tmp_path, size, language, theme) as window:
+        wrong, seen = every_problem(window)
+    assert not wrong, wrong
+    unseen = {one for one in own_widgets() if not any(issubclass(two, one) for two in seen)}
+    assert not unseen, f"add a stop to layout_tour.py that shows {unseen}"
+
+
+def test_texts_a_third_longer_than_english(application, tmp_path, monkeypatch):
+    """A language of somebody else's may need other words: only a warning."""
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    write_pseudo_catalogue(tmp_path)
+    with window_on(application, tmp_path, (800, 480), PSEUDO, Theme.SUN) as window:
+        show(window, busiest(SurveyState.IDLE))
+        wrong, _seen = every_problem(window)
+        assert window.settings.title.text().startswith("Séttîñgš")
+    if wrong:
+        warnings.warn(wrong, stacklevel=1)
