@@ -407,10 +407,12 @@ class Plot(pyqtgraph.GraphicsView):
         """Return the marks within reach of a finger, the nearest first."""
         reach_px = look_of(self).px(REACH_PX)
         found = [
-            (_distance(self.to_screen(one.across_mm, one.second_mm), place), -number)
-            for number, one in enumerate(self._marks)
+            (_distance(self.to_screen(one.across_mm, one.second_mm), place), one)
+            for one in self._marks
         ]
-        return [self._marks[-number] for px, number in sorted(found) if px <= reach_px]
+        # Whichever of them is chosen, and with that painted last, the order is the same.
+        found.sort(key=lambda pair: (pair[0], len(pair[1].text), pair[1].text))
+        return [one for px, one in found if px <= reach_px]
 
     def drawBackground(self, painter: QPainter, _rect: QRectF) -> None:  # noqa: N802 (Qt's name)
         """Qt: draw what lies below the picture."""
