@@ -80,7 +80,7 @@ class ResultPage(QWidget, Page):
         """Search when nothing else happens and the page is seen; never during a survey."""
         self.result.note_running(snapshot.running)
         if snapshot.running:
-            for sheet in self.sheets:
+            for sheet in (*self.sheets, self.found.pad, self.soil.pad):
                 sheet.hide()
         if self.isVisible() and snapshot.replay is None:
             self.result.keep()

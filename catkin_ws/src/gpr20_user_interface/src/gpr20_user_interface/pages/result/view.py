@@ -35,6 +35,7 @@ from gpr20_user_interface.widgets.widgets import new_button, set_look
 
 PANEL_PX = 280
 RANK_PX = 36
+RIM = 0.06
 
 
 class PlaceRow(QPushButton):
@@ -164,7 +165,6 @@ class ResultView(TranslatedWidget):
         self.hiding.setEnabled(done)
         self.soil.setEnabled(record is not None)
         self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
-        set_look(self.soil, "level", "" if result.permittivity is not None else "doubtful")
         self.more.setVisible(len(result.places) > PLACES_SHOWN)
         if done:
             self._show_places()
@@ -209,6 +209,11 @@ class ResultView(TranslatedWidget):
         if image is not self._drawn_image:
             self._drawn_image = image
             self.picture.show_picture(FocusedSource(image).from_above(), Colours.ENVELOPE)
+            shown = self.picture.extent
+            if shown is not None:
+                # A ring at the edge is seen as a whole.
+                rim = RIM * max(shown.width(), shown.height())
+                self.picture.set_extent(shown.adjusted(-rim, -rim, rim, rim))
         self.picture.set_hiding(result.hiding.result)
         self.picture.set_marks(
             [
