@@ -193,6 +193,12 @@ def service(window):
     show(window, busiest(SurveyState.FINISHED))
 
 
+def instruments(window):
+    service(window)
+    window.robot.service.switch_button.click()
+    show(window, busiest(SurveyState.FINISHED))
+
+
 def locked(window):
     plan(window)
     window.touch_binding.set_locked(True)
@@ -247,6 +253,7 @@ STOPS = {
     "settings": robots,
     "robots": other_robot,
     "service": service,
+    "instruments": instruments,
     "locked": locked,
     "unlocked": unlocked,
 }

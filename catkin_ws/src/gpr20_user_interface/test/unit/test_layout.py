@@ -33,7 +33,7 @@ def every_problem(window):
         settle()
         for one in problems(window, front(window)):
             wrong.setdefault(one, what)
-        seen.update(type(one) for one in window.findChildren(QWidget) if one.isVisible())
+        seen.update(type(one) for one in (window, *window.findChildren(QWidget)) if one.isVisible())
 
     for name, stop in STOPS.items():
         close_sheets(window)

@@ -1,9 +1,11 @@
 import re
 
 import pytest
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import QSize, Qt
+from PyQt5.QtGui import QIcon
 from PyQt5.QtTest import QTest
 
+from gpr20_user_interface.look.icons import FOLDER, icon
 from gpr20_user_interface.look.look import (
     TOUCH_PX,
     Look,
@@ -13,7 +15,7 @@ from gpr20_user_interface.look.look import (
     look_of,
     scale_for,
 )
-from gpr20_user_interface.look.style_sheet import style_sheet
+from gpr20_user_interface.look.style_sheet import TEMPLATE, style_sheet
 
 # WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
 TEXT_CONTRAST = 7.0
@@ -79,3 +81,23 @@ def test_theme_changes_while_the_window_is_open(window):
     paper = window.grab().toImage().pixelColor(window.width() // 2, window.height() - 3)
     assert paper.name() == Mark.PAPER.of(Theme.NIGHT)
     assert Qt.GlobalColor.white != paper
+
+
+def test_every_name_of_the_style_sheet_is_that_of_a_widget():
+    package = TEMPLATE.parents[1]
+    source = "".join(path.read_text(encoding="utf-8") for path in package.glob("**/*.py"))
+    rules = re.sub(r"/[*].*?[*]/", "", TEMPLATE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    names = {*re.findall(r"#(\w+)", rules), *re.findall(r"\[(\w+)=", rules)}
+    assert names and {one for one in names if f'"{one}"' not in source} == set()
+
+
+def test_a_sign_has_the_colour_that_it_is_asked_for_also_where_it_is_disabled(application):
+    for path in FOLDER.glob("*.svg"):
+        drawn = icon(path.stem, "#8f0000", 32)
+        for mode in (QIcon.Normal, QIcon.Disabled):
+            picture = drawn.pixmap(QSize(32, 32), mode).toImage()
+            pixels = [picture.pixelColor(x, y) for x in range(32) for y in range(32)]
+            solid = {one.name() for one in pixels if one.alpha() == 255}
+            assert solid == {"#8f0000"}, path.name
+    with pytest.raises(FileNotFoundError):
+        icon("no such sign", "#8f0000", 32)

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Dict
 
-from gpr20_user_interface.look.look import LEVEL_COLOURS, TEXT_PX, Look, Mark, TextColours
+from gpr20_user_interface.look.look import LEVEL_COLOURS, Look, Mark, TextColours
 
 TEMPLATE = Path(__file__).with_name("style.qss")
-# Sizes of the letters of a field, from the largest [px of the design].
-FITS: Dict[str, int] = {"large": 26, "middle": 22, "small": TEXT_PX}
 
 
 def style_sheet(look: Look) -> str:
     """Return the style sheet of a theme at a scale."""
     rules = [TEMPLATE.read_text(encoding="utf-8")]
-    for name, size_px in FITS.items():
-        rules.append(f'QLineEdit[fit="{name}"] {{ font-size: {size_px}px; }}')
     for level, colours in LEVEL_COLOURS.items():
         job = f'[job="{level.value}"]'
         rules.append(f"QFrame#band{job}, QLabel{job} {{ @{colours.name} }}")

@@ -1,4 +1,4 @@
-"""Two buttons that choose one of a few numbers."""
+"""Small widgets and what pages do with buttons."""
 
 from __future__ import annotations
 
@@ -11,14 +11,9 @@ from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
     """Return a button that does something when it is clicked."""
     button = QPushButton(text)
-    connect_click(button, act)
-    return button
-
-
-def connect_click(button: QPushButton, act: Callable[[], None]) -> None:
-    """Let a button do something when it is clicked."""
     # Not the function itself, which would get whether the button is checked.
     button.clicked.connect(lambda: act())
+    return button
 
 
 def set_look(widget: QWidget, name: str, value: object) -> None:
