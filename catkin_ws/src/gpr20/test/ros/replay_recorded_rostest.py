@@ -27,11 +27,14 @@ from gpr20_msgs.msg import ControlStatus, Replay, SurveyCoverage
 PACKAGES = rospkg.RosPack()
 WINDOW = Path(PACKAGES.get_path("gpr20_user_interface")) / "test/ros/window_process.py"
 FINISHED = "REPLAY ENDED"
+BESIDE = "A recording or another program uses the topics of this robot"
 ENDING_LIMIT_S = 20.0
+# Without the results of the axes, which would make the robot pause.
 WINDOW_TOPICS = (
     *("/replay", "/control_status", "/control_survey_data", "/survey_coverage", "/trace"),
-    *("/survey_metadata", "/survey_parameters", "/diagnostics"),
+    *("/survey_metadata", "/survey_parameters", "/diagnostics", "/x_axis/current_coord"),
 )
+PLAYER = ("rosbag", "play", "-q")
 
 
 def free_port():
@@ -104,17 +107,38 @@ def without_mark(folder, target):
     return target
 
 
-class Window:
-    """A window in a process of its own, which reports what it shows."""
+def in_namespace(folder, target):
+    """Write the bag as a robot with a namespace does; /diagnostics belongs to all robots."""
+    with rosbag.Bag(str(folder / "survey.bag")) as bag, rosbag.Bag(str(target), "w") as own:
+        for topic, message, when, header in bag.read_messages(return_connection_header=True):
+            name = topic
+            if topic == "/diagnostics":
+                for status in message.status:
+                    status.name = f"robot1/{status.name.lstrip('/')}"
+            else:
+                name = f"/robot1{topic}"
+            own.write(name, message, when, connection_header=dict(header, topic=name))
+    return target
 
-    def __init__(self, environment):
-        self._environment = environment
+
+class Window:
+    """A window in a process of its own, which reports what it shows.
+
+    Args:
+        environment: Names its master.
+        namespace: Of a replay; empty: it shows a robot.
+    """
+
+    def __init__(self, environment, namespace=""):
+        self._environment = dict(environment, QT_QPA_PLATFORM="offscreen")
+        self._options = ["--replay", f"__ns:={namespace}"] if namespace else []
 
     @contextlib.contextmanager
     def open(self):
         with process(
             sys.executable,
             str(WINDOW),
+            *self._options,
             env=self._environment,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -132,14 +156,12 @@ class Window:
         return json.loads(self._process.stdout.readline())
 
     def wait_for(self, condition, what):
-        """Wait for what is shown; nothing on the way may look like a robot in motion."""
+        """Wait for what a window of a replay shows; nothing on the way may look like a robot."""
         seen = []
 
         def holds():
             seen.append(self.shown())
-            replayed = seen[-1]["replay"]
-            assert not (replayed and seen[-1]["stop"]), seen[-1]
-            assert not (seen[-1]["visited"] and not replayed), seen[-1]
+            assert seen[-1]["replay"] and not seen[-1]["stop"], seen[-1]
             return condition(seen[-1])
 
         try:
@@ -205,59 +227,81 @@ class ReplayTest(unittest.TestCase):
             self.assertIn(ControlStatus.STOPPED, codes)
             self.assertEqual((found[-1].code, found[-1].message), (status.code, status.message))
 
-    def test_3_no_replay_looks_like_a_robot(self):
-        old = without_mark(self.folder, self.client.data / "old.bag")
+    def test_3_a_window_of_a_replay_shows_the_survey_and_its_end_with_any_player(self):
         bag = str(self.folder / "survey.bag")
-        node = ["rosrun", "gpr20_analysis", "replay"]
-        # Unlike replay.launch, it does not wait until the window has connected.
-        player = ["rosbag", "play", "-q", "-d", "2"]
+        old = without_mark(self.folder, self.client.data / "old.bag")
+        other = in_namespace(self.folder, self.client.data / "robot1.bag")
+        # Unlike replay.launch, these do not wait until the window has connected.
+        player, node = [*PLAYER, "-d", "2", "--prefix=/replay"], ["rosrun", "gpr20_analysis"]
         named = f"Survey of {self.folder.name[:4]}-"
         ways = (
-            ([*player, bag], named, "FINISHED"),
-            ([*player, str(old)], "Recorded survey", "does not contain"),
-            ([*node, "--start", "1", str(self.folder)], named, "FINISHED"),
+            ("replay", [*player, bag], named, "FINISHED"),
+            ("replay", [*player, str(old)], "Recorded survey", "does not contain"),
+            ("replay/robot1", [*player, str(other)], named, "FINISHED"),
+            ("replay", [*node, "replay", "--start", "1", str(self.folder)], named, "FINISHED"),
         )
-        for command, beginning, end in ways:
+        for namespace, command, beginning, end in ways:
             with master() as environment:
-                with Window(environment).open() as window:
+                with Window(environment, namespace).open() as window:
+                    self.assertIn("Waiting for a recording", window.shown()["survey"])
                     with process(*command, env=environment, stdout=subprocess.DEVNULL) as played:
-                        during = window.wait_for(lambda one: one["replay"], "no replay is shown")
-                        self.assertEqual(during["alarm"], "")
                         window.wait_for(lambda one: one["on_radar"] == 18, "traces are missing")
+                        # Of the nodes whose reports the recording has, which no robot says.
+                        window.wait_for(lambda one: one["nodes"] > 5, "their health is missing")
                         played.wait(LIMIT_S)
                     after = window.wait_for(
                         lambda one: one["replay"].startswith(FINISHED), "the replay does not end"
                     )
                 self.assertIn(beginning, after["survey"])
                 self.assertIn(end, after["survey"])
-                self.assertEqual(
-                    (after["alarm"], after["stop"], after["locked"]), ("", False, True)
-                )
+                self.assertEqual((after["alarm"], after["locked"]), ("", True))
                 self.assertEqual(
                     (after["on_map"], after["visited"]), (18, 18), f"{command}: {after}"
                 )
 
-    def test_4_a_replay_beside_this_robot_does_not_hide_its_stop(self):
+    def test_4_a_player_on_the_topics_of_this_robot_is_not_shown_and_said_in_the_band(self):
         mark = rospy.Publisher("/replay", Replay, latch=True, queue_size=1)
         self.addCleanup(mark.unregister)
         mark.publish(Replay(survey_id="x", folder="x"))
         bag = str(self.folder / "survey.bag")
         self.client.begin(x_points=40, y_points=20)
         self.client.wait_for_visited(1)
-        with Window(dict(os.environ, QT_QPA_PLATFORM="offscreen")).open() as window:
+        with Window(os.environ).open() as window:
             wait_until(lambda: window.shown()["title"] == "SURVEYING", "the window does not follow")
-            # Without the results of the axes, which would make the robot pause.
-            command = ["rosbag", "play", "-q", bag, "--topics", *WINDOW_TOPICS]
-            with process(*command, stdout=subprocess.DEVNULL) as player:
-                deadline_s = time.monotonic() + 3.0
+            visited, said = [], []
+            with process(*PLAYER, bag, "--topics", *WINDOW_TOPICS) as player:
+                deadline_s = time.monotonic() + 4.0
                 while time.monotonic() < deadline_s and player.poll() is None:
                     shown = window.shown()
                     self.assertEqual((shown["replay"], shown["stop"]), ("", True), shown)
                     self.assertEqual(shown["title"], "SURVEYING")
+                    self.assertEqual(shown["area_traces"], 1600)
+                    visited.append(shown["visited"])
+                    said.append(shown["survey"])
+            self.assertEqual(visited, sorted(visited))
+            self.assertTrue(any(BESIDE in one for one in said), said)
+            wait_until(lambda: BESIDE not in window.shown()["survey"], "the band is not relieved")
             self.assertTrue(self.client.stop().success)
             self.client.wait_for_status(ControlStatus.STOPPED)
 
-    def test_5_the_client_follows_a_replay_and_starts_nothing(self):
+    def test_5_a_replay_beside_a_robot_disturbs_neither(self):
+        self.client.begin(x_points=40, y_points=20)
+        self.client.wait_for_visited(1)
+        command = ["roslaunch", "gpr20", "replay.launch", f"survey:={self.folder}", "rate:=5"]
+        with Window(os.environ).open() as window, Window(os.environ, "replay").open() as replay:
+            wait_until(lambda: window.shown()["title"] == "SURVEYING", "the window does not follow")
+            with process(*command, stdout=subprocess.DEVNULL) as played:
+                while played.poll() is None:
+                    shown, replayed = window.shown(), replay.shown()
+                    self.assertEqual((shown["replay"], shown["stop"]), ("", True), shown)
+                    self.assertEqual((shown["title"], shown["area_traces"]), ("SURVEYING", 1600))
+                    self.assertNotIn(BESIDE, shown["survey"])
+                    self.assertTrue(replayed["replay"] and not replayed["stop"], replayed)
+            replay.wait_for(lambda one: one["on_radar"] == 18, "traces are missing")
+        self.assertTrue(self.client.stop().success)
+        self.client.wait_for_status(ControlStatus.STOPPED)
+
+    def test_6_the_client_follows_a_replay_and_starts_nothing(self):
         client = ["rosrun", "gpr20_user_interface", "run_survey", "--bar", "never"]
         launch = ["gpr20", "replay.launch", f"survey:={self.folder.name}", "paused:=true"]
         with master() as environment:
@@ -268,10 +312,15 @@ class ReplayTest(unittest.TestCase):
                 cwd=self.folder.parent,
                 stdout=subprocess.DEVNULL,
             ), process(
-                *[*client, "--attach"], env=environment, stdout=subprocess.PIPE, text=True
+                *[*client, "--attach", "__ns:=replay"],
+                env=environment,
+                stdout=subprocess.PIPE,
+                text=True,
             ) as attached:
                 for options in ([], ["--resume"]):
-                    refused = self.call(environment, *client, *options)
+                    refused = self.call(
+                        environment, *client, *options, "--wait", "4", "__ns:=replay"
+                    )
                     self.assertEqual(refused.returncode, 1, refused.stdout)
                     self.assertIn("A replay of a recorded survey is running", refused.stdout)
                 faster = self.call(environment, "rosservice", "call", "/replay/set_rate", "10.0")
@@ -293,34 +342,39 @@ class ReplayTest(unittest.TestCase):
             timeout=LIMIT_S,
         )
 
-    def test_6_the_launch_opens_a_window_and_ends_with_it(self):
-        launch = ["gpr20", "replay.launch", f"survey:={self.folder}", "ui:=true", "rate:=10"]
+    def test_7_the_launch_opens_a_window_and_ends_with_it(self):
+        self.check_launch(f"survey:={self.folder}", "ui:=true", "rate:=10")
+        # The window alone, for rosbag play.
+        self.check_launch()
+
+    def check_launch(self, *options):
         with master() as environment:
             port = environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
             with process(
-                *["roslaunch", "-p", port, *launch], env=environment, stdout=subprocess.DEVNULL
+                *["roslaunch", "-p", port, "gpr20", "replay.launch", *options],
+                env=environment,
+                stdout=subprocess.DEVNULL,
             ) as launched:
                 nodes = rosgraph.Master("/test", environment["ROS_MASTER_URI"])
-                seen = []
-                # It stays when the replay has ended.
-                with process(
-                    *["rostopic", "echo", "-p", "/replay/state"],
-                    env=environment,
-                    stdout=subprocess.PIPE,
-                    text=True,
-                ) as echo:
-                    for line in echo.stdout:
-                        seen.append(line.strip().rsplit(",", 1)[-1])
-                        if seen[-1] == str(Replay.ENDED):
-                            break
+                if options:
+                    self.wait_for_its_end(environment)
+                wait_until(lambda: self.window_of(nodes), "there is no window")
                 self.assertIsNone(launched.poll())
-                window = next(name for name in self.names(nodes) if "user_interface" in name)
-                self.call(environment, "rosnode", "kill", window)
+                self.call(environment, "rosnode", "kill", *self.window_of(nodes))
                 launched.wait(LIMIT_S)
 
-    def names(self, nodes):
+    def wait_for_its_end(self, environment):
+        """Return when a replay says that it has ended; it stays then."""
+        echo = ["rostopic", "echo", "-p", "/replay/replay/state"]
+        with process(*echo, env=environment, stdout=subprocess.PIPE, text=True) as echoed:
+            for line in echoed.stdout:
+                if line.strip().rsplit(",", 1)[-1] == str(Replay.ENDED):
+                    return
+
+    def window_of(self, nodes):
         published, _subscribed, _services = nodes.getSystemState()
-        return {name for _topic, names in published for name in names}
+        names = {name for _topic, names in published for name in names}
+        return [name for name in names if name.startswith("/replay/user_interface")]
 
 
 if __name__ == "__main__":

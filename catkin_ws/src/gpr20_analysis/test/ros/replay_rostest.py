@@ -291,9 +291,11 @@ class ReplayTest(unittest.TestCase):
             ("/diagnostics", reports),
         )
         received = []
-        for topic, kind in (("survey_metadata", String), ("diagnostics", DiagnosticArray)):
-            name = f"/again/of_robot1/{topic}"
-            self.subscribers.append(rospy.Subscriber(name, kind, received.append))
+        for topic, kind in (
+            ("/again/of_robot1/survey_metadata", String),
+            ("/again/diagnostics", DiagnosticArray),
+        ):
+            self.subscribers.append(rospy.Subscriber(topic, kind, received.append))
         self.run_node(recording, "--rate", "100", "--ns", "again/of_robot1")
         deadline_s = time.monotonic() + TIME_LIMIT_S
         while len(received) < 2 and time.monotonic() < deadline_s:

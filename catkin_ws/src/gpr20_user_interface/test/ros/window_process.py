@@ -37,6 +37,8 @@ def shown(interface: UserInterface) -> str:
         {
             "title": bar.band.title.whole.split(" ")[0],
             "visited": 0 if progress is None else progress.visited_points,
+            "area_traces": 0 if progress is None else progress.total_points,
+            "nodes": len(snapshot.health.nodes),
             "on_radar": live.radar.count,
             "on_map": 0
             if counts is None

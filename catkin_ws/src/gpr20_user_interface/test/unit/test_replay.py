@@ -213,8 +213,8 @@ def test_health_of_a_recording_is_that_of_its_robot_with_any_player(patched):
         ("/replay/robot1/", "robot1/main_control"),
     ):
         _, graph, events = listening(patched, replay=True, namespace=namespace)
-        graph.send("/play_1", "diagnostics", report(recorded))
-        graph.send("/play_1", "diagnostics", report("robot2/x_axis/axis_driver"))
+        graph.send("/play_1", "/replay/diagnostics", report(recorded))
+        graph.send("/play_1", "/replay/diagnostics", report("robot2/x_axis/axis_driver"))
         model = ReplayModel()
         for event in events:
             model.handle(event)

@@ -52,10 +52,13 @@ class ReplayedSurvey:
 
         Args:
             namespace: Absolute, with a slash at its end.
-            name: As it was recorded; what all robots share lies beside the robot's own.
+            name: As it was recorded. What all robots share is, as with `rosbag play --prefix`,
+                directly below the first part of the namespace.
         """
-        recorded = self.namespace if name.startswith(self.namespace) else "/"
-        return f"{namespace}{name[len(recorded) :]}"
+        if name.startswith(self.namespace):
+            return f"{namespace}{name[len(self.namespace) :]}"
+        first = namespace[: namespace.find("/", 1)] if namespace != "/" else ""
+        return f"{first}{name}"
 
 
 def describe(survey: Path) -> ReplayedSurvey:

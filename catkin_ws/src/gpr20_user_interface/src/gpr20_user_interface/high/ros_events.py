@@ -75,9 +75,10 @@ class RosEvents:
                 if self._takes(message, is_usual=foreign):
                     received(health, message)
 
-        # A player has the topic below its own namespace, beside those of the robot.
-        name = "diagnostics" if self._senders.replay else "/diagnostics"
-        return rospy.Subscriber(name, DiagnosticArray, check, queue_size=20)
+        # Players put a prefix before the topics; behind it, a robot may have had a namespace.
+        prefix, _, _ = self._senders.namespace.strip("/").partition("/")
+        below = f"/{prefix}" if prefix and self._senders.replay else ""
+        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, check, queue_size=20)
 
     def _healths(self, message: DiagnosticArray) -> List[NodeHealth]:
         namespace = self._senders.namespace
