@@ -11,6 +11,7 @@ from gpr20_operator.ground.finer_plan import (
     proposed_spacing,
     spacing_of,
 )
+from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import SurveyGrid, planned_places
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check, coordinate_limits_mm
 
@@ -43,8 +44,8 @@ def test_any_plan_can_be_measured_and_reaches_its_place():
         p = plan.parameters
         check(p, travel)
         for low_mm, high_mm, points, limits in (
-            (*plan.x_range_mm, p.x_points, travel.x),
-            (*plan.y_range_mm, p.y_points, travel.y),
+            (p.x_start_mm, p.x_stop_mm, p.x_points, travel.x),
+            (p.y_start_mm, p.y_stop_mm, p.y_points, travel.y),
         ):
             assert points > 2
             spacing = (high_mm - low_mm) / (points - 1)
@@ -54,14 +55,12 @@ def test_any_plan_can_be_measured_and_reaches_its_place():
             assert high_mm - low_mm <= max(size_mm, 2 * max(spacing_mm, 1.0)) + 0.02, seed
         # To within one distance of the stops.
         reach_mm = spacing_mm + 1
-        assert plan.x_range_mm[0] - reach_mm <= x_mm <= plan.x_range_mm[1] + reach_mm, seed
-        assert plan.y_range_mm[0] - reach_mm <= y_mm <= plan.y_range_mm[1] + reach_mm, seed
+        assert plan.area.grown(reach_mm).holds(x_mm, y_mm), seed
 
 
 def test_a_place_at_the_edge_of_travel_gets_the_part_that_can_be_reached():
     plan = plan_finer(make_grid(), 0.0, 800.0, 100.0, 5.0)
-    assert plan.x_range_mm == (0.0, 50.0)
-    assert plan.y_range_mm == (750.0, 800.0)
+    assert plan.area == Area(0.0, 50.0, 750.0, 800.0)
 
 
 def test_an_axis_without_travel_is_refused():

@@ -11,7 +11,6 @@ from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
 from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed, TracesRead
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.trace.trace_block import TraceBlock
-from gpr20_user_interface.pages.surveys.view import AREA, VERDICT
 from gpr20_user_interface.window.rail import TabName
 
 
@@ -31,7 +30,7 @@ def opened(window, folder):
     paths = sorted((folder / "traces").iterdir())
     window.show_tab(TabName.SURVEYS)
     window.on_event(SurveysListed("", (listed(folder, len(paths)),), False))
-    window.past.table.selectRow(0)
+    window.past.choose(listed(folder, len(paths)))
     click(window.past.open)
     text = (folder / "survey.json").read_text("ascii")
     window.on_event(SurveyRead(folder.name, text, tuple(range(len(paths)))))
@@ -46,11 +45,8 @@ def test_it_is_listed_as_imported_and_resume_is_not_offered(window, tmp_path):
     window.show_tab(TabName.SURVEYS)
     survey = listed(imported_folder(tmp_path), 5)
     window.on_event(SurveysListed("", (survey,), False))
-    window.past.table.selectRow(0)
-    table = window.past.table
-    assert table.item(0, VERDICT).text() == "imported"
-    assert table.item(0, AREA).text().endswith("\n5")
-    assert window.past.open.isEnabled() and window.past.candidates.isEnabled()
+    window.past.choose(survey)
+    assert window.past.open.isEnabled()
     assert not window.past.resume.isEnabled()
     surveys = PastSurveys()
     surveys.take("", (survey,), False)
@@ -59,18 +55,16 @@ def test_it_is_listed_as_imported_and_resume_is_not_offered(window, tmp_path):
 
 
 @pytest.mark.parametrize("size", [(5, 1), (1, 5), (6, 4), (1, 1)])
-def test_it_opens_on_map_and_radar_without_a_fault(window, tmp_path, size):
+def test_it_opens_on_ground_without_a_fault(window, tmp_path, size):
     shown = opened(window, imported_folder(tmp_path, *size))
     count = size[0] * size[1]
     assert shown.map.counts()[StopState.DONE] == count and shown.radar.count == count
     assert shown.map.grid.simulated is False and shown.map.grid.plan is None
-    for tab in (TabName.MAP, TabName.RADAR):
-        window.show_tab(tab)
-        window.grab()
-    window.show_tab(TabName.MAP)
-    window.map.select_stop(Stop(0, 0))
-    window.refresh()
-    assert window.map.trace.isEnabled() and not window.map.finer.isEnabled()
+    window.show_tab(TabName.GROUND)
+    window.grab()
+    window.ground.show_place(0.0, 0.0)
+    assert window.ground.model.cell.stop == Stop(0, 0)
+    assert not window.ground.view.finer.isEnabled()
     assert window.traces.past.problem is None
     assert str(window.traces.band.text).startswith("IMPORTED SURVEY: ")
 

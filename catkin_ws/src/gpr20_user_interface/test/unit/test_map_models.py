@@ -3,7 +3,7 @@ import pytest
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from view_kit import SURVEY, TRAVEL, cell, description, make_grid
+from view_kit import SURVEY, TRAVEL, description, make_grid
 
 from gpr20_common.message import verbatim
 from gpr20_operator import faults
@@ -40,10 +40,10 @@ def test_every_place_of_the_plan_is_where_main_control_goes(columns, rows, rotat
     grid = make_grid(columns, rows, rotations, **ends)
     points = survey_points(grid.plan[0], TRAVEL)
     assert grid.planned == len(points)
-    for point in points:
-        found = grid.cell(point.index)
-        assert grid.holds(found, point.x_mm, point.y_mm, point.z_deg)
-        assert grid.index(found) == point.index
+    indices = np.array([one.index for one in points])
+    positions = np.array([(one.x_mm, one.y_mm, one.z_deg) for one in points])
+    assert grid.holds(grid.cells(indices), positions).all()
+    assert [grid.index(grid.cell(one.index)) for one in points] == indices.tolist()
 
 
 @given(st.lists(STATES, min_size=1, max_size=60))
@@ -151,7 +151,7 @@ def test_a_plan_of_another_size_is_refused():
 def test_the_plan_is_read_from_survey_json():
     grid = grid_from_description(description())
     assert (grid.shape, grid.planned, grid.simulated) == ((4, 5), 40, True)
-    assert grid.holds(cell(0, 0), 100.0, 50.0, 0.0)
+    assert grid.holds(grid.cells(np.array([0])), np.array([[100.0, 50.0, 0.0]])).all()
     # Data of unknown origin count as simulated.
     assert grid_from_description(description(simulated="no")).simulated
     assert not grid_from_description(description(simulated=False)).simulated

@@ -9,7 +9,6 @@ from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages, shown_text
-from gpr20_user_interface.pages.surveys.view import VERDICT
 from gpr20_user_interface.window.rail import TabName
 
 
@@ -57,12 +56,11 @@ def test_every_tab_changes_its_language_at_once(window, application, spanish):
     show(window, snapshot(SurveyState.IDLE))
     hint = window.robot.overview.hint.text()
     spanish.use(Language.SPANISH)
-    window.show_tab(TabName.RADAR)
+    window.show_tab(TabName.GROUND)
     application.processEvents()
-    assert "Sin eco no significa sin mina." in window.radar.note.text()
-    assert window.map.next_problem.text() == "Siguiente\nincompleto"
-    assert window.past.table.item(0, VERDICT).text() == "INCOMPLETA\nSIMULADO"
+    assert "Sin eco no significa sin mina." in window.ground.view.note.text()
+    assert window.ground.view.set_marker.text() == "Poner\nmarca"
     assert window.robot.overview.hint.text() not in ("", hint)
-    sheet = window.radar_binding.sheet
+    sheet = window.ground.layers
     sheet.background.click()
     assert sheet.background.text() == "Fondo\nincluido"
