@@ -1,6 +1,7 @@
 """A result without ROS: what the storage and the imaging node are asked, and their answers."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 from candidate_examples import candidate, candidate_list
@@ -30,15 +31,20 @@ class Requests:
         self.asked = []
         self.cancelled = []
 
-    def __getattr__(self, name):
-        return lambda *request: self.asked.append((name, *request))
+    def ask(self, service, ticket, **fields):
+        self.asked.append((service.name.lower(), ticket, fields))
 
     def cancel(self, request_id):
         self.cancelled.append(request_id)
 
     def of(self, name):
-        """Return the requests of a kind, without their tickets."""
-        return [one[2:] for one in self.asked if one[0] == name]
+        """Return the fields of the requests of a kind."""
+        found = [fields for kind, _ticket, fields in self.asked if kind == name]
+        if name == "export":
+            return [SimpleNamespace(**one) for one in found]
+        if name == "note":
+            return [(one["survey"], one["kind"], json.loads(one["values_json"])) for one in found]
+        return [tuple(one.values()) for one in found]
 
     def ticket(self, name):
         """Return the ticket of the last request of a kind."""
@@ -77,7 +83,7 @@ def search(result, requests, candidates=ELEVEN, record=None, **changes):
     """Open the survey, and answer until its places are known."""
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(record or stored())
+    requests.ticket("read").done(record or stored())
     result.keep()
     found = candidate_list(candidates, survey_id=SURVEY, **changes)
     requests.ticket("focus").done(image_of(found))
@@ -86,4 +92,4 @@ def search(result, requests, candidates=ELEVEN, record=None, **changes):
 
 def plug_in(requests, *volumes):
     """Answer the question for sticks."""
-    requests.ticket("list_volumes").done(Sticks("gpr20-server", volumes))
+    requests.ticket("sticks").done(Sticks("gpr20-server", volumes))

@@ -17,21 +17,21 @@ class Clock:
     now_s = 0.0
 
 
-def new_job(cancelled, results, clock=Clock):
-    return Job(cancelled.append, lambda: clock.now_s, results.append)
+def new_job(tickets, cancelled, results, clock=Clock):
+    return Job(tickets.append, cancelled.append, lambda: clock.now_s, results.append)
 
 
 @given(STEPS)
 def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
     cancelled, results, tickets = [], [], []
-    job = new_job(cancelled, results)
+    job = new_job(tickets, cancelled, results)
     waiting = None
     for number, (step, which) in enumerate(steps):
         before = job.revision, job.state, job.result, job.problem, job.stage
         ticket = tickets[which % len(tickets)] if tickets else None
         if step == "ask":
             ended = waiting
-            job.ask(tickets.append)
+            job.ask()
             waiting = tickets[-1]
             assert ended is None or cancelled[-1] == ended.request_id
             assert job.running and job.result is None and job.problem is None
@@ -64,25 +64,42 @@ def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
 
 def test_it_counts_the_seconds_of_the_request_that_runs():
     clock = Clock()
-    job = new_job([], [], clock)
+    tickets = []
+    job = new_job(tickets, [], [], clock)
     clock.now_s = 10.0
     assert job.running_s == 0.0
-    tickets = []
-    job.ask(tickets.append)
+    job.ask()
     clock.now_s = 13.5
     assert job.running_s == 3.5
     tickets[0].done(None)
     assert job.running_s == 0.0
 
 
-def test_a_request_that_is_answered_at_once_is_done():
+def test_the_fields_of_a_request_are_sent_and_it_may_be_answered_at_once():
     results = []
-    job = new_job([], results)
-    job.ask(lambda ticket: ticket.done("here"))
-    assert (job.state, job.result, results) == (JobState.DONE, "here", ["here"])
+    job = Job(
+        *(lambda ticket, **fields: ticket.done(fields), lambda _id: None),
+        *(lambda: 0.0, results.append),
+    )
+    job.ask(survey="a", permittivity=4.0)
+    assert job.state is JobState.DONE
+    assert results == [job.result] == [{"survey": "a", "permittivity": 4.0}]
+
+
+def test_a_result_that_is_known_is_given_without_a_request():
+    tickets, cancelled, results = [], [], []
+    job = new_job(tickets, cancelled, results)
+    job.ask()
+    job.give("known")
+    assert (job.state, job.result, results) == (JobState.DONE, "known", ["known"])
+    assert cancelled == [tickets[0].request_id] and len(tickets) == 1
+    tickets[0].done("late")
+    assert job.result == "known"
 
 
 def test_a_result_that_is_refused_is_a_failure_with_its_reason():
-    job = Job(lambda _id: None, lambda: 0.0, lambda _result: job.refuse(REASON))
-    job.ask(lambda ticket: ticket.done("of another survey"))
+    tickets = []
+    job = Job(tickets.append, str, lambda: 0.0, lambda _result: job.refuse(REASON))
+    job.ask()
+    tickets[0].done("of another survey")
     assert (job.state, job.result, job.problem) == (JobState.FAILED, None, REASON)

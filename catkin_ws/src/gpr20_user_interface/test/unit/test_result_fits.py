@@ -62,7 +62,7 @@ def found(page, window, candidates=MANY, record=None, **changes):
 
 def test_the_states_of_the_search_fit(spoken, page):
     check(spoken, page)
-    spoken.node.ticket("read_survey").done(stored(7, outcome="interrupted"))
+    spoken.node.ticket("read").done(stored(7, outcome="interrupted"))
     check(spoken, page)
     spoken.node.ticket("focus").fail(REFUSED)
     check(spoken, page)
@@ -118,7 +118,7 @@ def test_where_a_mine_could_hide_fits(spoken, page):
     check(spoken, page, page.hiding)
     list(page.hiding.targets.values())[1].click()
     check(spoken, page, page.hiding)
-    spoken.node.ticket("map_hidden").done(a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY))
+    spoken.node.ticket("hide").done(a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY))
     check(spoken, page, page.hiding)
     page.hiding.hide()
     check(spoken, page)

@@ -76,8 +76,8 @@ def test_a_survey_that_ended_early_has_a_result_too(window, page, node, code):
 
 
 def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
-    assert node.of("read_survey") == [(SURVEY,)]
-    node.ticket("read_survey").done(stored())
+    assert node.of("read") == [(SURVEY,)]
+    node.ticket("read").done(stored())
     window.show_tab(TabName.SURVEYS)
     show(window, ENDED)
     assert node.of("focus") == []
@@ -94,7 +94,7 @@ def test_the_plan_s_permittivity_is_noted_when_the_survey_starts(window, page, n
     assert (survey, values["permittivity"]) == (SURVEY, window.control.permittivity)
     show(window, RUNS)
     show(window, ENDED)
-    node.ticket("read_survey").done(stored())
+    node.ticket("read").done(stored())
     show(window, ENDED)
     assert node.of("focus") == [(SURVEY, window.control.permittivity)]
 
@@ -128,7 +128,7 @@ def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, end
         return label.isVisible() and label.text() == shown_text(NO_CLEARANCE)
 
     assert is_said(view.no_clearance)
-    node.ticket("read_survey").done(stored())
+    node.ticket("read").done(stored())
     show(window, ENDED)
     assert is_said(view.no_clearance)
     node.ticket("focus").fail(REFUSED)
@@ -150,7 +150,7 @@ def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, end
 
 
 def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
-    node.ticket("read_survey").done(stored())
+    node.ticket("read").done(stored())
     show(window, ENDED)
     node.ticket("focus").fail(REFUSED)
     view = refreshed(ended).view
@@ -164,10 +164,10 @@ def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
 def test_a_cancelled_search_rests(window, ended, node):
     click(ended.view.cancel)
     show(window, ENDED)
-    assert len(node.of("read_survey")) == 1 and ended.view.again.isVisible()
+    assert len(node.of("read")) == 1 and ended.view.again.isVisible()
     click(ended.view.again)
     show(window, ENDED)
-    assert len(node.of("read_survey")) == 2
+    assert len(node.of("read")) == 2
 
 
 def test_a_survey_that_begins_closes_the_sheets_and_ends_the_search(window, done, node):
@@ -220,7 +220,7 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     ((_survey, _kind, values),) = node.of("note")
     assert (values["what"], values["depth_mm"], values["who"]) == ("scrap", 35.0, "Ana")
     node.ticket("note").done(None)
-    node.ticket("read_survey").done(stored(log=[noted("found", values)]))
+    node.ticket("read").done(stored(log=[noted("found", values)]))
     refreshed(done)
     assert "35" in done.view.rows[0].why.whole
     assert done.result.noting.state is JobState.DONE
@@ -266,7 +266,7 @@ def test_where_a_mine_could_hide_is_hatched(done, node):
     refreshed(done)
     assert done.hiding.progress.isVisible() and not done.hiding.targets[Targets.PMN].isEnabled()
     found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
-    node.ticket("map_hidden").done(found)
+    node.ticket("hide").done(found)
     refreshed(done)
     assert window_text(done.hiding).count("\n") >= 3
     click(done.hiding.close_button)
@@ -299,7 +299,7 @@ def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, no
     refreshed(done)
     assert len(node.of("export")) == 1
     click(done.stick.sticks[1])
-    assert node.of("export")[-1][0].volume == RED.path
+    assert node.of("export")[-1].volume == RED.path
 
 
 def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node):
@@ -324,14 +324,14 @@ def test_a_stored_survey_opens_its_result(window, page, node):
     show(window, snapshot())
     assert window.tabs.currentWidget() is window.survey_tab
     assert window.survey_tab.currentWidget() is page
-    assert node.of("read_survey")[-1] == (listed.folder,)
+    assert node.of("read")[-1] == (listed.folder,)
     click(page.view.plan)
     show(window, snapshot())
     assert window.survey_tab.currentWidget() is window.control
 
 
 def test_closing_the_window_ends_what_it_waits_for(window, ended, node):
-    node.ticket("read_survey").done(stored())
+    node.ticket("read").done(stored())
     show(window, ENDED)
     window.end()
     assert node.cancelled == [node.ticket("focus").request_id]

@@ -111,10 +111,10 @@ def test_one_permittivity_is_in_all_requests(planned, entered):
     assert result.permittivity == entered
     assert [one[1] for one in requests.of("focus")] == [one or 0.0 for one in values]
     result.choose_target(Targets.PMN)
-    assert requests.of("map_hidden") == [(SURVEY, entered or 0.0, "pmn")]
+    assert requests.of("hide") == [(SURVEY, entered or 0.0, "pmn")]
     result.begin_export("es")
     plug_in(requests, BLUE)
-    ((order,),) = requests.of("export")
+    (order,) = requests.of("export")
     assert (order.permittivity, order.language) == (entered or 0.0, "es")
 
 
@@ -125,7 +125,7 @@ def test_a_permittivity_that_is_changed_is_noted_and_a_stored_survey_opens_with_
     ((survey, kind, values),) = requests.of("note")
     assert (survey, kind) == (SURVEY, Kind.DECISION)
     another = new_result(Requests())
-    search(another, another._imaging.requests, record=stored(log=[noted(kind.value, values)]))
+    search(another, another._imaging._requests, record=stored(log=[noted(kind, values)]))
     assert another.permittivity == 8.0
     assert [str(one) for one in soil_lines(another)] == ["Permittivity 8", "Moist sand"]
 
@@ -160,7 +160,7 @@ def test_an_image_that_another_page_has_is_not_asked_for_again(result, requests)
     result.note_plan(SURVEY, found.permittivity)
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(stored())
+    requests.ticket("read").done(stored())
     result.keep()
     assert requests.of("focus") == [] and result.places == tuple(ELEVEN)
 
@@ -178,13 +178,13 @@ def test_nothing_is_searched_while_a_survey_runs_and_the_search_begins_when_it_h
     assert result.image is None
     result.choose_target(Targets.PMN)
     result.begin_export("en")
-    assert not requests.of("map_hidden") and not requests.of("list_volumes")
+    assert not requests.of("hide") and not requests.of("sticks")
 
 
 def test_a_survey_that_begins_ends_the_search_and_late_answers_change_nothing(result, requests):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(stored())
+    requests.ticket("read").done(stored())
     result.keep()
     late = requests.ticket("focus")
     result.note_running(True)
@@ -196,7 +196,7 @@ def test_a_survey_that_begins_ends_the_search_and_late_answers_change_nothing(re
 def test_a_search_that_is_cancelled_rests_until_it_is_wanted_again(result, requests):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(stored())
+    requests.ticket("read").done(stored())
     result.keep()
     result.cancel()
     result.keep()
@@ -209,9 +209,9 @@ def test_a_search_that_is_cancelled_rests_until_it_is_wanted_again(result, reque
 def test_a_failure_is_kept_with_its_reason_until_it_is_tried_again(result, requests):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").fail(verbatim("the storage does not answer"))
+    requests.ticket("read").fail(verbatim("the storage does not answer"))
     result.keep()
-    assert result.reading.state is JobState.FAILED and len(requests.of("read_survey")) == 1
+    assert result.reading.state is JobState.FAILED and len(requests.of("read")) == 1
     result.try_again()
     search(result, requests)
     assert len(result.places) == 11
@@ -220,7 +220,7 @@ def test_a_failure_is_kept_with_its_reason_until_it_is_tried_again(result, reque
 def test_a_survey_whose_description_is_damaged_is_not_searched(result, requests):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(stored()._replace(text="{"))
+    requests.ticket("read").done(stored()._replace(text="{"))
     result.keep()
     assert result.reading.problem is not None and requests.of("focus") == []
 
@@ -228,13 +228,13 @@ def test_a_survey_whose_description_is_damaged_is_not_searched(result, requests)
 def test_the_answer_for_another_survey_is_refused(result, requests):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(stored())
+    requests.ticket("read").done(stored())
     result.keep()
     requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
     assert result.search.problem == OTHER_SURVEY and result.places == ()
     search(new := new_result(requests), requests)
     new.choose_target(Targets.PMN)
-    requests.ticket("map_hidden").done(a_map([[[6]]], [[[6]]], survey_id=PAST))
+    requests.ticket("hide").done(a_map([[[6]]], [[[6]]], survey_id=PAST))
     assert new.hiding.problem == OTHER_SURVEY
 
 
@@ -244,7 +244,7 @@ def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_ch
     search(result, requests)
     result.choose_target(Targets.FRAGMENT)
     found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
-    requests.ticket("map_hidden").done(found)
+    requests.ticket("hide").done(found)
     assert result._imaging.pictures.hiding(SURVEY) is found is result.hiding.result
     result.set_permittivity(8.0)
     assert result.hiding.result is None and result._imaging.pictures.hiding(SURVEY) is None
@@ -271,7 +271,7 @@ def test_how_much_was_measured_is_said_unless_it_is_all(result, requests, count,
 def test_traces_that_cannot_be_read_are_counted(result, requests):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read_survey").done(stored())
+    requests.ticket("read").done(stored())
     result.keep()
     found = candidate_list(ELEVEN, survey_id=SURVEY)
     requests.ticket("focus").done(image_of(found, traces=PLANNED - 3))
@@ -289,7 +289,7 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_read_again(result
     assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
     assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
     requests.ticket("note").done(None)
-    requests.ticket("read_survey").done(stored(log=[noted("found", values)]))
+    requests.ticket("read").done(stored(log=[noted("found", values)]))
     assert result.find_at(place) == record
     assert result.find_at(result.places[1]) is None
     assert len(requests.of("focus")) == 1
@@ -307,7 +307,7 @@ def test_the_report_is_written_at_once_to_the_only_stick(result, requests):
     search(result, requests)
     result.begin_export("en")
     plug_in(requests, LOCKED, BLUE)
-    ((order,),) = requests.of("export")
+    (order,) = requests.of("export")
     assert (order.survey, order.kinds, order.volume) == (SURVEY, ["report-pdf"], BLUE.path)
 
 
@@ -316,7 +316,7 @@ def test_a_stick_that_is_plugged_in_later_is_written_too(result, requests, now):
     result.begin_export("en")
     plug_in(requests)
     result.export.look_for_sticks()
-    assert len(requests.of("list_volumes")) == 1
+    assert len(requests.of("sticks")) == 1
     now.s += LIST_PERIOD_S
     result.export.look_for_sticks()
     plug_in(requests, BLUE)
@@ -329,7 +329,7 @@ def test_of_several_sticks_one_is_chosen(result, requests):
     plug_in(requests, BLUE, RED)
     assert requests.of("export") == []
     result.export.write(RED.path)
-    assert requests.of("export")[0][0].volume == RED.path
+    assert requests.of("export")[0].volume == RED.path
     result.export.write(BLUE.path)
     assert len(requests.of("export")) == 1
 
@@ -346,7 +346,7 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     plug_in(requests, BLUE)
     assert len(requests.of("export")) == 1
     result.export.write(BLUE.path)
-    assert requests.of("export")[-1][0].kinds == ["report-pdf", "survey-zip"]
+    assert requests.of("export")[-1].kinds == ["report-pdf", "survey-zip"]
     result.export.cancel()
     result.export.toggle(ExportPart.SURVEY_ZIP)
     result.export.toggle(ExportPart.REPORT_PDF)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import uuid
 from dataclasses import dataclass
-from typing import Callable, Generic, Optional, TypeVar
+from typing import Any, Callable, Generic, Optional, TypeVar
 
 from gpr20_common.message import Message
 
@@ -56,14 +56,11 @@ class Ticket(Generic[Result]):
         self._job.take(self, JobState.FAILED, problem=problem)
 
 
-Send = Callable[[Ticket[Result]], None]
-"""Sends a request without waiting; the ticket takes the answer."""
-
-
 class Job(Generic[Result]):
     """One request at a time. Belongs to one thread.
 
     Args:
+        send: Sends a request without waiting; its ticket takes the answer.
         cancel: Asks to end a request, by its id.
         now_s: A clock that never goes back [s].
         done: Called with each result.
@@ -78,13 +75,13 @@ class Job(Generic[Result]):
 
     def __init__(
         self,
+        send: Callable[..., None],
         cancel: Callable[[str], None],
         now_s: Callable[[], float],
         done: Callable[[Result], None] = lambda _result: None,
     ) -> None:
-        self._cancel = cancel
-        self._now_s = now_s
-        self._done = done
+        self._send, self._cancel = send, cancel
+        self._now_s, self._done = now_s, done
         self._ticket: Optional[Ticket[Result]] = None
         self._started_s = 0.0
         self.revision = 0
@@ -100,12 +97,22 @@ class Job(Generic[Result]):
         """How long the request has been running [s]; 0 if none is."""
         return self._now_s() - self._started_s if self.running else 0.0
 
-    def ask(self, send: Send[Result]) -> None:
-        """Send a request; one that runs is ended."""
+    def ask(self, **wanted: Any) -> None:
+        """Send a request; one that runs is ended.
+
+        Args:
+            **wanted: Fields of the request.
+        """
         self.end()
         self._ticket, self._started_s = Ticket(self), self._now_s()
         self._set(JobState.RUNNING)
-        send(self._ticket)
+        self._send(self._ticket, **wanted)
+
+    def give(self, result: Result) -> None:
+        """Be done with a result that is known already."""
+        self.end()
+        self._set(JobState.DONE, result=result)
+        self._done(result)
 
     def end(self, reason: Optional[Message] = None) -> None:
         """End a request that runs, and forget the result.

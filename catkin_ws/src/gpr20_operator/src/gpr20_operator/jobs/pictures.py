@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Tuple
+import enum
+from functools import partial
+from typing import Any, Callable, Dict, NamedTuple, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Ticket
-from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
@@ -24,23 +24,28 @@ FEWEST_TRACES = 9
 MOST_IMAGES = 6
 
 
-@dataclass(frozen=True)
-class ExportOrder:
-    """What is to be written where.
+class Service(enum.Enum):
+    """What is asked of the imaging node and the storage; the fields are those of the services.
 
-    Attributes:
-        survey: Its id, or the name of its folder.
-        kinds: As the imaging node calls them.
-        permittivity: Of the ground; `NOT_KNOWN`: it is not known.
-        language: Code of the language of reports.
-        volume: Path of the stick.
+    A survey is given by its id or the name of its folder.
     """
 
-    survey: str
-    kinds: List[str]
-    permittivity: float
-    language: str
-    volume: str
+    FOCUS = "focus_survey"
+    """The answer is a FocusedImage, with the candidates in it."""
+    HIDE = "map_hidden"
+    """The answer is a HidingMap."""
+    EXPORT = "export_survey"
+    """The answer are the names of files on the stick."""
+    STICKS = "list_volumes"
+    READ = "read_survey"
+    """The answer is a StoredSurvey."""
+    NOTE = "note_survey"
+    """The answer is None, when the fact is stored."""
+
+    @property
+    def can_be_cancelled(self) -> bool:
+        """Whether it takes so long that it can be ended."""
+        return self in (Service.FOCUS, Service.HIDE, Service.EXPORT)
 
 
 class Sticks(NamedTuple):
@@ -58,35 +63,13 @@ class StoredSurvey(NamedTuple):
 
 
 class ImagingRequests(Protocol):
-    """Requests to the imaging node and the storage, without waiting; tickets take the answers.
+    """Asks without waiting; tickets take the answers."""
 
-    A survey is given by its id or the name of its folder.
-    """
-
-    def focus(self, ticket: Ticket[FocusedImage], survey: str, permittivity: float) -> None:
-        """Ask for the focused image of a survey and the candidates in it."""
-
-    def map_hidden(
-        self, ticket: Ticket[HidingMap], survey: str, permittivity: float, target: str
-    ) -> None:
-        """Ask where a target could hide."""
-
-    def export(self, ticket: Ticket[Tuple[str, ...]], order: ExportOrder) -> None:
-        """Ask to write files; the answer is their names on the stick."""
-
-    def list_volumes(self, ticket: Ticket[Sticks]) -> None:
-        """Ask for the sticks."""
-
-    def read_survey(self, ticket: Ticket[StoredSurvey], survey: str) -> None:
-        """Ask what the storage has of a survey."""
-
-    def note(
-        self, ticket: Ticket[None], survey: str, kind: Kind, values: Mapping[str, Any]
-    ) -> None:
-        """Ask to add a fact to the log of a survey, durably."""
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service."""
 
     def cancel(self, request_id: str) -> None:
-        """Ask to end a request of a ticket; of one that is not there, nothing."""
+        """Ask to end a request of a ticket."""
 
 
 class Pictures:
@@ -154,16 +137,25 @@ class Imaging:
     """
 
     def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
-        self.requests = requests
+        self._requests = requests
         self.now_s = now_s
         self.pictures = Pictures()
         self.permittivities: Dict[str, Optional[float]] = {}
-        self._shown: Job[FocusedImage] = Job(requests.cancel, now_s, self.pictures.add_image)
-        self._others: Job[FocusedImage] = Job(requests.cancel, now_s, self.pictures.add_image)
+        self._shown = self.job(Service.FOCUS, self.pictures.add_image)
+        self._others = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked: Optional[Wanted] = None
         self._ended_s: Optional[float] = None
         self._settling: Optional[Wanted] = None
         self._settling_s = 0.0
+
+    def job(self, service: Service, done: Callable[[Any], None] = lambda _result: None) -> Job[Any]:
+        """Return a job of a service; `done` is called with each result."""
+
+        def cancel(request_id: str) -> None:
+            if service.can_be_cancelled:
+                self._requests.cancel(request_id)
+
+        return Job(partial(self._requests.ask, service), cancel, self.now_s, done)
 
     @property
     def problem(self) -> Optional[Message]:
@@ -179,9 +171,7 @@ class Imaging:
         if wanted == self._asked or not self._is_due(wanted):
             return
         self._asked, self._ended_s = wanted, None
-        self._shown.ask(
-            lambda ticket: self.requests.focus(ticket, wanted.survey_id, wanted.permittivity)
-        )
+        self._shown.ask(survey=wanted.survey_id, permittivity=wanted.permittivity)
 
     def focus(self, survey_id: str, permittivity: float) -> bool:
         """Ask for the image of another survey than the one that is shown.
@@ -191,7 +181,7 @@ class Imaging:
         """
         if self._others.running:
             return False
-        self._others.ask(lambda ticket: self.requests.focus(ticket, survey_id, permittivity))
+        self._others.ask(survey=survey_id, permittivity=permittivity)
         return True
 
     def end(self) -> None:

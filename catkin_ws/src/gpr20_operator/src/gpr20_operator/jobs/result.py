@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
@@ -12,7 +13,7 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, ImagingRequests, StoredSurvey
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Service, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
@@ -113,19 +114,18 @@ class SurveyResult:
     """
 
     def __init__(self, imaging: Imaging, time_us: Callable[[], int] = time_of_day_us) -> None:
-        requests, now_s = imaging.requests, imaging.now_s
         self._imaging = imaging
         self._time_us = time_us
         self._survey_runs = False
         self._wanted = False
         self.survey = ""
         self.record: Optional[Record] = None
-        self.reading: Job[StoredSurvey] = Job(_leave, now_s, self._take_record)
-        self.search: Job[FocusedImage] = Job(requests.cancel, now_s, self._take_image)
-        self.hiding: Job[HidingMap] = Job(requests.cancel, now_s, self._take_hiding)
-        self.noting: Job[None] = Job(_leave, now_s, lambda _none: self._read_again())
-        self._soil: Job[None] = Job(_leave, now_s)
-        self.export = StickExport(requests, now_s)
+        self.reading: Job[StoredSurvey] = imaging.job(Service.READ, self._take_record)
+        self.search: Job[FocusedImage] = imaging.job(Service.FOCUS, self._take_image)
+        self.hiding: Job[HidingMap] = imaging.job(Service.HIDE, self._take_hiding)
+        self.noting: Job[None] = imaging.job(Service.NOTE, lambda _none: self._read_again())
+        self._soil: Job[None] = imaging.job(Service.NOTE)
+        self.export = StickExport(imaging)
         self._list_sum = ""
         self.target = Targets.TYPE_72.value
         self.first = 0
@@ -201,17 +201,15 @@ class SurveyResult:
             return
         if self.record is None:
             if self.reading.state is JobState.READY:
-                self.reading.ask(lambda ticket: self._requests.read_survey(ticket, self.survey))
+                self.reading.ask(survey=self.survey)
             return
         self._wanted = False
         record, permittivity = self.record, self.permittivity
         known = self._imaging.pictures.image(record.survey_id)
         if known is not None and self._is_whole(known):
-            image = known
-            self.search.ask(lambda ticket: ticket.done(image))
+            self.search.give(known)
         else:
-            value = permittivity or NOT_KNOWN
-            self.search.ask(lambda ticket: self._requests.focus(ticket, record.survey_id, value))
+            self.search.ask(survey=record.survey_id, permittivity=permittivity or NOT_KNOWN)
 
     def cancel(self) -> None:
         """End the search."""
@@ -242,17 +240,17 @@ class SurveyResult:
         """Keep the permittivity of the plan with its survey, durably."""
         self._imaging.permittivities[survey_id] = permittivity
         values = soil_values(permittivity, self._time_us())
-        self._soil.ask(lambda ticket: self._requests.note(ticket, survey_id, SOIL_KIND, values))
+        self._soil.ask(survey=survey_id, kind=SOIL_KIND.value, values_json=json.dumps(values))
 
     def choose_target(self, target: Targets) -> None:
         """Ask where a target could hide."""
         if self.record is None or self._survey_runs:
             return
         self.target = target.value
-        survey, permittivity = self.record.survey_id, self.permittivity or NOT_KNOWN
-        name = self.target.name
         self.hiding.ask(
-            lambda ticket: self._requests.map_hidden(ticket, survey, permittivity, name)
+            survey=self.record.survey_id,
+            permittivity=self.permittivity or NOT_KNOWN,
+            target=target.value.name,
         )
 
     def begin_export(self, language: str) -> None:
@@ -287,12 +285,14 @@ class SurveyResult:
             *(what, place.id, self._list_sum, place.x_mm, place.y_mm, who),
             *(utc_time.iso_text(self._time_us()), depth_mm),
         )
-        survey_id, values = self.record.survey_id, found.values()
-        self.noting.ask(lambda ticket: self._requests.note(ticket, survey_id, Kind.FOUND, values))
+        values_json = json.dumps(found.values())
+        self.noting.ask(
+            survey=self.record.survey_id, kind=Kind.FOUND.value, values_json=values_json
+        )
 
     def _read_again(self) -> None:
         if self.record is not None:
-            self.reading.ask(lambda ticket: self._requests.read_survey(ticket, self.survey))
+            self.reading.ask(survey=self.survey)
 
     def _take_record(self, stored: StoredSurvey) -> None:
         try:
@@ -325,11 +325,3 @@ class SurveyResult:
 
     def _is_other(self, survey_id: str) -> bool:
         return self.record is None or survey_id != self.record.survey_id
-
-    @property
-    def _requests(self) -> ImagingRequests:
-        return self._imaging.requests
-
-
-def _leave(_request_id: str) -> None:
-    """Let the storage end a request by itself: none takes long."""

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import replace
-from typing import Callable, FrozenSet, Optional, Tuple
+from typing import Any, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.pictures import ExportOrder, ImagingRequests, Sticks
+from gpr20_operator.jobs.pictures import Imaging, Service, Sticks
 from gpr20_survey.results.volume import Volume
 
 # A stick that is plugged in shows within this time [s].
@@ -34,8 +33,7 @@ class StickExport:
     """One export at a time. Belongs to one thread.
 
     Args:
-        requests: The imaging node.
-        now_s: A clock that never goes back [s].
+        imaging: The imaging node.
 
     Attributes:
         job: The export; its result are the names of the files on the stick.
@@ -45,13 +43,12 @@ class StickExport:
         choosing: Whether a person chooses the parts; else the only stick is written at once.
     """
 
-    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
-        self._requests = requests
-        self._now_s = now_s
+    def __init__(self, imaging: Imaging) -> None:
+        self._now_s = imaging.now_s
         self._listed_s = -LIST_PERIOD_S
-        self._order = ExportOrder("", [], 0.0, "", "")
-        self.job: Job[Tuple[str, ...]] = Job(requests.cancel, now_s)
-        self.listing: Job[Sticks] = Job(requests.cancel, now_s, self._take_sticks)
+        self._order: Dict[str, Any] = {}
+        self.job: Job[Tuple[str, ...]] = imaging.job(Service.EXPORT)
+        self.listing: Job[Sticks] = imaging.job(Service.STICKS, self._take_sticks)
         self.sticks = NO_STICKS
         self.parts: FrozenSet[ExportPart] = REPORT
         self.choosing = False
@@ -82,7 +79,7 @@ class StickExport:
         if self.job.running:
             return
         self.job.end()
-        self._order = ExportOrder(survey, [], permittivity, language, "")
+        self._order = {"survey": survey, "permittivity": permittivity, "language": language}
         self.parts, self.choosing = REPORT, False
         # A stick of an earlier list may have been removed.
         self.sticks, self._listed_s = NO_STICKS, -LIST_PERIOD_S
@@ -94,7 +91,7 @@ class StickExport:
         late = self._now_s() - self._listed_s >= LIST_PERIOD_S
         if waits and late and not self.job.running and not self.listing.running:
             self._listed_s = self._now_s()
-            self.listing.ask(self._requests.list_volumes)
+            self.listing.ask()
 
     def choose_parts(self) -> None:
         """Let a person choose what is written, and where."""
@@ -112,8 +109,7 @@ class StickExport:
             return
         self.choosing = False
         kinds = [one.value for one in ExportPart if one in self.parts]
-        order = replace(self._order, kinds=kinds, volume=volume)
-        self.job.ask(lambda ticket: self._requests.export(ticket, order))
+        self.job.ask(**self._order, kinds=kinds, volume=volume)
 
     def cancel(self) -> None:
         """End an export that is running, or the wait for a stick."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import rospy
 
@@ -12,23 +11,14 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
+from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
-from gpr20_msgs.srv import (
-    CancelImaging,
-    ExportSurvey,
-    FocusSurvey,
-    ListVolumes,
-    MapHidden,
-    NoteSurvey,
-    ReadSurvey,
-)
 from gpr20_operator import faults
 from gpr20_operator.jobs.job import Delivery, Ticket
-from gpr20_operator.jobs.pictures import ExportOrder, Sticks, StoredSurvey
+from gpr20_operator.jobs.pictures import Service, Sticks, StoredSurvey
 from gpr20_operator.robot.senders import Senders
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.results.focused_image import FocusedImage, image_from
-from gpr20_survey.results.hiding_map import HidingMap, hiding_from
+from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.hiding_map import hiding_from
 from gpr20_survey.results.volume import volume_from
 from gpr20_user_interface.high.ros_events import RosEvents, in_background
 
@@ -37,10 +27,23 @@ LONG_TIMEOUT_S = 4 * 3600.0
 SHORT_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.
 NOTE_TIMEOUT_S = 60.0
-NO_IMAGING = Message(
-    "the imaging node does not answer; check that it is running on the computer of the storage"
-)
-NO_STORAGE = Message("the storage does not answer; check that it is running")
+# Class and time limit [s] of each service, and what its answer becomes.
+SERVICES: Dict[Service, Tuple[Any, float, Callable[[Any], Any]]] = {
+    Service.FOCUS: (srv.FocusSurvey, LONG_TIMEOUT_S, image_from),
+    Service.HIDE: (srv.MapHidden, LONG_TIMEOUT_S, lambda one: hiding_from(one.hiding_json)),
+    Service.EXPORT: (srv.ExportSurvey, LONG_TIMEOUT_S, lambda one: tuple(one.files)),
+    Service.STICKS: (
+        srv.ListVolumes,
+        SHORT_TIMEOUT_S,
+        lambda one: Sticks(one.computer, tuple(map(volume_from, one.volumes))),
+    ),
+    Service.READ: (
+        srv.ReadSurvey,
+        SHORT_TIMEOUT_S,
+        lambda one: StoredSurvey(one.metadata_json, len(one.stored_indices)),
+    ),
+    Service.NOTE: (srv.NoteSurvey, NOTE_TIMEOUT_S, lambda _one: None),
+}
 
 
 class ImagingClient(RosEvents):
@@ -48,13 +51,8 @@ class ImagingClient(RosEvents):
 
     def __init__(self, listener: Callable[[object], None], senders: Senders) -> None:
         super().__init__(listener, senders)
-        self._focus = ServiceClient("focus_survey", FocusSurvey)
-        self._hide = ServiceClient("map_hidden", MapHidden)
-        self._export = ServiceClient("export_survey", ExportSurvey)
-        self._volumes = ServiceClient("list_volumes", ListVolumes)
-        self._cancel = ServiceClient("cancel_imaging", CancelImaging)
-        self._read = ServiceClient("read_survey", ReadSurvey)
-        self._note = ServiceClient("note_survey", NoteSurvey)
+        self._clients = {one: ServiceClient(one.value, kind[0]) for one, kind in SERVICES.items()}
+        self._cancel = ServiceClient("cancel_imaging", srv.CancelImaging)
         # The export alone reports its progress.
         self._exporting: Optional[Ticket[Any]] = None
 
@@ -62,45 +60,13 @@ class ImagingClient(RosEvents):
         """Subscribe to the progress of requests."""
         self._subscribe_raw("imaging_progress", ImagingProgress, self._on_progress, 20)
 
-    def focus(self, ticket: Ticket[FocusedImage], survey: str, permittivity: float) -> None:
-        """Ask for the focused image of a survey and the candidates in it."""
-        wanted = {"survey": survey, "permittivity": permittivity}
-        self._ask(ticket, self._long(self._focus, ticket, wanted), image_from)
-
-    def map_hidden(
-        self, ticket: Ticket[HidingMap], survey: str, permittivity: float, target: str
-    ) -> None:
-        """Ask where a target could hide."""
-        wanted = {"survey": survey, "permittivity": permittivity, "target": target}
-        call = self._long(self._hide, ticket, wanted)
-        self._ask(ticket, call, lambda response: hiding_from(response.hiding_json))
-
-    def export(self, ticket: Ticket[Tuple[str, ...]], order: ExportOrder) -> None:
-        """Ask to write files; the answer is their names on the stick."""
-        self._exporting = ticket
-        call = self._long(self._export, ticket, vars(order))
-        self._ask(ticket, call, lambda response: tuple(response.files))
-
-    def list_volumes(self, ticket: Ticket[Sticks]) -> None:
-        """Ask for the sticks."""
-        self._ask(ticket, lambda: self._volumes.call(SHORT_TIMEOUT_S), _sticks_from)
-
-    def read_survey(self, ticket: Ticket[StoredSurvey], survey: str) -> None:
-        """Ask what the storage has of a survey."""
-        self._ask(
-            ticket,
-            lambda: self._read.call(SHORT_TIMEOUT_S, survey=survey),
-            lambda response: StoredSurvey(response.metadata_json, len(response.stored_indices)),
-            NO_STORAGE,
-        )
-
-    def note(
-        self, ticket: Ticket[None], survey: str, kind: Kind, values: Mapping[str, Any]
-    ) -> None:
-        """Ask to add a fact to the log of a survey, durably."""
-        fact = {"survey": survey, "kind": kind.value, "values_json": json.dumps(values)}
-        call = partial(self._note.call, NOTE_TIMEOUT_S, **fact)
-        self._ask(ticket, call, lambda _response: None, NO_STORAGE)
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service in the background, and let the ticket take the answer."""
+        if service.can_be_cancelled:
+            fields["request_id"] = ticket.request_id
+        if service is Service.EXPORT:
+            self._exporting = ticket
+        in_background(lambda: self._emit(Delivery(self._answer(service, ticket, fields))))
 
     def cancel(self, request_id: str) -> None:
         """Ask to end a request of a ticket."""
@@ -114,40 +80,32 @@ class ImagingClient(RosEvents):
 
         in_background(work)
 
+    def _answer(
+        self, service: Service, ticket: Ticket[Any], fields: Dict[str, Any]
+    ) -> Callable[[], None]:
+        """Return what is to be called in the thread of the job."""
+        _kind, timeout_s, convert = SERVICES[service]
+        try:
+            response = self._clients[service].call(timeout_s, **fields)
+            if response.success:
+                return partial(ticket.done, convert(response))
+            return partial(ticket.fail, message_from(response))
+        except ServiceUnavailableError as error:
+            return partial(ticket.fail, _silent(service, error))
+        except InvalidValueError as error:
+            return partial(ticket.fail, error.message)
+
     def _on_progress(self, message: ImagingProgress) -> None:
         ticket, stage = self._exporting, message_from(message)
         if ticket is not None and message.request_id == ticket.request_id:
             self._emit(Delivery(partial(ticket.progress, stage)))
 
-    @staticmethod
-    def _long(
-        service: ServiceClient, ticket: Ticket[Any], wanted: Mapping[str, Any]
-    ) -> Callable[[], Any]:
-        return partial(service.call, LONG_TIMEOUT_S, request_id=ticket.request_id, **wanted)
 
-    def _ask(
-        self,
-        ticket: Ticket[Any],
-        call: Callable[[], Any],
-        convert: Callable[[Any], Any],
-        silent: Message = NO_IMAGING,
-    ) -> None:
-        """Call a service in the background, and let the ticket take the converted answer."""
-
-        def answer() -> Callable[[], None]:
-            try:
-                response = call()
-                if response.success:
-                    return partial(ticket.done, convert(response))
-                return partial(ticket.fail, message_from(response))
-            except ServiceUnavailableError as error:
-                reason = Message(silent.template, details=error)
-                return partial(ticket.fail, reason.with_fault(faults.PART_SILENT))
-            except InvalidValueError as error:
-                return partial(ticket.fail, error.message)
-
-        in_background(lambda: self._emit(Delivery(answer())))
-
-
-def _sticks_from(response: Any) -> Sticks:
-    return Sticks(response.computer, tuple(volume_from(one) for one in response.volumes))
+def _silent(service: Service, error: ServiceUnavailableError) -> Message:
+    reason = Message(
+        "the imaging node does not answer; check that it is running on the computer of the storage",
+        details=error,
+    )
+    if service in (Service.READ, Service.NOTE):
+        reason = Message("the storage does not answer; check that it is running", details=error)
+    return reason.with_fault(faults.PART_SILENT)
