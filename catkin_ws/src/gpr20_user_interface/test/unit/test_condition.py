@@ -65,6 +65,15 @@ TABLE = (
         "CHECKING",
         "",
     ),
+    # The state is told before the axis says that it rests; later, it moves.
+    (
+        {"code": S.FINISHED, "axes": moving(AxisId.X, owner="/main_control"), "state_s": 0.4},
+        *(L.DONE, "FINISHED", ""),
+    ),
+    (
+        {"code": S.FINISHED, "axes": moving(AxisId.X, owner="/main_control"), "state_s": 0.6},
+        *(L.ATTENTION, "ROBOT MOVES", "x axis, by main_control"),
+    ),
     ({"code": S.FINISHED, "service": verbatim("homing")}, L.ATTENTION, "SERVICE", "homing"),
     (
         {"code": S.SURVEYING, "axes": moving(AxisId.Y, owner="/rqt")},

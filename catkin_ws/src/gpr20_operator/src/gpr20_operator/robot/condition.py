@@ -55,15 +55,18 @@ class Condition:
 MOVES = Message("ROBOT MOVES")
 NO_CONTACT = Message("NO CONTACT")
 # Who moves the axes for a survey, where the axis knows it: the band says so by its colour.
-_SURVEY = ("", "main_control")
+_CONTROL = "main_control"
+_SURVEY = ("", _CONTROL)
 _MOVERS: Dict[Optional[SurveyState], Tuple[str, ...]] = {
     # An axis that still slows down when a check begins.
-    SurveyState.CHECKING: ("main_control",),
+    SurveyState.CHECKING: (_CONTROL,),
     SurveyState.HOMING: _SURVEY,
     SurveyState.SURVEYING: _SURVEY,
     SurveyState.PAUSING: _SURVEY,
     SurveyState.STOPPING: _SURVEY,
 }
+# An axis says that it rests up to this time [s] after the main control has seen it.
+REPORT_S = 0.5
 # The main control reports twice a second; after this time [s] its last word may be out of date.
 CONTROL_LATE_S = 2.5
 # Without a motion, a trace or a new state for so long [s], something is wrong. The main control
@@ -134,6 +137,8 @@ def _is_survey(snapshot: Snapshot, axis: AxisReport) -> bool:
     """Return whether it is the survey in progress that moves an axis."""
     if not snapshot.control_alive or axis.silent:
         return False
+    if _name(axis) == _CONTROL and snapshot.state_s < REPORT_S:
+        return True
     return _name(axis) in _MOVERS.get(snapshot.code, ())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import FrozenSet, Optional, Tuple
 
@@ -50,6 +51,8 @@ class Snapshot:
     master_alive: bool = True
     # A survey ran, and the main control does not know it any more.
     interrupted: bool = False
+    # How long ago the state changed [s].
+    state_s: float = math.inf
     # For how long no axis moved, no trace was counted and the state stayed the same [s].
     still_s: float = 0.0
     # What is done for maintenance, outside a survey.

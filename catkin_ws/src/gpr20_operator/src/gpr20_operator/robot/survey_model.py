@@ -110,7 +110,7 @@ class SurveyModel:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._received_s: Optional[float] = None
-        self._progressed_s = clock.now_s()
+        self._changed_s = self._progressed_s = clock.now_s()
         self._state: Optional[ControlState] = None
         self._progress: Optional[Progress] = None
         self._current: _Latest[CurrentPosition] = _Latest(clock)
@@ -143,7 +143,7 @@ class SurveyModel:
         now_s = self._received_s = self._clock.now_s()
         before = None if self._state is None else self._state.code
         if event.code is not before:
-            self._progressed_s = now_s
+            self._changed_s = self._progressed_s = now_s
         if event.code in RUNNING:
             self._interrupted = False
         elif before in RUNNING and event.code not in ENDED:
@@ -233,6 +233,7 @@ class SurveyModel:
             health=self._health.report(),
             master_alive=self._limits.master_alive,
             interrupted=self._interrupted,
+            state_s=now_s - self._changed_s,
             still_s=now_s - self._progressed_s,
             service=self._service,
             ignored_sender="" if ignored is None else ignored.sender,

@@ -33,11 +33,13 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.widgets import new_button, set_look
+from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
 
 UNKNOWN = "—"
 DISTANCES = (*(-step for step in reversed(STEPS)), *STEPS)
 PLACE_PX = 130
+# What the text of an instrument's button has room for.
+BUTTON_PX = 190
 
 # Called with an axis, what it is asked for, and a distance.
 Move = Callable[[AxisId, AxisAction, float], None]
@@ -192,6 +194,7 @@ class Instruments(TranslatedWidget):
     def restyle(self) -> None:
         """Take the sizes of the look."""
         self._grid.setSpacing(look_of(self).px(GAP_PX))
+        self._write_daily(None if self._state is None else self._state.daily_check.part)
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
@@ -208,7 +211,7 @@ class Instruments(TranslatedWidget):
             text = self.tr("MEASURE {number}/{total}").format(
                 number=PARTS.index(part) + 1, total=len(PARTS)
             )
-        self.daily.setText(text)
+        self.daily.setText(in_two_lines(text, self.daily, look_of(self).px(BUTTON_PX)))
 
     def _daily_text(self, check: DailyCheckState) -> str:
         if check.measuring:
