@@ -11,13 +11,13 @@ import pytest
 from layout_kit import SCREENS, busiest, front, problems, settle, window_on
 from layout_tour import STOPS
 from pseudo_language import PSEUDO, write_pseudo_catalogue
-from PyQt5.QtWidgets import QStackedWidget, QWidget
+from PyQt5.QtWidgets import QLabel, QPushButton, QStackedWidget, QWidget
 from window_helpers import show
 
 import gpr20_user_interface
 from gpr20_common.low.catalogue_file import VARIABLE
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.look import Theme
+from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
@@ -108,3 +108,40 @@ def test_texts_a_third_longer_than_english(application, tmp_path, monkeypatch):
         assert window.settings.title.text().startswith("Séttîñgš")
     if wrong:
         warnings.warn(wrong, stacklevel=1)
+
+
+def at(widget, left, top, width, height):
+    widget.setGeometry(left, top, width, height)
+    return widget
+
+
+WRONG = {
+    "is cut off at its end": lambda part: at(QLabel("much too long", part), 10, 10, 40, 60),
+    "is cut off at its top": lambda part: at(QLabel("a\nb\nc", part), 10, 10, 200, 20),
+    "reaches over the edge": lambda part: at(QLabel("a", part), 350, 10, 100, 60),
+    "has too few lines": lambda part: at(wrapped("one line and another one", part), 10, 10, 90, 20),
+    "cuts the word": lambda part: at(wrapped("interferometrically", part), 10, 10, 60, 90),
+    "is hard to touch": lambda part: at(QPushButton("OK", part), 10, 10, 200, 40),
+    "lies over": lambda part: at(QLabel("a", part), 190, 190, 60, 60),
+}
+
+
+def wrapped(text, part):
+    label = QLabel(text, part)
+    label.setWordWrap(True)
+    return label
+
+
+@pytest.mark.parametrize("reason", WRONG)
+def test_the_kit_finds_what_is_wrong(application, reason):
+    window = QWidget()
+    window.look = Look()
+    window.resize(400, 300)
+    at(QPushButton("Right", window), 200, 200, 120, 60)
+
+    WRONG[reason](window)
+    window.show()
+    found = problems(window, [window])
+    assert len(found) == 1 and reason in found[0]
+    window.children()[-1].hide()
+    assert problems(window, [window]) == []
