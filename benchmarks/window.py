@@ -5,11 +5,11 @@ after the other, and each axis publishes at 50 Hz while it moves. Everything of 
 this process, so its own counters are those of the window.
 
     scripts/bench.sh window --minutes 120                              (memory over two hours)
-    scripts/bench.sh window --tab radar --time-scale 150 --minutes 5   (one tab)
+    scripts/bench.sh window --tab ground --time-scale 150 --minutes 5   (one tab)
 
 A heartbeat of 10 ms measures how long the window's thread was busy with something else: beyond
-50 ms it could not have drawn 20 frames a second. While RADAR is shown, the time from the arrival of
-a trace to its first drawing in the slice is measured. `--rest` starts no survey.
+50 ms it could not have drawn 20 frames a second. While GROUND is shown, the time from the arrival
+of a trace to its first drawing from above is measured. `--rest` starts no survey.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.shade_colours import NOT_MEASURED
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.window.main_window import TabName
+from gpr20_user_interface.window.rail import TabName
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05
@@ -69,37 +69,38 @@ class Heartbeat:
 
 
 class Delays(QObject):
-    """Notes when a trace arrives and when the slice of RADAR is first painted with it."""
+    """Notes when a trace arrives and when GROUND is first painted with it."""
 
     def __init__(self, interface: UserInterface) -> None:
         super().__init__()
         self.delays_s: List[float] = []
         self.traces = 0
-        self._radar = interface.window.radar
+        self._ground = interface.window.ground
+        self._above = self._ground.view.pictures.above
         self._arrived_s: Dict[int, float] = {}
         # As the window receives them: the subscriptions of one process are of one type.
         self._subscriber = rospy.Subscriber("trace", rospy.AnyMsg, self._note)
-        self._radar.slice_plot.installEventFilter(self)
+        self._above.viewport().installEventFilter(self)
 
     def _note(self, message: rospy.AnyMsg) -> None:
         self._arrived_s[deserialized(Trace, message._buff).index] = time.monotonic()
         self.traces += 1
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Qt: something happens to the slice."""
+        """Qt: something happens to the view from above."""
         if event.type() == QEvent.Type.Paint:
             # Painted after this.
             QTimer.singleShot(0, self._look)
         return False
 
     def _look(self) -> None:
-        numbers, grid = self._radar.slice_plot.colour_numbers, self._radar.presenter.model.grid
+        numbers, grid = self._above.numbers, self._ground.model.survey.radar.grid
         if numbers is None or grid is None:
             return
         now_s, drawn = time.monotonic(), numbers != NOT_MEASURED
         for index in list(self._arrived_s):
             cell = grid.cell(index) if index < grid.planned else None
-            if cell is None or cell.polarization != self._radar.presenter.settings.polarization:
+            if cell is None or cell.polarization != self._ground.model.settings.polarization:
                 del self._arrived_s[index]
             elif drawn[cell.stop.row, cell.stop.column]:
                 self.delays_s.append(now_s - self._arrived_s.pop(index))
@@ -191,7 +192,7 @@ def watch(
     if delays.delays_s and len(tabs) == 1:
         low, high = np.percentile(delays.delays_s, [50.0, 99.0])
         print(
-            f"from the topic to the slice, {len(delays.delays_s)} traces: median {low:.3f} s, "
+            f"from the topic to the screen, {len(delays.delays_s)} traces: median {low:.3f} s, "
             f"99th percentile {high:.3f} s, at most {max(delays.delays_s):.3f} s"
         )
     for tab in TabName:

@@ -50,7 +50,7 @@ def make(folder: Path) -> None:
             window.candidates.close_button.click()
             window.past.open.click()
             wait(lambda: window.tabs.currentIndex() != surveys, "the survey is open")
-            window.show_tab(TabName.MAP)
+            window.show_tab(TabName.GROUND)
 
         shown.take(folder, "candidates", find)
         shown.take(folder, "hidden", hide)

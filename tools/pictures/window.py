@@ -8,15 +8,15 @@ from robot_kit import simulated_robot
 from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.ground.grid import Stop
+from gpr20_user_interface.pages.ground.model import Layer
 from gpr20_user_interface.window.rail import TabName
 from pictures.kit import shown_window, wait
 
 # A finished survey for the list, then the one that the pictures show.
 SMALL_SURVEY = {"x_points": 3, "y_points": 3}
 PART_SHOWN = 0.7
-TARGET_STOP = Stop(6, 7)  # above the metallic sphere
-SLICE_STEPS = 12  # 60 mm, between the depths of the two targets
+# Above the metallic sphere, between the depths of the two targets.
+TARGET_MM = (155.0, 140.0, 60.0)
 
 
 def make(folder: Path) -> None:
@@ -30,12 +30,12 @@ def make(folder: Path) -> None:
         operator.start()
         wanted = round(PART_SHOWN * 21 * 21 * 2)
         wait(lambda: window.traces.live.radar.count >= wanted, "the survey shows both targets")
-        window.map.select_stop(TARGET_STOP)
-        window.radar.depth_slider.setValue(SLICE_STEPS)
+        window.ground.show_place(*TARGET_MM)
 
         def choose_survey() -> None:
-            wait(lambda: window.past.table.rowCount() == 2, "the list is there")
-            window.past.table.selectRow(1)
+            stored = window.traces.past
+            wait(lambda: len(stored.surveys) == 2, "the list is there")
+            window.past.choose(stored.surveys[1])
 
         for tab in TabName:
             window.show_tab(tab)
@@ -43,9 +43,9 @@ def make(folder: Path) -> None:
                 shown.take(folder, tab.value, choose_survey)
             else:
                 shown.take(folder, tab.value)
-        window.show_tab(TabName.RADAR)
-        window.radar.source.click()
-        wait(lambda: window.radar.presenter.image is not None, "an image is focused")
+        window.show_tab(TabName.GROUND)
+        wait(lambda: window.ground.model.image is not None, "an image is focused")
+        window.ground.model.switch(Layer.FOCUSED)
         shown.take(folder, "focused")
         operator.stop()
         wait(lambda: operator.code == ControlStatus.STOPPED, "the survey stops")

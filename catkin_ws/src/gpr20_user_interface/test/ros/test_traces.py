@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""MAP, RADAR and the past surveys with a real screen, the real storage and the real survey."""
+"""GROUND and the past surveys with a real screen, the real storage and the real survey."""
 
 from __future__ import annotations
 
@@ -28,12 +28,10 @@ from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import Command, ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.ground.grid import Stop
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.look.shade_colours import NOT_MEASURED
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.pages.surveys.view import VERDICT
 from gpr20_user_interface.terminal.survey_arguments import parse_arguments
 from gpr20_user_interface.window.rail import TabName
 
@@ -64,9 +62,14 @@ class Window:
         self.interface.begin()
 
     def drawn(self) -> int:
-        """Return how many stops of the shown polarization are drawn in the slice."""
-        numbers = self.window.radar.slice_plot.colour_numbers
+        """Return how many stops of the shown polarization are drawn from above."""
+        numbers = self.window.ground.view.pictures.above.numbers
         return 0 if numbers is None else int((numbers != NOT_MEASURED).sum())
+
+    def done(self) -> int:
+        """Return how many stops of the survey that is shown are done; -1: not known."""
+        counts = self.window.ground.model.survey.map.counts()
+        return -1 if counts is None else counts[StopState.DONE]
 
     def close(self) -> None:
         self.interface.end()
@@ -134,7 +137,7 @@ class Traces(unittest.TestCase):
         self.call("start_survey")
 
     def test_1_each_trace_is_seen_within_a_second(self) -> None:
-        window = self.window(TabName.RADAR)
+        window = self.window(TabName.GROUND)
         self.start(4)
         radar = window.traces.live.radar
         seen_s: Dict[int, float] = {}
@@ -147,7 +150,7 @@ class Traces(unittest.TestCase):
                 seen_s[drawn] = time.monotonic()
             return drawn == 12
 
-        wait_until(all_drawn, "the slice is full")
+        wait_until(all_drawn, "the picture is full")
         # Of polarization 0, in the order of the plan: 0, 3, 4, 7, ...
         order = [4 * (number // 2) + (3 if number % 2 else 0) for number in range(12)]
         delays_s = [seen_s[number] - self.heard_s[order[number - 1]] for number in sorted(seen_s)]
@@ -157,16 +160,14 @@ class Traces(unittest.TestCase):
         self.assertLess(max(delays_s), 10.0 * SHOWN_WITHIN_S)
         wait_until(lambda: radar.count == 24, "both polarizations are there")
         wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
-        self.assertIn("SIMULATED", window.window.radar.note.text())
-        window.window.show_tab(TabName.MAP)
-        done = window.window.map.legend[StopState.DONE]
-        wait_until(lambda: done.text() == "Done: 12", "the map is full")
+        self.assertIn("SIMULATED", window.window.ground.view.note.text())
+        wait_until(lambda: window.done() == 12, "the coverage is full")
         self.warned.assert_not_called()
 
     def test_2_a_window_that_is_started_in_the_middle_shows_what_was_measured_before(self) -> None:
         self.start(12)
         wait_until(lambda: len(self.heard_s) >= 20, "a good part is measured")
-        window = self.window(TabName.RADAR)
+        window = self.window(TabName.GROUND)
         self.call("pause_survey")
         wait_until(lambda: self.code == ControlStatus.PAUSED, "the survey pauses")
         live = window.traces.live
@@ -192,17 +193,15 @@ class Traces(unittest.TestCase):
         wait_until(lambda: self.code == ControlStatus.STOPPED, "the survey has stopped")
         window = self.window(TabName.SURVEYS)
         past = window.window.past
-        wait_until(lambda: past.table.rowCount() == 3, "the surveys are listed")
-        self.assertIn("INCOMPLETE", past.table.item(0, VERDICT).text())
-        self.assertTrue(past.table.item(1, VERDICT).text().startswith("complete"))
-        past.table.selectRow(0)
+        stored = window.traces.past
+        wait_until(lambda: len(stored.surveys) == 3, "the surveys are listed")
+        self.assertEqual([one.complete for one in stored.surveys], [False, True, True])
+        past.choose(stored.surveys[0])
         QTest.mouseClick(past.resume, Qt.LeftButton)
         self.hold(window)
         wait_until(lambda: self.code == ControlStatus.FINISHED, "it was resumed to its end")
         # The list is read again when a survey ends.
-        wait_until(
-            lambda: past.table.item(0, VERDICT).text().startswith("complete"), "it is complete"
-        )
+        wait_until(lambda: stored.surveys[0].complete, "it is complete")
 
     def hold(self, window: Window) -> None:
         """Hold the button of the summary, until what it says is requested."""
@@ -214,35 +213,35 @@ class Traces(unittest.TestCase):
     def test_4_a_past_survey_is_opened(self) -> None:
         window = self.window(TabName.SURVEYS)
         past = window.window.past
-        wait_until(lambda: past.table.rowCount() == 3, "the surveys are listed")
-        past.table.selectRow(2)
+        stored = window.traces.past
+        wait_until(lambda: len(stored.surveys) == 3, "the surveys are listed")
+        past.choose(stored.surveys[2])
         QTest.mouseClick(past.open, Qt.LeftButton)
         wait_until(lambda: window.traces.shown.radar.count == 24, "its traces are read")
         wait_until(lambda: window.drawn() == 12, "they are drawn")
-        band = window.window.radar_page.band
+        band = window.window.ground.view.band
         self.assertTrue(band.isVisible())
-        self.assertIn("PAST SURVEY", band.text.whole)
-        # Another client begins a survey: it takes the place of the past one on every tab.
+        self.assertIn("PAST SURVEY", band.whole)
+        # Another client begins a survey: it takes the place of the past one.
         self.start(4)
         wait_until(lambda: not band.isVisible(), "the band is gone")
-        done = window.window.map.legend[StopState.DONE]
-        window.window.show_tab(TabName.MAP)
-        self.assertNotEqual(done.text(), "Done: 12")
+        self.assertNotEqual(window.done(), 12)
         wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
-        wait_until(lambda: done.text() == "Done: 12", "the map is that of the new survey")
+        wait_until(lambda: window.done() == 12, "the coverage is that of the new survey")
         self.warned.assert_not_called()
 
     def test_4b_its_focused_image_comes_from_the_node_beside_the_data(self) -> None:
-        window = self.window(TabName.RADAR)
-        imaging = window.window.surveys_binding.export.model
-        radar = window.window.radar.presenter
+        window = self.window(TabName.GROUND)
+        export = window.window.result.result.export
+        model = window.window.ground.model
         wait_until(lambda: window.traces.shown.radar.count == 24, "the last survey is shown")
-        wait_until(lambda: radar.image is not None, "its image is there")
-        assert radar.image is not None
-        self.assertEqual(radar.image.levels_db.shape[1:], (3, 4))
-        self.assertEqual((radar.image.traces, radar.image.found.simulated), (24, True))
-        imaging.look_for_sticks()
-        wait_until(lambda: imaging.computer == socket.gethostname(), "the node lists the sticks")
+        wait_until(lambda: model.image is not None, "its image is there")
+        assert model.image is not None
+        self.assertEqual(model.image.levels_db.shape[1:], (3, 4))
+        self.assertEqual((model.image.traces, model.image.found.simulated), (24, True))
+        export.look_for_sticks()
+        name = socket.gethostname()
+        wait_until(lambda: export.sticks.computer == name, "the node lists the sticks")
 
     def test_5_what_names_no_survey_is_refused(self) -> None:
         for name in ("", "../..", "/etc/passwd", "20260921T141320_0f8fad5b"):
@@ -251,7 +250,7 @@ class Traces(unittest.TestCase):
             self.assertTrue(answer.message)
 
     def test_6_what_is_no_trace_is_told_and_the_window_lives(self) -> None:
-        window = self.window(TabName.RADAR)
+        window = self.window(TabName.GROUND)
         as_storage = {"callerid": "/vna_processing"}
         publisher = rospy.Publisher("trace", Trace, queue_size=1, headers=as_storage)
         self.addCleanup(publisher.unregister)
@@ -266,8 +265,8 @@ class Traces(unittest.TestCase):
         self.assertEqual(window.traces.live.radar.given_up, {})
 
     def test_7_a_marked_place_is_measured_finer_and_both_surveys_know_each_other(self) -> None:
-        window = self.window(TabName.MAP)
-        view, additions = window.window.map, window.window.additions
+        window = self.window(TabName.GROUND)
+        page, additions = window.window.ground, window.window.additions
         self.start(4)
         wait_until(lambda: self.code == ControlStatus.SURVEYING, "the survey is measuring")
         survey = window.window.survey
@@ -276,21 +275,21 @@ class Traces(unittest.TestCase):
             "its plan is here",
         )
         wait_until(lambda: additions.survey_id == window.traces.shown.survey_id, "it is followed")
-        view.select_stop(Stop(1, 2))
-        QTest.mouseClick(view.set_marker, Qt.LeftButton)
-        pad = window.window.map_binding.note_pad
+        page.show_place(120.0, 110.0)
+        QTest.mouseClick(page.view.set_marker, Qt.LeftButton)
+        pad = page.note_pad
         pad.press("metal")
         pad.accept_button.click()
         wait_until(lambda: len(additions.markers) == 1, "the storage has the marker")
-        other = self.window(TabName.MAP)
+        other = self.window(TabName.GROUND)
         wait_until(lambda: other.window.additions.markers == additions.markers, "others see it")
         wait_until(lambda: self.code == ControlStatus.FINISHED, "the survey has ended")
         coarse = window.traces.shown.survey_id
 
-        finer = window.window.map_binding.finer
+        finer = page.finer
         wait_until(lambda: not window.window.survey.snapshot.running, "the window knows that")
-        view.select_stop(Stop(1, 2))
-        QTest.mouseClick(view.finer, Qt.LeftButton)
+        page.show_place(120.0, 110.0)
+        QTest.mouseClick(page.view.finer, Qt.LeftButton)
         for _ in range(20):
             QTest.mouseClick(finer.wider, Qt.LeftButton)
         QTest.mouseClick(finer.use, Qt.LeftButton)
