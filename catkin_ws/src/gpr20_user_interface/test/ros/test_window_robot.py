@@ -22,7 +22,6 @@ from gpr20_operator.plan.spec import Tile
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_user_interface.high.conversions import parameters_message
-from gpr20_user_interface.pages.surveys.view import VERDICT
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.keys import DOWN, STEP
 from gpr20_user_interface.window.rail import TabName
@@ -121,11 +120,8 @@ class WindowOnRobot(WindowCase):
         wait_until(lambda: self.title() == "FINISHED", "the survey ends")
         self.window.show_tab(TabName.SURVEYS)
         past = self.window.past
-        wait_until(lambda: past.table.rowCount() > 0, "the list is there")
-        wait_until(
-            lambda: past.table.item(0, VERDICT).text().startswith("complete"), "it is listed"
-        )
-        past.table.selectRow(0)
+        wait_until(lambda: any(one.complete for one in past.model.surveys[:1]), "it is listed")
+        past.choose(past.model.surveys[0])
         self.touch(past.notes)
         self.write_note("notes", ", then dry")
         found = self.annotation()
@@ -230,7 +226,9 @@ class WindowOnRobot(WindowCase):
         self.assertFalse(self.window.notice.isVisible())
         self.touch(view.switch_button)
         self.touch(tools.measure)
-        wait_until(lambda: " V" in tools.answers[tools.measure].toPlainText(), "the height is measured")
+        wait_until(
+            lambda: " V" in tools.answers[tools.measure].toPlainText(), "the height is measured"
+        )
         self.touch(tools.analyzer)
         wait_until(
             lambda: "Sweep of" in tools.answers[tools.analyzer].toPlainText(), "the VNA is tested"

@@ -237,6 +237,3 @@ def line_misfits(widget, text, frame_px):
         yield "is cut off at its end"
     if len(lines) * metrics.height() > widget.height() + ROUNDING_PX:
         yield "is cut off at its top"
-
-
-assert_touchable = assert_fits

@@ -16,6 +16,7 @@ from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
 NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
@@ -61,6 +62,39 @@ def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger):
         assert window.start_sheet.isVisible()
         window.start_sheet.hide()
         pressed.clear()
+
+
+def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(application, tmp_path):
+    window = opened_window(application, profiles=tmp_path, clock=FakeClock())
+    show(window, snapshot(SurveyState.SURVEYING))
+    window.resize(480, 320)
+    finger = Finger(window, window.clock)
+    band = window.touch_binding.band
+    assert band.isVisible() and "800x480" in band.text.text()
+    for tab in TabName:
+        finger.tap(window.rail.tabs[tab])
+        finger.wait(AFTER_S)
+        assert window.rail.tabs[tab].isChecked()
+        for button in window.tabs.currentWidget().findChildren(QPushButton):
+            if button.isVisible():
+                finger.hold(button)
+                finger.wait(AFTER_S)
+    finger.tap(window.rail.settings)
+    assert not any(sheet.isVisible() for sheet in window.findChildren(Overlay))
+    # What the robot opens is closed by any touch: its buttons do not act.
+    show(window, snapshot(SurveyState.PAUSED))
+    window.start_sheet.ask_resume()
+    finger.wait(AFTER_S)
+    finger.hold(window.start_sheet.hold)
+    assert wishes(window) == [] and not window.start_sheet.isVisible()
+    show(window, snapshot(SurveyState.SURVEYING))
+    finger.tap(window.top_bar.pause)
+    finger.tap(window.top_bar.stop)
+    assert wishes(window) == ["pause", "stop"]
+    window.resize(800, 480)
+    QApplication.processEvents()
+    assert not band.isVisible()
+    close(window)
 
 
 def test_a_bounce_of_done_does_nothing(window, finger):
