@@ -17,6 +17,8 @@ from PyQt5.QtCore import QPoint, QRect, QSocketNotifier
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QWidget
 
+from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.low.clock import Clock
 from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
@@ -85,7 +87,9 @@ class Describer:
     def _at(self, name: str) -> Optional[QWidget]:
         found: Any = self._window
         for part in name.split("."):
-            if isinstance(found, dict):
+            if isinstance(found, list):
+                found = found[int(part)]
+            elif isinstance(found, dict):
                 keys = {getattr(key, "name", str(key)): key for key in found}
                 found = found[keys[part]]
             else:
@@ -113,11 +117,12 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--folder", type=Path, required=True, help="of settings and profiles")
     parser.add_argument("--full-screen", action="store_true")
+    parser.add_argument("--language", type=language_from_code, default=Language.ENGLISH)
     given = parser.parse_args(rospy.myargv()[1:])
     application = QApplication([])
     rospy.init_node("window", disable_signals=True)
     memory = WindowMemory(SettingsFile(given.folder / "window.yaml"))
-    languages = Languages(application, memory.settings.language)
+    languages = Languages(application, given.language)
     profiles = Profiles(ProfileFolder(given.folder / "profiles"))
     plan = SettingsFile(given.folder / "plan.yaml")
     interface = UserInterface(

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 from virtual_screen import VirtualScreen, WindowManager, program_path
 from waiting import wait_until
@@ -27,13 +27,19 @@ class TouchedWindow:
         size: Width and height of the screen, as in 800x480.
         full_screen: Whether the window covers the screen.
         managed: Whether a window manager runs.
+        arguments: More arguments of the window, such as its language or services of another name.
 
     Attributes:
         touches: How many times the finger touched.
     """
 
     def __init__(
-        self, folder: Path, size: str = "800x480", full_screen: bool = True, managed: bool = True
+        self,
+        folder: Path,
+        size: str = "800x480",
+        full_screen: bool = True,
+        managed: bool = True,
+        arguments: Sequence[str] = (),
     ) -> None:
         self.touches = 0
         self._closed = False
@@ -44,7 +50,7 @@ class TouchedWindow:
         program = Path(__file__).with_name("touch_window.py")
         options = ["--full-screen"] if full_screen else []
         self._process = subprocess.Popen(
-            [sys.executable, str(program), "--folder", str(folder), *options],
+            [sys.executable, str(program), "--folder", str(folder), *options, *arguments],
             env={**self.screen.environment, "QT_XCB_GL_INTEGRATION": "none"},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

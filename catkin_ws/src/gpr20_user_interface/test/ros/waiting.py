@@ -13,6 +13,7 @@ def wait_until(
     condition: Callable[[], bool],
     what: str,
     pause: Callable[[], None] = lambda: time.sleep(PAUSE_S),
+    limit_s: float = LIMIT_S,
 ) -> None:
     """Return when the condition holds; fail with `what` if it does not within the limit.
 
@@ -20,9 +21,10 @@ def wait_until(
         condition: Asked again and again.
         what: What is waited for, for the message.
         pause: Lets a little time pass; a window needs its events handled meanwhile.
+        limit_s: How long to wait [s].
     """
-    deadline_s = time.monotonic() + LIMIT_S
+    deadline_s = time.monotonic() + limit_s
     while not condition():
         if time.monotonic() > deadline_s:
-            raise AssertionError(f"not within {LIMIT_S:g} s: {what}")
+            raise AssertionError(f"not within {limit_s:g} s: {what}")
         pause()
