@@ -17,8 +17,6 @@ from gpr20_operator.robot.events import (
     Request,
     RobotFigures,
 )
-from gpr20_operator.robot.message_source import MessageSources
-from gpr20_operator.robot.shown_model import ShownModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_cost import SurveyCost
@@ -80,8 +78,7 @@ def estimator():
 @pytest.fixture
 def parts(application, clock, estimator):
     control, model = ControlThatRecords(), WatchedModel(clock)
-    shown = ShownModel(clock, MessageSources("/main_control"), model)
-    survey = WindowPresenter(shown, control, estimator)
+    survey = WindowPresenter(model, control, estimator)
     languages = Languages(application, Language.ENGLISH)
     window = new_window(languages, survey)
     window.show()
@@ -107,7 +104,7 @@ def test_one_press_of_start_is_one_request(parts):
     start(window)
     start(window)
     assert len(control.asked) == 2
-    assert control.asked[1].x_points == 5
+    assert control.asked[1].x_points == 11
     assert window.top_bar.stop.isEnabled()
     window.on_event(Answer(Request.START, True, verbatim(""), "id"))
     assert not window.notice.isVisible()
@@ -242,10 +239,10 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert "1000 MB" not in window.control.figures.figures
+    assert window.control.check_plan.lines[1].whole == ""
     window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert "1000 MB" in window.control.figures.figures
+    assert window.control.check_plan.lines[1].whole == "1 GB"
     enter(window, "x_points", "7")
     assert estimator.asked[-1] == (replace(asked, x_points=7), figures)
-    assert "1000 MB" not in window.control.figures.figures
+    assert window.control.check_plan.lines[1].whole == ""
