@@ -97,7 +97,7 @@ class Rail(TranslatedWidget):
         titles = {
             TabName.SURVEY: self.tr("Survey"),
             TabName.GROUND: self.tr("Ground"),
-            TabName.SURVEYS: self.tr("Stored"),
+            TabName.SURVEYS: self.tr("Archive"),
             TabName.ROBOT: self.tr("Robot"),
         }
         for name, title in titles.items():
