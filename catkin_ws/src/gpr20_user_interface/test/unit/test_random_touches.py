@@ -80,7 +80,7 @@ class Field:
         elif chance < 0.4:
             window.show_tab(self.random.choice(list(TabName)))
         elif chance < 0.5:
-            window.past.choose(window.past.model.surveys[0])
+            window.past.choose(window.traces.past.surveys[0])
         elif chance < 0.6 and not window.survey.snapshot.fields_locked:
             window.profiles.show_profiles(default_parameters())
             window.profiles.names.setCurrentRow(self.random.randrange(3))
