@@ -86,17 +86,6 @@ def test_the_fields_of_a_request_are_sent_and_it_may_be_answered_at_once():
     assert results == [job.result] == [{"survey": "a", "permittivity": 4.0}]
 
 
-def test_a_result_that_is_known_is_given_without_a_request():
-    tickets, cancelled, results = [], [], []
-    job = new_job(tickets, cancelled, results)
-    job.ask()
-    job.give("known")
-    assert (job.state, job.result, results) == (JobState.DONE, "known", ["known"])
-    assert cancelled == [tickets[0].request_id] and len(tickets) == 1
-    tickets[0].done("late")
-    assert job.result == "known"
-
-
 def test_a_result_that_is_refused_is_a_failure_with_its_reason():
     tickets = []
     job = Job(tickets.append, str, lambda: 0.0, lambda _result: job.refuse(REASON))

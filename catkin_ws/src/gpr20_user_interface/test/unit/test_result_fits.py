@@ -16,6 +16,7 @@ from window_helpers import show
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.found import What
 
 __all__ = ["screen", "spoken"]
 
@@ -93,13 +94,12 @@ def test_a_place_and_what_was_found_there_fit(spoken, page):
     found(page, spoken)
     page.view.rows[4].click()
     check(spoken, page, page.place)
-    page.place.found.click()
-    page.found._who, page.found._depth = "W" * 60, "1234.5"
-    page.found.show_now()
-    check(spoken, page, page.found)
-    page.found.deep.click()
-    assert_fits(spoken, page.found.pad)
-    page.found.pad.hide()
+    page.place._who, page.place._depth, page.place._what = "W" * 60, "1234.5", What.DEVICE
+    page.place.show_now()
+    check(spoken, page, page.place)
+    page.place.deep.click()
+    assert_fits(spoken, page.place.pad)
+    page.place.pad.hide()
 
 
 def test_the_soil_fits(spoken, page):

@@ -4,8 +4,8 @@ import pytest
 from candidate_examples import candidate
 from hiding_kit import a_map
 from PyQt5.QtTest import QTest
-from result_kit import BLUE, ELEVEN, RED, image_of, noted, plug_in, search, stored
-from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
+from result_kit import BLUE, ELEVEN, RED, noted, plug_in, search, stored
+from view_kit import SURVEY, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Fault, Message, verbatim
@@ -204,19 +204,17 @@ def test_measure_finer_opens_its_plan_and_show_opens_ground(window, done):
 
 def test_what_was_found_is_stored_only_by_a_hold(done, node):
     click(done.view.rows[0])
-    click(done.place.found)
-    assert not done.found.store.isEnabled()
-    click(done.found.whats[What.SCRAP])
-    done.found.pad.hide()
-    click(done.found.who)
-    done.found.pad.press("Ana")
-    click(done.found.pad.accept_button)
-    click(done.found.deep)
-    done.found.pad.press("35")
-    click(done.found.pad.accept_button)
-    click(done.found.store)
+    assert not done.place.store.isEnabled()
+    click(done.place.whats[What.SCRAP])
+    click(done.place.who)
+    done.place.pad.press("Ana")
+    click(done.place.pad.accept_button)
+    click(done.place.deep)
+    done.place.pad.press("35")
+    click(done.place.pad.accept_button)
+    click(done.place.store)
     assert node.of("note") == []
-    hold(done.found.store)
+    hold(done.place.store)
     ((_survey, _kind, values),) = node.of("note")
     assert (values["what"], values["depth_mm"], values["who"]) == ("scrap", 35.0, "Ana")
     node.ticket("note").done(None)
@@ -228,13 +226,12 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
 
 def test_a_record_that_cannot_be_stored_says_why(done, node):
     click(done.view.rows[0])
-    click(done.place.found)
-    click(done.found.whats[What.NOTHING])
-    done.found._who = "Ana"
-    done.found.show_now()
-    hold(done.found.store)
+    click(done.place.whats[What.NOTHING])
+    done.place._who = "Ana"
+    done.place.show_now()
+    hold(done.place.store)
     node.ticket("note").fail(verbatim("the disk is full"))
-    assert "the disk is full".capitalize() in refreshed(done).found.text.text()
+    assert "the disk is full".capitalize() in refreshed(done).place.text.text()
 
 
 def test_the_soil_is_changed_by_a_hold_and_everything_is_made_with_it(window, done, node):
@@ -351,4 +348,3 @@ def test_the_brightest_place_is_first_whatever_its_flags(ended, node):
     search(ended.result, node, [bright, *ELEVEN[1:]])
     assert refreshed(ended).view.rows[0].rank.text() == "1"
     assert ended.result.shown[0] is bright
-    assert PAST != SURVEY and image_of is not None

@@ -154,17 +154,6 @@ def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
     assert noted_permittivity([{"kind": "decision", "values": None}]) is None
 
 
-def test_an_image_that_another_page_has_is_not_asked_for_again(result, requests):
-    found = candidate_list(ELEVEN, survey_id=SURVEY)
-    result._imaging.pictures.add_image(image_of(found))
-    result.note_plan(SURVEY, found.permittivity)
-    result.open(SURVEY)
-    result.keep()
-    requests.ticket("read").done(stored())
-    result.keep()
-    assert requests.of("focus") == [] and result.places == tuple(ELEVEN)
-
-
 def test_nothing_is_searched_while_a_survey_runs_and_the_search_begins_when_it_has_ended(
     result, requests
 ):

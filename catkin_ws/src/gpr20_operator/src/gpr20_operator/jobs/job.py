@@ -108,12 +108,6 @@ class Job(Generic[Result]):
         self._set(JobState.RUNNING)
         self._send(self._ticket, **wanted)
 
-    def give(self, result: Result) -> None:
-        """Be done with a result that is known already."""
-        self.end()
-        self._set(JobState.DONE, result=result)
-        self._done(result)
-
     def end(self, reason: Optional[Message] = None) -> None:
         """End a request that runs, and forget the result.
 

@@ -204,12 +204,7 @@ class SurveyResult:
                 self.reading.ask(survey=self.survey)
             return
         self._wanted = False
-        record, permittivity = self.record, self.permittivity
-        known = self._imaging.pictures.image(record.survey_id)
-        if known is not None and self._is_whole(known):
-            self.search.give(known)
-        else:
-            self.search.ask(survey=record.survey_id, permittivity=permittivity or NOT_KNOWN)
+        self.search.ask(survey=self.record.survey_id, permittivity=self.permittivity or NOT_KNOWN)
 
     def cancel(self) -> None:
         """End the search."""
@@ -317,11 +312,6 @@ class SurveyResult:
             self.hiding.refuse(OTHER_SURVEY)
             return
         self._imaging.pictures.add_hiding(found)
-
-    def _is_whole(self, image: FocusedImage) -> bool:
-        """Return whether a page has asked for just this image."""
-        whole = self.record is not None and image.traces == self.record.stored
-        return whole and image.found.permittivity == self.permittivity
 
     def _is_other(self, survey_id: str) -> bool:
         return self.record is None or survey_id != self.record.survey_id

@@ -13,7 +13,6 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.pages.result.sheets import (
-    FoundSheet,
     HidingSheet,
     PlaceSheet,
     SoilSheet,
@@ -53,18 +52,16 @@ class ResultPage(QWidget, Page):
         self.result = result
         self._permittivity = permittivity
         self.view = ResultView(result)
-        self.place = PlaceSheet(window, result)
-        self.found = FoundSheet(window, result, operator)
+        self.place = PlaceSheet(window, result, operator)
         self.soil = SoilSheet(window, result)
         self.hiding = HidingSheet(window, result)
         self.stick = StickSheet(window, result, lambda: languages.language.value)
-        self.sheets = (self.place, self.found, self.soil, self.hiding, self.stick)
-        self.view.place_touched.connect(self._on_place)
+        self.sheets = (self.place, self.soil, self.hiding, self.stick)
+        self.view.place_touched.connect(self.place.ask)
         self.view.stick_wanted.connect(self.stick.ask)
         self.view.hiding_wanted.connect(lambda: self.hiding.open_now())
         self.view.soil_wanted.connect(self.soil.ask)
         self.view.plan_wanted.connect(self.plan_wanted)
-        self.place.found_wanted.connect(self.found.ask)
         self.place.finer_wanted.connect(self._on_finer)
         self.place.show_wanted.connect(self._on_show)
         layout = QVBoxLayout(self)
@@ -80,7 +77,7 @@ class ResultPage(QWidget, Page):
         """Search when nothing else happens and the page is seen; never during a survey."""
         self.result.note_running(snapshot.running)
         if snapshot.running:
-            for sheet in (*self.sheets, self.found.pad, self.soil.pad):
+            for sheet in (*self.sheets, self.place.pad, self.soil.pad):
                 sheet.hide()
         if self.isVisible() and snapshot.replay is None:
             self.result.keep()
@@ -95,11 +92,6 @@ class ResultPage(QWidget, Page):
         self.view.refresh()
         for sheet in self.sheets:
             sheet.refresh()
-
-    def _on_place(self, place: Optional[Candidate]) -> None:
-        self.result.chosen = place
-        self.view.refresh()
-        self.place.open_now()
 
     def _on_finer(self, place: Candidate) -> None:
         if self.result.record is not None:

@@ -116,6 +116,10 @@ class ResultSheet(Overlay):
         """Add the text, the bar and the keys below them."""
         self._page.addWidget(self.text, 1)
         self._page.addWidget(self.progress)
+        self.add_end(*keys)
+
+    def add_end(self, *keys: QWidget) -> None:
+        """Add the last keys, and what the list is not."""
         self.add_row([*keys, self.close_button])
         self._page.addWidget(self.no_clearance)
 
@@ -141,47 +145,7 @@ class ResultSheet(Overlay):
 
 
 class PlaceSheet(ResultSheet):
-    """One place: why it is on the list, and what to do about it."""
-
-    finer_wanted = pyqtSignal(object)
-    found_wanted = pyqtSignal(object)
-    show_wanted = pyqtSignal(object)
-
-    def __init__(self, window: QWidget, result: SurveyResult) -> None:
-        super().__init__(window, result)
-        self.finer = new_button(lambda: self._leave(self.finer_wanted))
-        self.found = new_button(lambda: self._leave(self.found_wanted))
-        self.view = new_button(lambda: self._leave(self.show_wanted))
-        self.add_text(self.finer, self.found, self.view)
-        self.progress.hide()
-        self.retranslate()
-
-    def show_now(self) -> None:
-        """Show the chosen place."""
-        self.finer.setText(self.tr("Measure\nfiner"))
-        self.found.setText(self.tr("Found\nthere"))
-        self.view.setText(self.tr("Show in\nGROUND"))
-        place, record = self.result.chosen, self.result.record
-        if place is None:
-            self.hide()
-            return
-        self.finer.setEnabled(record is not None and record.grid.plan is not None)
-        self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
-        found = self.result.find_at(place)
-        lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
-        hidden = self.result.hiding.result
-        if hidden is not None:
-            lines.append(hidden.at(place.x_m, place.y_m))
-        self.text.setText("\n".join(sentence_text(one) for one in [*lines, texts.FROM_MARK]))
-
-    def _leave(self, wanted: Any) -> None:
-        self.hide()
-        if self.result.chosen is not None:
-            wanted.emit(self.result.chosen)
-
-
-class FoundSheet(ResultSheet):
-    """Records what a person found at a place; a hold stores it.
+    """One place: why it is on the list, and what to do; a hold stores what was found there.
 
     Args:
         window: The window that it covers.
@@ -189,51 +153,69 @@ class FoundSheet(ResultSheet):
         operator: Returns who operates the robot now.
     """
 
+    # A Candidate.
+    finer_wanted = pyqtSignal(object)
+    show_wanted = pyqtSignal(object)
+
     def __init__(self, window: QWidget, result: SurveyResult, operator: Callable[[], str]) -> None:
         super().__init__(window, result)
         self._operator = operator
-        self._place: Optional[Candidate] = None
         self._what: Optional[What] = None
         self._depth, self._who = "", ""
         self._problem: Optional[Message] = None
         self.pad = Pad(window)
         self.whats: Dict[What, QPushButton] = {one: self._key(one) for one in What}
-        self.deep = new_button(self._on_depth)
-        self.who = new_button(self._on_who)
+        self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
         self.store = HoldButton()
         self.store.held.connect(self._on_store)
+        self.finer = new_button(lambda: self._leave(self.finer_wanted))
+        self.view = new_button(lambda: self._leave(self.show_wanted))
+        self._page.addWidget(self.text, 1)
         self.add_row(list(self.whats.values()))
-        self.add_row([self.deep, self.who])
-        self.add_text(self.store)
+        self.add_row([self.deep, self.who, self.store])
+        self.add_end(self.finer, self.view)
         self.retranslate()
 
     def ask(self, place: Candidate) -> None:
         """Open for a place."""
         record = self.result.record
-        self._place, self._what, self._depth, self._problem = place, None, "", None
+        self._what, self._depth, self._problem = None, "", None
         self._who = self._operator() or (record.operator if record is not None else "")
+        self.result.chosen = place
         self.result.noting.end()
         self.open_now()
 
     def show_now(self) -> None:
-        """Show what is entered."""
-        noting = self.result.noting
-        for what, key in self.whats.items():
-            self.show_choice(key, sentence_text(texts.FINDS[what]), what is self._what)
+        """Show the place, and what is entered."""
+        self.finer.setText(self.tr("Measure\nfiner"))
+        self.view.setText(self.tr("Show in\nGROUND"))
         self.deep.setText(f"{self.tr('Depth')}\n{self._depth or '—'} mm")
         self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or '—'}")
         self.store.setText(self.tr("Hold to store"))
+        for what, key in self.whats.items():
+            self.show_choice(key, sentence_text(texts.FINDS[what]), what is self._what)
+        place, record, noting = self.result.chosen, self.result.record, self.result.noting
+        if place is None or record is None:
+            self.hide()
+            return
         self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
-        if self._place is not None:
-            number = self._place.number
-            self.title.setText(self.tr("Found at place {number}").format(number=number))
-        stored = self.tr("It is stored with the survey.")
-        asked = self.tr("Choose what was found and say who found it. A later entry replaces this.")
-        if self._problem is not None:
-            self.text.setText(sentence_text(self._problem))
-        else:
-            self.show_job(noting, stored if noting.state is JobState.DONE else asked)
-        self.progress.setVisible(noting.running)
+        self.finer.setEnabled(record.grid.plan is not None)
+        self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
+        problem = self._problem or noting.problem
+        lines = self._lines(place) if problem is None else [with_remedy(problem)]
+        self.text.setText("\n".join(lines))
+
+    def _lines(self, place: Candidate) -> List[str]:
+        found, hidden = self.result.find_at(place), self.result.hiding.result
+        lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
+        if hidden is not None:
+            lines.append(hidden.at(place.x_m, place.y_m))
+        return [sentence_text(one) for one in [*lines, texts.FROM_MARK]]
+
+    def _leave(self, wanted: Any) -> None:
+        self.hide()
+        if self.result.chosen is not None:
+            wanted.emit(self.result.chosen)
 
     def _key(self, what: What) -> QPushButton:
         def act() -> None:
@@ -259,11 +241,11 @@ class FoundSheet(ResultSheet):
         self.pad.ask(take, self.tr("Who"), "", self._who, lambda _text: "", Keys.LETTERS)
 
     def _on_store(self) -> None:
-        if self._place is None or self._what is None:
+        if self.result.chosen is None or self._what is None:
             return
         try:
             depth_mm = number_from_text(self._depth) if self._depth else None
-            self.result.note_found(self._place, self._what, depth_mm, self._who)
+            self.result.note_found(self.result.chosen, self._what, depth_mm, self._who)
             self._problem = None
         except InvalidValueError as error:
             self._problem = error.message
