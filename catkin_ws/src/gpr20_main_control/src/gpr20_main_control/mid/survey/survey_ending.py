@@ -46,10 +46,7 @@ class SurveyEnding:
             state, outcome = SurveyState.FINISHED, "finished"
             self._status.set_progress(stored, 0.0)
             message = Message(
-                "Finished, {verdict}; {stored} traces in {folder}",
-                verdict=verdict.message,
-                stored=stored,
-                folder=self._archive.folder,
+                "Finished, {verdict}", verdict=verdict.message, details=self._archive.folder
             )
         else:
             state, outcome = SurveyState.FAILED, "failed"
@@ -152,10 +149,10 @@ class SurveyEnding:
             self._archive.queue.retry()
             self._archive.queue.drain_within(STOPPING_LIMIT_S)
             count = Message(
-                "{stored} of {total} traces in {folder}",
+                "{stored} of {total} traces are stored",
                 stored=self._archive.send_last_report(check),
                 total=self._survey.plan.total_points,
-                folder=self._archive.folder,
+                details=self._archive.folder,
             )
             message = in_a_row([*messages, count])
             self._archive.close(outcome, reason, state, message, check)
