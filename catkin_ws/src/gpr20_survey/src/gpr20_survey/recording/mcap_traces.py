@@ -52,7 +52,7 @@ class McapTraces:
         self._schemas: Dict[int, str] = {}
         self._md5sums: Dict[int, Optional[str]] = {}  # of each channel; None: not of traces
         self._chunks: List[Tuple[int, int]] = []  # place and length of those with a trace
-        with self._opened() as descriptor:
+        with self._opened() as descriptor, contextlib.suppress(OSError, *TORN):
             if descriptor is not None and not self._read_summary(descriptor):
                 self._walk(descriptor)
 
@@ -90,10 +90,8 @@ class McapTraces:
     def _read(self, descriptor: int, number: int) -> Optional[Trace]:
         if not 0 <= number < len(self._chunks):
             return None
-        start, size = self._chunks[number]
         try:
-            record = os.pread(descriptor, size, start)
-            for message in breakup_chunk(uncompressed(record[RECORD.size :])):
+            for message in _records_of(descriptor, self._chunks[number]):
                 if isinstance(message, McapMessage):
                     md5sum = self._md5sums.get(message.channel_id)
                     return None if md5sum is None else trace_message.decode(message.data, md5sum)
@@ -120,25 +118,24 @@ class McapTraces:
         return True
 
     def _walk(self, descriptor: int) -> None:
+        """Find the chunks up to the torn end, which raises one of `TORN`."""
         place, chunk = len(MAGIC), (0, 0)
-        with contextlib.suppress(OSError, *TORN):
-            while True:
-                head = os.pread(descriptor, RECORD_AND_CHANNEL.size, place)
-                opcode, size, channel = RECORD_AND_CHANNEL.unpack(head)
-                size += RECORD.size
-                if opcode == Opcode.CHUNK:
-                    chunk = place, size
-                elif opcode == Opcode.MESSAGE_INDEX:
-                    if channel not in self._md5sums:
-                        # Its definition is in the chunk that uses it first.
-                        record = os.pread(descriptor, chunk[1], chunk[0])
-                        for one in breakup_chunk(uncompressed(record[RECORD.size :])):
-                            self._note(one)
-                    if self._md5sums[channel] is not None:
-                        self._chunks.append(chunk)
-                elif opcode not in HEAD:
-                    return
-                place += size
+        while True:
+            head = os.pread(descriptor, RECORD_AND_CHANNEL.size, place)
+            opcode, size, channel = RECORD_AND_CHANNEL.unpack(head)
+            size += RECORD.size
+            if opcode == Opcode.CHUNK:
+                chunk = place, size
+            elif opcode == Opcode.MESSAGE_INDEX:
+                if channel not in self._md5sums:
+                    # Its definition is in the chunk that uses it first.
+                    for record in _records_of(descriptor, chunk):
+                        self._note(record)
+                if self._md5sums[channel] is not None:
+                    self._chunks.append(chunk)
+            elif opcode not in HEAD:
+                return
+            place += size
 
     def _note(self, record: McapRecord) -> None:
         if isinstance(record, Schema):
@@ -146,3 +143,11 @@ class McapTraces:
         elif isinstance(record, Channel):
             is_trace = self._schemas.get(record.schema_id) == trace_message.DATATYPE
             self._md5sums[record.id] = record.metadata.get("md5sum", "") if is_trace else None
+
+
+def _records_of(descriptor: int, chunk: Tuple[int, int]) -> List[McapRecord]:
+    place, size = chunk
+    # A size that is wrong must not fill the memory.
+    if size > MAX_RECORD_BYTES:
+        raise ValueError(f"a chunk claims {size} bytes")
+    return breakup_chunk(uncompressed(os.pread(descriptor, size, place)[RECORD.size :]))

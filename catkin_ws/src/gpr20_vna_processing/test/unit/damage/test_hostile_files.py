@@ -119,6 +119,7 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
 def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, data, folder, part):
     (folder / part).unlink()
     os.mkfifo(str(folder / part))
+    assert in_time(lambda: SurveyArchive(data).traces(SURVEY, range(3))) is None
     refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
         assert refused.message.fault_code == "storage.not_a_file"
@@ -140,7 +141,7 @@ def test_a_pipe_among_the_traces_is_put_aside_and_the_trace_written_again(kit, d
     trace = next((folder / "traces").glob("000001_*.json"))
     trace.unlink()
     os.mkfifo(str(trace))
-    assert in_time(lambda: SurveyArchive(data).traces(SURVEY, 0, 10)) is None
+    assert in_time(lambda: SurveyArchive(data).traces(SURVEY, range(10))) is None
     assert in_time(lambda: kit.processing.reopen_survey(SURVEY)) is None
     assert trace.is_file()
     assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
@@ -165,7 +166,7 @@ def test_a_huge_file_does_not_fill_the_memory(kit, data, folder, part):
     os.truncate(str(path), HUGE_BYTES)  # without taking the space
     with little_memory():
         in_time(lambda: SurveyArchive(data).list("", 10))
-        in_time(lambda: SurveyArchive(data).traces(SURVEY, 0, 10))
+        in_time(lambda: SurveyArchive(data).traces(SURVEY, range(10)))
         in_time(lambda: kit.processing.reopen_survey(SURVEY))
 
 
@@ -184,6 +185,7 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, par
         file.write(record)
         file.truncate(2 * HUGE_BYTES)
     with little_memory():
+        in_time(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3)))
         refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
         # A file that is mostly a hole is not read; the JSON files hold the traces.
@@ -210,7 +212,7 @@ def test_no_description_writes_outside_its_folder_or_ends_the_storage(
         in_time(lambda: kit.processing.reopen_survey(SURVEY))
         in_time(lambda: SurveyArchive(top / "data").list("", 10))
         in_time(lambda: SurveyArchive(top / "data").survey(SURVEY))
-        in_time(lambda: SurveyArchive(top / "data").traces(SURVEY, 0, 10))
+        in_time(lambda: SurveyArchive(top / "data").traces(SURVEY, range(10)))
         assert list((top / "data").iterdir()) == [folder]
         assert list(top.iterdir()) == [top / "data"]
         assert list((folder / "traces").glob("000000_*.json"))
