@@ -90,7 +90,7 @@ TABLE = (
         {"code": S.SURVEYING, "alive": False, "axes": moving(AxisId.X)},
         *(L.FAULT, "ROBOT MOVES", "No contact with the main control for 7 s"),
     ),
-    ({"code": S.IDLE, "interrupted": True}, L.FAULT, "INTERRUPTED", "Resume it on SURVEYS"),
+    ({"code": S.IDLE, "interrupted": True}, L.FAULT, "INTERRUPTED", "Resume it on SURVEY"),
     ({"code": S.SURVEYING, "master_alive": False}, L.FAULT, "NO CONTACT", "ROS master"),
     (
         {"code": None, "alive": False, "control_silent_s": None},

@@ -179,7 +179,7 @@ def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
     if not snapshot.interrupted:
         return None
     message = Message(
-        "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEYS."
+        "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEY."
     ).with_fault(faults.CONTROL_RESTARTED)
     return Condition(JobLevel.FAULT, Message("INTERRUPTED"), message)
 

@@ -127,14 +127,10 @@ class OpenSurvey:
         if trace.index in self._prints:
             self._check_same(trace, path)
         else:
-            with storing(
-                Message(
-                    "{trace} could not be written to {path}",
-                    trace=trace.label,
-                    path=printable(path),
-                ),
-                path,
-            ):
+            failure = Message(
+                "{trace} could not be written", trace=trace.label, details=printable(path)
+            )
+            with storing(failure, path):
                 content = trace_json.encode(trace)
                 durable_files.write_new_file(path, content)
             self._sums[manifest.trace_name(path.name)] = sum_of(content)
@@ -304,7 +300,7 @@ class OpenSurvey:
 
     def _storing(self, recording: Recording) -> ContextManager[None]:
         path = self.folder / recording.name
-        failure = Message("the recording {path} could not be written", path=printable(path))
+        failure = Message("the recording could not be written", details=printable(path))
         return storing(failure, path)
 
     def in_place(self) -> bool:
