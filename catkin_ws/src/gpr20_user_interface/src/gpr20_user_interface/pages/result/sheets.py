@@ -191,9 +191,10 @@ class PlaceSheet(ResultSheet):
         self.view.setText(self.tr("Show in\nGROUND"))
         self.deep.setText(f"{self.tr('Depth')}\n{self._depth or '—'} mm")
         self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or '—'}")
-        self.store.setText(self.tr("Hold to store"))
+        self.store.setText(self.tr("Hold to\nstore"))
         for what, key in self.whats.items():
-            self.show_choice(key, sentence_text(texts.FINDS[what]), what is self._what)
+            text = self.tr("Found:\n{what}").format(what=shown_text(texts.FINDS[what]))
+            self.show_choice(key, text, what is self._what)
         place, record, noting = self.result.chosen, self.result.record, self.result.noting
         if place is None or record is None:
             self.hide()
