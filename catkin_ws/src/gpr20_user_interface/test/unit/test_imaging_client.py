@@ -1,0 +1,179 @@
+"""The client of the imaging node: answers reach their job in its own thread, never late ones."""
+
+import queue
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("rospy")
+
+from candidate_examples import candidate_list
+from hiding_kit import a_map
+from map_kit import focused
+from result_kit import BLUE
+from view_kit import SURVEY
+
+from gpr20_common.high.service_client import ServiceUnavailableError
+from gpr20_common.message import Message, verbatim
+from gpr20_common.sent_message import message_fields
+from gpr20_operator import faults
+from gpr20_operator.jobs.job import Delivery, JobState
+from gpr20_operator.jobs.pictures import Imaging, Service, StoredSurvey
+from gpr20_operator.robot.senders import Senders
+from gpr20_survey.results.focused_image import focus_fields
+from gpr20_survey.results.hiding_map import hiding_json
+from gpr20_survey.results.volume import volume_fields
+from gpr20_user_interface.high import imaging_client
+
+ANSWERS = {
+    Service.FOCUS: focus_fields(focused()),
+    Service.HIDE: {"hiding_json": hiding_json(a_map([[[1]]], [[[6]]]))},
+    Service.EXPORT: {"files": ["GPR20/a.pdf"]},
+    Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
+    Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
+    Service.NOTE: {},
+}
+
+
+class Services:
+    """In place of the services: what each is asked, and what it answers."""
+
+    def __init__(self):
+        self.asked = []
+        self._asking = threading.Condition()
+        self.answers = {one.value: dict(found, success=True) for one, found in ANSWERS.items()}
+        self.answers["cancel_imaging"] = {"success": True}
+        self.waits = threading.Event()
+        self.waits.set()
+
+    def client(self, name, _kind):
+        def call(_timeout_s, **fields):
+            with self._asking:
+                self.asked.append((name, fields))
+                self._asking.notify_all()
+            self.waits.wait(10.0)
+            answer = self.answers[name]
+            if isinstance(answer, Exception):
+                raise answer
+            return SimpleNamespace(**answer)
+
+        return SimpleNamespace(call=call)
+
+    def wait_for(self, count):
+        """Return when so many requests have come."""
+        with self._asking:
+            assert self._asking.wait_for(lambda: len(self.asked) >= count, 10.0)
+
+
+@pytest.fixture
+def services(monkeypatch):
+    services = Services()
+    monkeypatch.setattr(imaging_client, "ServiceClient", services.client)
+    return services
+
+
+@pytest.fixture
+def events():
+    return queue.Queue()
+
+
+@pytest.fixture
+def imaging(services, events):
+    client = imaging_client.ImagingClient(events.put, Senders("/"))
+    yield Imaging(client, lambda: 0.0)
+    client.close()
+
+
+def deliver(events):
+    """Hand the next answer over, as the window does in its thread."""
+    event = events.get(timeout=10.0)
+    assert isinstance(event, Delivery)
+    event.deliver()
+
+
+@pytest.mark.parametrize("service", list(Service))
+def test_each_answer_is_converted_and_delivered(imaging, services, events, service):
+    threads = []
+    job = imaging.job(service, lambda _result: threads.append(threading.current_thread()))
+    job.ask(survey=SURVEY)
+    assert job.running
+    deliver(events)
+    assert job.state is JobState.DONE and threads == [threading.current_thread()]
+    ((name, fields),) = services.asked
+    assert name == service.value and fields["survey"] == SURVEY
+    assert ("request_id" in fields) == service.can_be_cancelled
+
+
+def test_the_answers_are_what_pages_work_with(imaging, events):
+    found = {}
+    for service in Service:
+        job = imaging.job(service)
+        job.ask()
+        deliver(events)
+        found[service] = job.result
+    assert found[Service.FOCUS].found == candidate_list(
+        focused().found.candidates, survey_id=SURVEY
+    )
+    assert found[Service.EXPORT] == ("GPR20/a.pdf",)
+    assert found[Service.STICKS].computer == "server"
+    assert [one.path for one in found[Service.STICKS].volumes] == [BLUE.path]
+    assert found[Service.READ] == StoredSurvey("{}", 2)
+    assert found[Service.NOTE] is None
+
+
+@pytest.mark.parametrize("service", list(Service))
+def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
+    imaging, services, events, service
+):
+    job = imaging.job(service)
+    services.answers[service.value] = ServiceUnavailableError(Message("no answer"))
+    job.ask()
+    deliver(events)
+    assert job.problem.cause == faults.PART_SILENT and job.problem.remedy is not None
+    refusal = {"success": False, **message_fields(verbatim("refused"))}
+    services.answers[service.value] = refusal
+    job.ask()
+    deliver(events)
+    assert str(job.problem) == "refused"
+
+
+def test_an_answer_that_is_not_valid_is_a_failure(imaging, services, events):
+    services.answers["map_hidden"] = {"success": True, "hiding_json": "{}"}
+    job = imaging.job(Service.HIDE)
+    job.ask()
+    deliver(events)
+    assert job.state is JobState.FAILED
+
+
+def test_a_request_that_is_cancelled_is_ended_at_the_node_and_its_answer_counts_for_nothing(
+    imaging, services, events
+):
+    services.waits.clear()
+    job = imaging.job(Service.FOCUS)
+    job.ask(survey=SURVEY)
+    job.end()
+    services.wait_for(2)
+    services.waits.set()
+    deliver(events)
+    assert (job.state, job.result) == (JobState.READY, None)
+    (asked,) = [fields for name, fields in services.asked if name == "focus_survey"]
+    (ended,) = [fields for name, fields in services.asked if name == "cancel_imaging"]
+    assert ended["request_id"] == asked["request_id"]
+
+
+def test_only_the_progress_of_the_export_that_runs_is_shown(imaging, services, events):
+    services.waits.clear()
+    job = imaging.job(Service.EXPORT)
+    job.ask(survey=SURVEY)
+    client = imaging._requests
+    stage = message_fields(verbatim("copying"))
+    client._on_progress(SimpleNamespace(request_id="another", **stage))
+    services.wait_for(1)
+    own = services.asked[0][1]["request_id"]
+    client._on_progress(SimpleNamespace(request_id=own, **stage))
+    deliver(events)
+    assert str(job.stage) == "copying" and events.empty()
+    services.waits.set()
+    deliver(events)
+    assert job.state is JobState.DONE
