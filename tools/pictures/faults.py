@@ -125,7 +125,7 @@ class FaultPictures:
             one.template for one in message.nested() if one.template not in self._spanish
         ]
         print(f"{case.device} {case.fault}: {message}", flush=True)
-        self._shown.window.show_tab(TabName.STATUS)
+        self._shown.window.show_tab(TabName.ROBOT)
         self._shown.take(self._folder, f"{case.device}_{case.fault.lower()}")
 
     def _set_fault(self, device: str, fault: str, count: int = 0) -> None:

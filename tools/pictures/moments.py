@@ -1,7 +1,7 @@
 """What the window says 1, 5 and 30 s after each of twelve faults of the simulated robot.
 
-It writes a picture for each moment and one table, `table.md`, with what the band, the card and
-the next step say. Each fault meets a robot of its own.
+It writes a picture for each moment, all words as JSON, and one table, `table.md`. Each fault meets
+a robot of its own.
 """
 
 from __future__ import annotations
@@ -105,6 +105,11 @@ def _end(process: Any) -> None:
         process.send_signal(signal.SIGCONT)
 
 
+def _to_a_motion(scene: Scene) -> None:
+    scene.survey()
+    scene.wait_for_motion()
+
+
 def _to_the_end(scene: Scene) -> None:
     scene.start(x_points=3, y_points=3, x_stop_mm=70.0, y_stop_mm=70.0)
     wait(lambda: scene.window.survey.snapshot.code is SurveyState.FINISHED, "the survey ends")
@@ -151,7 +156,7 @@ FAULTS: Dict[str, Fault] = {
     "axis_killed": Fault(
         "X axis killed while it moves",
         lambda scene: scene.kill("x_axis-axis_driver"),
-        lambda scene: (scene.survey(), scene.wait_for_motion())[0],
+        _to_a_motion,
     ),
     "endstop": Fault(
         "endstop of Y never closes, then START",
@@ -182,22 +187,25 @@ def make(folder: Path, names: Tuple[str, ...] = ()) -> None:
         process.join()
         if process.exitcode:
             failed.append(name)
-    lines = ["| fault | after | band | card | next step |", "| --- | ---: | --- | --- | --- |"]
+    lines = ["| fault | 1 s | 5 s | 30 s | first step |", "| --- | --- | --- | --- | --- |"]
     for name, fault in FAULTS.items():
         found = folder / f"{name}.json"
         if found.exists():
-            lines += _rows(fault.title, json.loads(found.read_text("utf-8")))
+            lines.append(_row(fault.title, json.loads(found.read_text("utf-8"))))
     (folder / "table.md").write_text("\n".join(lines) + "\n", "utf-8")
     print(folder / "table.md")
     if failed:
         raise SystemExit(f"not met: {', '.join(failed)}")
 
 
-def _rows(title: str, moments: Dict[str, Dict[str, str]]) -> Iterator[str]:
-    for after_s, said in moments.items():
-        cells = [title, f"{float(after_s):g} s", said["band"], said["card"], said["next"]]
-        yield f"| {' | '.join(cells)} |"
-        title = ""
+def _row(title: str, moments: Dict[str, Dict[str, str]]) -> str:
+    """Return a line of the table: level and title of each band, and the first step."""
+    cells, steps = [title], [""]
+    for said in moments.values():
+        card = ", card" if said["card"] else ""
+        cells.append(f"{said['level']} {said['title']}{card}")
+        steps += [said["next"]] if said["next"] and said["level"] != "working" else []
+    return f"| {' | '.join([*cells, steps[-1]])} |"
 
 
 def _meet(name: str, folder: Path) -> None:
@@ -248,7 +256,9 @@ def _words(window: MainWindow) -> Dict[str, str]:
     if opened is not None and opened.first is not None:
         step = str(opened.first)
     return {
-        "band": f"{shown.level.value}: {shown.title}: {shown.message.sentence()}",
+        "level": shown.level.value,
+        "title": str(shown.title),
+        "message": shown.message.sentence(),
         "card": "" if opened is None else f"{opened.title}: {opened.text.sentence()}",
         "next": step or "",
     }
