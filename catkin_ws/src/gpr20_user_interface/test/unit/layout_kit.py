@@ -33,6 +33,7 @@ from view_kit import snapshot
 from window_helpers import close, new_window, show
 
 from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_operator.plan.fields import default_parameters, texts_of
@@ -70,8 +71,7 @@ CONTENT = (
     *(QAbstractItemView, QScrollArea),
 )
 SIZES = ((480, 320), (800, 480), (1280, 800))
-LANGUAGES = (Language.ENGLISH, Language.SPANISH)
-SCREENS = list(itertools.product(SIZES, LANGUAGES, Theme))
+SCREENS = list(itertools.product(SIZES, languages(), Theme))
 # The colours change no size: with the longest values, each theme once with each size.
 STRESSED = [one for one in SCREENS if (one[1] is Language.SPANISH) == (one[2] is Theme.NIGHT)]
 

@@ -1,11 +1,14 @@
 """Every page and sheet on every screen: nothing is cut off or covered, a glove hits every button.
 
-The window itself says which pages and sheets there are, so that no new one is forgotten.
+The window itself says which pages and sheets there are, so that no new one is forgotten. With
+`GPR20_PICTURES=FOLDER` a picture of each is stored there, to be looked at.
 """
 
 import importlib
+import os
 import pkgutil
 import warnings
+from pathlib import Path
 
 import pytest
 from layout_kit import SCREENS, busiest, front, problems, settle, window_on
@@ -21,6 +24,8 @@ from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
+PICTURES = os.environ.get("GPR20_PICTURES")
+
 
 def every_problem(window):
     """Show every page and sheet; return what is wrong, and the classes that were seen.
@@ -33,6 +38,11 @@ def every_problem(window):
         settle()
         for one in problems(window, front(window)):
             wrong.setdefault(one, what)
+        if PICTURES:
+            language, theme = window.languages.language.value, window.look.theme.value
+            folder = Path(PICTURES) / f"{window.width()}x{window.height()}_{language}_{theme}"
+            folder.mkdir(parents=True, exist_ok=True)
+            assert window.grab().save(str(folder / f"{what.replace(' ', '_')}.png"))
         seen.update(type(one) for one in (window, *window.findChildren(QWidget)) if one.isVisible())
 
     for name, stop in STOPS.items():
