@@ -1,4 +1,4 @@
-"""The candidates of a finished survey in the window."""
+"""The result of a finished survey in the window."""
 
 from __future__ import annotations
 
@@ -8,49 +8,35 @@ from robot_kit import simulated_robot
 from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.jobs.search import SearchState
-from gpr20_user_interface.window.rail import TabName
+from gpr20_operator.jobs.job import Job, JobState
+from gpr20_survey.results.hidden_target import Targets
 from pictures.kit import shown_window, wait
 
 SCENE = "imaging_targets.yaml"
-PERMITTIVITY = "5"  # of the scene
-ENDED = (SearchState.DONE, SearchState.FAILED)
+PERMITTIVITY = 5.0  # of the scene
 
 
 def make(folder: Path) -> None:
-    """Search for candidates in each language and take pictures of the lists."""
+    """Search in each language, and take pictures of the places and of where a mine could hide."""
     scenes = Path(__file__).resolve().parents[2] / "catkin_ws/src/gpr20_simulator/scenes"
     with simulated_robot(f"scene:={scenes / SCENE}", "time_scale:=50") as robot, shown_window(
         robot.data
     ) as shown:
-        window, operator = shown.window, Operator()
-        wait(lambda: window.survey.snapshot.can_start, "the robot is ready")
+        result, operator = shown.window.result.result, Operator()
+        wait(lambda: shown.window.survey.snapshot.can_start, "the robot is ready")
         operator.start()
         wait(lambda: operator.code == ControlStatus.FINISHED, "the survey ends")
-        window.show_tab(TabName.SURVEYS)
-        wait(lambda: window.past.table.rowCount() == 1, "the list is there")
-        window.past.table.selectRow(0)
-        wait(window.past.candidates.isEnabled, "the survey can be searched")
-        window.past.candidates.click()
-        window.candidates.permittivity.setText(PERMITTIVITY)
+        wait(lambda: result.record is not None, "the survey is read")
+        result.set_permittivity(PERMITTIVITY)
 
-        def find() -> None:
-            window.candidates.find_button.click()
-            wait(lambda: window.candidates.search.state in ENDED, "the search ends")
-            if window.candidates.search.state is SearchState.FAILED:
-                raise SystemExit(f"no candidates: {window.candidates.search.problem}")
+        def end(job: Job) -> None:
+            wait(lambda: job.state in (JobState.DONE, JobState.FAILED), "the search ends")
+            if job.problem is not None:
+                raise SystemExit(f"no result: {job.problem}")
 
         def hide() -> None:
-            window.show_tab(TabName.SURVEYS)
-            surveys = window.tabs.currentIndex()
-            window.past.candidates.click()
-            find()
-            window.candidates.hiding_button.click()
-            wait(lambda: window.candidates.search.state in ENDED, "the map ends")
-            window.candidates.close_button.click()
-            window.past.open.click()
-            wait(lambda: window.tabs.currentIndex() != surveys, "the survey is open")
-            window.show_tab(TabName.GROUND)
+            result.choose_target(Targets.TYPE_72)
+            end(result.hiding)
 
-        shown.take(folder, "candidates", find)
+        shown.take(folder, "candidates", lambda: end(result.search))
         shown.take(folder, "hidden", hide)
