@@ -108,13 +108,12 @@ The survey is in $survey
   traces, one JSON file each:  $survey/traces/  ($traces files)
   ROS bag:                     $survey/survey.bag
   MCAP:                        $survey/survey.mcap
-Replay it, on a ROS master of its own, away from any robot:
+Replay it:
   source $GPR20_WORKSPACE/devel/setup.bash
-  export ROS_MASTER_URI=http://localhost:11411
   roslaunch gpr20 replay.launch survey:=$survey
-or there with ROS's own player:
-  roscore -p 11411 &
-  rosbag play $survey/survey.bag
+or with ROS's own player, beside a window for it:
+  roslaunch gpr20 replay.launch
+  rosbag play --prefix=/replay $survey/survey.bag
 Check it:
   $GPR20_ROOT/scripts/verify.sh $survey
 END

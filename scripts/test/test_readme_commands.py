@@ -121,8 +121,9 @@ def printed_lines(printed, begin, end):
 
 def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, tmp_path):
     printed, _folder = clean_survey
-    # Somebody else may replay on this computer.
-    lines = printed_lines(printed.replace("11411", str(free_port())), "Replay it", "or there")
+    # Somebody else may use the master of this computer.
+    own_master = f"export ROS_MASTER_URI=http://localhost:{free_port()}"
+    lines = [own_master, *printed_lines(printed, "Replay it", "or with ROS's own")]
     for commands, said in (
         (lines, f"{TRACES} traces in"),
         (

@@ -238,7 +238,7 @@ class RosAxis:
         self._ignored.add(publisher)
         rospy.logerr(
             "%s publishes messages of %s beside %s; they are ignored: end it, and play "
-            "recordings on a ROS master of their own",
+            "recordings under other names (rosbag play --prefix=/replay)",
             publisher,
             self._group,
             self._driver,
