@@ -65,7 +65,7 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     text = description(survey_id=OTHER, parameters=parameters)
     traces.on_event(SurveyRead(FOLDER, text, tuple(range(4000))))
     loading = traces.shown.loading
-    assert (loading.loaded, loading.stored, loading.is_over, loading.step) == (0, 4000, False, 3)
+    assert (loading.loaded, loading.stored, loading.step) == (0, 4000, 3)
     assert loading.waiting.sum() == 4000 and not loading.waiting[0, 40:].any()
     requested, shown = [], traces.shown
     refresh(traces, 2)
@@ -84,7 +84,7 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     row, column, _polarization = shown.map.grid.cells(np.array(coarse))
     assert set(row % 3) == set(column % 3) == {0}
     assert requested[14 * 34 :] == sorted(set(range(4000)).difference(coarse))
-    assert (shown.loading.loaded, shown.loading.stored, shown.loading.is_over) == (3999, 3999, True)
+    assert (shown.loading.loaded, shown.loading.stored) == (3999, 3999)
 
 
 def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):

@@ -44,11 +44,6 @@ class Loading:
     waiting: np.ndarray
     step: int
 
-    @property
-    def is_over(self) -> bool:
-        """Whether everything is here."""
-        return self.loaded == self.stored
-
 
 class ShownSurvey:
     """A MapModel and a RadarModel of the same survey.

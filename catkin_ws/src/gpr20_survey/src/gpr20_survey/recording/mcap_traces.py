@@ -9,7 +9,7 @@ import struct
 import zlib
 from bisect import bisect_left
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import BinaryIO, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, ChunkIndex, McapRecord, Schema
@@ -52,9 +52,9 @@ class McapTraces:
         self._schemas: Dict[int, str] = {}
         self._md5sums: Dict[int, Optional[str]] = {}  # of each channel; None: not of traces
         self._chunks: List[Tuple[int, int]] = []  # place and length of those with a trace
-        with self._opened() as descriptor, contextlib.suppress(OSError, *TORN):
-            if descriptor is not None and not self._read_summary(descriptor):
-                self._walk(descriptor)
+        with self._opened() as file, contextlib.suppress(OSError, *TORN):
+            if not self._read_summary(file.fileno()):
+                self._walk(file.fileno())
 
     @contextlib.contextmanager
     def finder(self) -> Iterator[Callable[[int], Optional[Trace]]]:
@@ -62,20 +62,14 @@ class McapTraces:
 
         It returns None if the trace is not where it should be, or is not whole.
         """
-        with self._opened() as descriptor:
-            yield lambda index: None if descriptor is None else self._find(descriptor, index)
+        with self._opened() as file:
+            yield lambda index: self._find(file.fileno(), index)
 
-    @contextlib.contextmanager
-    def _opened(self) -> Iterator[Optional[int]]:
+    def _opened(self) -> BinaryIO:
         try:
-            descriptor = open_regular(self._path)
+            return open(open_regular(self._path), "rb")
         except OSError:
-            yield None  # as if there were no such file
-            return
-        try:
-            yield descriptor
-        finally:
-            os.close(descriptor)
+            return open(os.devnull, "rb")
 
     def _find(self, descriptor: int, index: int) -> Optional[Trace]:
         rank = bisect_left(self._indices, index)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Sequence
+from typing import Any, Dict, Sequence
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace.trace import Trace
 
 SAMPLE = np.dtype("<c8")
-"""S21 in single precision, real part first, as it is sent."""
+POSITION = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class TraceBlock:
         s21 = np.empty((len(traces), len(frequency_hz)), SAMPLE)
         for row, trace in zip(s21, traces):
             row.real, row.imag = trace.s21_real, trace.s21_imag
-        places = [(one.x_coord_mm, one.y_coord_mm, one.z_coord_deg) for one in traces]
+        places = [[getattr(one, name) for name in POSITION] for one in traces]
         return cls(
             survey_id,
             frequency_hz,
@@ -53,40 +53,37 @@ class TraceBlock:
             s21,
         )
 
-    @classmethod
-    def received(
-        cls,
-        survey_id: str,
-        frequency_hz: Sequence[float],
-        indices: Sequence[int],
-        positions: Sequence[Sequence[float]],
-        heights_m: Sequence[float],
-        s21: bytes,
-    ) -> TraceBlock:
-        """Return a block that was sent, its arrays checked against each other.
 
-        Args:
-            survey_id: UUID of the survey.
-            frequency_hz: Frequencies [Hz].
-            indices: Places in the plan.
-            positions: The x [mm], the y [mm] and the z [deg] of all traces.
-            heights_m: Above the ground [m].
-            s21: Samples of all traces, one trace after the other, of type `SAMPLE`.
+def block_fields(block: TraceBlock) -> Dict[str, Any]:
+    """Return the fields of a block in the answer of `read_traces`."""
+    return {
+        "survey_id": block.survey_id,
+        "frequency_hz": block.frequency_hz.tolist(),
+        "indices": block.indices.tolist(),
+        **dict(zip(POSITION, block.positions.T.tolist())),
+        "antennae_height_m": block.heights_m.tolist(),
+        "s21": block.s21.tobytes(),
+    }
 
-        Raises:
-            TraceRefusedError: Their lengths contradict each other, or a trace is there twice.
-        """
-        count, points = len(indices), len(frequency_hz)
-        lengths = {count, len(set(indices)), len(heights_m), *map(len, positions)}
-        if len(lengths) > 1 or len(s21) != count * points * SAMPLE.itemsize:
-            raise TraceRefusedError(
-                Message("the traces that were received are incomplete"), fault=faults.TRACE_DAMAGED
-            )
-        return cls(
-            survey_id,
-            np.array(frequency_hz, np.float64),
-            np.array(indices, np.int64),
-            np.array(positions, np.float64).T,
-            np.array(heights_m, np.float64),
-            np.frombuffer(s21, SAMPLE).reshape(count, points),
+
+def block_from(message: Any) -> TraceBlock:
+    """Return the block of an answer of `read_traces`.
+
+    Raises:
+        TraceRefusedError: Its arrays contradict each other, or a trace is there twice.
+    """
+    count, points = len(message.indices), len(message.frequency_hz)
+    positions = [getattr(message, name) for name in POSITION]
+    lengths = {count, len(set(message.indices)), *map(len, (*positions, message.antennae_height_m))}
+    if len(lengths) > 1 or len(message.s21) != count * points * SAMPLE.itemsize:
+        raise TraceRefusedError(
+            Message("the traces that were received are incomplete"), fault=faults.TRACE_DAMAGED
         )
+    return TraceBlock(
+        message.survey_id,
+        np.array(message.frequency_hz, np.float64),
+        np.array(message.indices, np.int64),
+        np.array(positions, np.float64).T,
+        np.array(message.antennae_height_m, np.float64),
+        np.frombuffer(message.s21, SAMPLE).reshape(count, points),
+    )

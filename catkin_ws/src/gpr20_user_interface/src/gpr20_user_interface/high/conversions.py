@@ -51,7 +51,7 @@ from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import summary_from
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace_block import block_from
 
 
 def replay_mark(message: Replay) -> ReplayMark:
@@ -163,14 +163,7 @@ def annotation_read(survey: str, response: Any) -> TraceEvent:
 def traces_read(first_index: int, response: Any) -> TraceEvent:
     """Convert the answer of `read_traces`."""
     try:
-        block = TraceBlock.received(
-            response.survey_id,
-            response.frequency_hz,
-            response.indices,
-            (response.x_coord_mm, response.y_coord_mm, response.z_coord_deg),
-            response.antennae_height_m,
-            response.s21,
-        )
+        block = block_from(response)
     except TraceRefusedError as error:
         return ReadingFailed(error.message)
     unreadable = _reasons(response.unreadable, response.unreadable_json)

@@ -20,6 +20,7 @@ from gpr20_msgs.srv import (
     ReadTracesResponse,
 )
 from gpr20_survey.results.survey_summary import summary_fields
+from gpr20_survey.trace.trace_block import block_fields
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 
@@ -54,25 +55,16 @@ class ArchiveServices:
         )
 
     def _traces(self, request: Any) -> ReadTracesResponse:
-        found = self._archive.traces(request.survey, request.indices)
-        block, unreadable = found.block, found.unreadable
+        block, unreadable = self._archive.traces(request.survey, request.indices)
         message = Message(
             "{count} traces, {unreadable} files cannot be read",
             count=len(block.indices),
             unreadable=len(unreadable),
         )
-        x_mm, y_mm, z_deg = block.positions.T.tolist()
         return ReadTracesResponse(
             success=True,
             **message_fields(message),
-            survey_id=block.survey_id,
-            frequency_hz=block.frequency_hz.tolist(),
-            indices=block.indices.tolist(),
-            x_coord_mm=x_mm,
-            y_coord_mm=y_mm,
-            z_coord_deg=z_deg,
-            antennae_height_m=block.heights_m.tolist(),
-            s21=block.s21.tobytes(),
+            **block_fields(block),
             unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
             unreadable_json=[reason.to_json() for reason in unreadable.values()],
         )

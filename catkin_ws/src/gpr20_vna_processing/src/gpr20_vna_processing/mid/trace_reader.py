@@ -6,9 +6,8 @@ import os
 import re
 import threading
 import time
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -31,16 +30,14 @@ CHANGE_NS = 2_000_000_000
 TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
 
 
-@dataclass(frozen=True)
-class ReadTraces:
+class ReadTraces(NamedTuple):
     """Traces that were read, and why others are unreadable, by their places in the plan."""
 
     block: TraceBlock
     unreadable: Mapping[int, Message]
 
 
-@dataclass(frozen=True)
-class _Listed:
+class _Listed(NamedTuple):
     state: Tuple[Any, ...]
     names: Mapping[int, str]
     recorded: McapTraces
@@ -86,7 +83,8 @@ class TraceReader:
                     except OSError as error:
                         unreadable[index] = os_reason(error)
                     else:
-                        if not traces or _are_alike(trace, traces[0]):
+                        first = traces[0] if traces else trace
+                        if np.array_equal(trace.frequency_hz, first.frequency_hz):
                             traces.append(trace)
                             points += len(trace.frequency_hz)
                     if points >= MAX_POINTS or time.monotonic() > end_s:
@@ -130,10 +128,6 @@ def _from_file(folder: Path, survey_id: str, name: Optional[str]) -> Trace:
     if name is None:
         raise TraceRefusedError(Message("the storage has no file of this trace"))
     return trace_files.read_trace(folder / survey_folder.TRACES_FOLDER / name, survey_id)
-
-
-def _are_alike(one: Trace, other: Trace) -> bool:
-    return np.array_equal(one.frequency_hz, other.frequency_hz)
 
 
 def _state(folder: Path) -> Tuple[Any, ...]:
