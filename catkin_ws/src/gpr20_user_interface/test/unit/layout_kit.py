@@ -80,9 +80,10 @@ STRESSED = [one for one in SCREENS if (one[1] is Language.SPANISH) == (one[2] is
 def window_on(application, folder, size, language, theme):
     """A window on a screen."""
     window = new_window(Languages(application, language), profiles=folder, imaging=Requests())
-    window.use_look(replace(window.look, theme=theme))
     window.show()
     window.resize(*size)
+    QTest.qWait(1)
+    window.use_look(replace(window.look, theme=theme))
     yield window
     close(window)
 

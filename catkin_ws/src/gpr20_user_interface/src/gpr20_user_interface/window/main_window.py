@@ -227,6 +227,7 @@ class MainWindow(TranslatedWidget):
         self.past.page_requested.connect(traces.source.list_surveys)
         self.past.open_requested.connect(traces.open_survey)
         self.past.notes_requested.connect(traces.source.read_annotation)
+        self.past.plan_requested.connect(lambda: self.show_tab(TabName.SURVEY))
         self.past.resume_requested.connect(self.start_sheet.ask_resume_past)
         self.past.result_requested.connect(self._show_result)
         self.job.notes_pressed.connect(self.control.show_notes)

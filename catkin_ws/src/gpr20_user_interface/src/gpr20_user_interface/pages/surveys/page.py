@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.ground.past_surveys import Listed, PastSurveys, Verdict
+from gpr20_operator.ground.past_surveys import Listed, PastSurveys
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -61,6 +61,8 @@ class SurveysPage(TranslatedWidget, Page):
     resume_requested = pyqtSignal(str)
     notes_requested = pyqtSignal(str)
     result_requested = pyqtSignal(str)
+    # The operator wants to plan the next survey.
+    plan_requested = pyqtSignal()
 
     def __init__(self, window: QWidget, surveys: PastSurveys) -> None:
         super().__init__()
@@ -198,7 +200,10 @@ class SurveysPage(TranslatedWidget, Page):
             text = self.tr("No survey fits the search.")
             self.empty.show_state("search", text, self.tr("Show all"), self._show_all)
         else:
-            self.empty.show_state("surveys", self.tr("No survey is stored yet."))
+            text = self.tr("No survey is stored yet.")
+            self.empty.show_state(
+                "surveys", text, self.tr("Plan a survey"), self.plan_requested.emit
+            )
 
     def _show_all(self) -> None:
         self._text = ""
@@ -231,7 +236,7 @@ class SurveysPage(TranslatedWidget, Page):
             self.tr("{count} traces").format(count=survey.stored_traces),
             sentence_text(self._surveys.ending(survey)),
         ]
-        if survey.verdict is not None and self._surveys.verdict(survey) is Verdict.INCOMPLETE:
+        if survey.verdict is not None and survey.stored_traces < survey.planned_traces:
             lines.append(sentence_text(survey.verdict))
         return [one for one in lines if one]
 
