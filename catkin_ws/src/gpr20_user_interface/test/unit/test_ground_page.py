@@ -24,7 +24,6 @@ from gpr20_operator.ground.coverage import CoverageRuns, StopState
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.records import Axis, Colours, Place
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.ground.traces import ShownBand
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import Soils
@@ -355,7 +354,7 @@ def test_the_safety_notice_is_never_cut_off_even_beside_the_band(
         fill(window)
         view = window.ground.view
         name = Message("PAST SURVEY: {name}", name="2026-11-21 05:10, " + "El Carmen " * 9)
-        for band in (None, ShownBand(name, can_return=True)):
+        for band in (None, name):
             view.show_band(band)
             for plot in (None, view.pictures.above):
                 view.pictures.enlarge(plot)
@@ -371,15 +370,15 @@ def test_the_safety_notice_is_never_cut_off_even_beside_the_band(
 
 def test_a_past_survey_is_named_with_the_way_back(filled, view):
     assert not view.band.isVisible() and not view.back.isVisible()
-    view.show_band(ShownBand(Message("PAST SURVEY: {name}", name="El Carmen 4"), True))
+    view.show_band(Message("PAST SURVEY: {name}", name="El Carmen 4"))
     refreshed(view)
     assert view.band.whole == "PAST SURVEY: El Carmen 4"
     assert view.back.isVisible()
-    view.show_band(ShownBand(Message("REPLAY: {name}", name="x"), False, replay=True))
+    view.show_band(None)
     assert not view.back.isVisible()
     click_back = []
     view.back_wanted.connect(lambda: click_back.append(True))
-    view.show_band(ShownBand(Message("PAST SURVEY: {name}", name="El Carmen 4"), True))
+    view.show_band(Message("PAST SURVEY: {name}", name="El Carmen 4"))
     click(view.back)
     assert click_back == [True]
 

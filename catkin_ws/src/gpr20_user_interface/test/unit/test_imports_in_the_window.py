@@ -66,7 +66,7 @@ def test_it_opens_on_ground_without_a_fault(window, tmp_path, size):
     assert window.ground.model.cell.stop == Stop(0, 0)
     assert not window.ground.view.finer.isEnabled()
     assert window.traces.past.problem is None
-    assert str(window.traces.band.text).startswith("IMPORTED SURVEY: ")
+    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
 
 
 def test_a_touch_beside_a_line_selects_its_nearest_stop(tmp_path):

@@ -113,9 +113,8 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     note(traces, SurveyState.IDLE)
     assert traces.band is None
     open_past(traces)
-    assert traces.band.can_return
     started = traces.past.find(FOLDER).local_time()
-    assert str(traces.band.text) == f"PAST SURVEY: {started}, 7c9e6679"
+    assert str(traces.band) == f"PAST SURVEY: {started}, 7c9e6679"
     traces.show_live()
     assert traces.band is None
 
@@ -125,40 +124,39 @@ def test_a_past_survey_is_called_by_its_name(traces):
     named = dataclasses.replace(listed, name="field 3, east")
     traces.on_event(SurveysListed("", (named,), False))
     open_past(traces)
-    assert str(traces.band.text).endswith(", field 3, east")
+    assert str(traces.band).endswith(", field 3, east")
 
 
 def test_a_past_survey_that_is_opened_during_a_survey_says_that_it_is_not_that_one(traces):
     note(traces, SurveyState.SURVEYING)
     open_past(traces)
     note(traces, SurveyState.SURVEYING)
-    assert "NOT THE RUNNING SURVEY" in str(traces.band.text)
+    assert "NOT THE RUNNING SURVEY" in str(traces.band)
     assert traces.shown.survey_id == PAST
 
 
 def test_a_past_survey_without_its_entry_in_the_list_is_named_by_its_folder(problems):
     traces = TracePresenter(Storage(), problems.append)
     open_past(traces)
-    assert str(traces.band.text) == f"PAST SURVEY: {FOLDER}"
+    assert str(traces.band) == f"PAST SURVEY: {FOLDER}"
 
 
-def test_a_replay_says_so_and_has_nothing_live_to_return_to(traces):
-    open_past(traces)
-    mark = ReplayMark(PAST, "2026-11-21T05:10:00+00:00", FOLDER, rate=1.0)
-    note(traces, SurveyState.SURVEYING, PAST, ReplayView(mark, state=SurveyState.SURVEYING))
-    assert str(traces.band.text) == f"REPLAY: Survey of 2026-11-21 05:10 UTC, {FOLDER}"
-    assert not traces.band.can_return
-    assert traces.opened_folder == ""
-    note(traces, SurveyState.IDLE, "")
+def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
+    replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=SurveyState.SURVEYING)
+    note(traces, SurveyState.SURVEYING, PAST, replay)
+    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
+    traces.refresh()
+    assert traces.shown.survey_id == PAST
     assert traces.band is None
+    assert traces.past.replay
+    # The traces come with the replay: no storage has them.
+    assert traces.source.asked == []
 
 
-def test_the_survey_of_a_robot_that_has_left_is_not_shown_as_the_replayed_one(traces):
-    for code in (SurveyState.SURVEYING, SurveyState.FINISHED):
-        traces.on_event(SurveyDescribed(description()))
-        note(traces, SurveyState.FINISHED)
-        replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=code)
-        note(traces, code, PAST, replay)
+def test_the_survey_replayed_before_is_not_shown_as_another_one(traces):
+    for survey in (SURVEY, PAST):
+        replay = ReplayView(ReplayMark(survey, rate=1.0), state=SurveyState.FINISHED)
+        note(traces, SurveyState.FINISHED, survey, replay)
         assert traces.shown.map.grid is None
-        traces.on_event(SurveyDescribed(description(survey_id=PAST)))
-        assert traces.shown.survey_id == PAST
+        traces.on_event(SurveyDescribed(description(survey_id=survey)))
+        assert traces.shown.survey_id == survey

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Callable, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message, verbatim
@@ -19,7 +18,6 @@ from gpr20_operator.ground.trace_events import (
     SurveysListed,
     TracesRead,
 )
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.imported import IMPORTED
@@ -27,22 +25,7 @@ from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace import Trace
 
 
-@dataclass(frozen=True)
-class ShownBand:
-    """The band above the picture.
-
-    Attributes:
-        text: Which survey is shown.
-        can_return: Whether there is something live to go back to.
-        replay: Whether it is a replay.
-    """
-
-    text: Message
-    can_return: bool
-    replay: bool = False
-
-
-def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) -> ShownBand:
+def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) -> Message:
     """Return the band of a past survey.
 
     Args:
@@ -55,15 +38,10 @@ def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) 
         called = survey.name or survey.survey_id[:8]
         name = Message("{time}, {name}", time=survey.local_time(), name=called)
     if another_runs:
-        return ShownBand(Message("NOT THE RUNNING SURVEY: {name}", name=name), True)
+        return Message("NOT THE RUNNING SURVEY: {name}", name=name)
     if survey is not None and survey.outcome == IMPORTED:
-        return ShownBand(Message("IMPORTED SURVEY: {name}", name=name), True)
-    return ShownBand(Message("PAST SURVEY: {name}", name=name), True)
-
-
-def replay_band(mark: ReplayMark) -> ShownBand:
-    """Return the band of a replay, beside which there is no robot."""
-    return ShownBand(Message("REPLAY: {name}", name=mark.survey), False, replay=True)
+        return Message("IMPORTED SURVEY: {name}", name=name)
+    return Message("PAST SURVEY: {name}", name=name)
 
 
 # How long to wait for traces, in refreshes, before it is requested again.
@@ -117,7 +95,8 @@ class TracePresenter:
         self._awaited = ShownSurvey()
         self._running_id = ""
         self._measuring = False
-        self._replay_view: Optional[ReplayView] = None
+        # The survey that is replayed, empty if it is not known; None: there is a robot.
+        self._replayed_id: Optional[str] = None
         self._coverage: Optional[CoverageRuns] = None
         self._waiting = 0
 
@@ -135,16 +114,15 @@ class TracePresenter:
     @property
     def _expected_id(self) -> str:
         """The survey that runs or is replayed; empty: any."""
-        replayed = "" if self._replay_view is None else self._replay_view.mark.survey_id
-        return self._running_id or replayed
+        return self._running_id or self._replayed_id or ""
 
     @property
-    def band(self) -> Optional[ShownBand]:
+    def band(self) -> Optional[Message]:
         """What MAP and RADAR say if they show no survey of the robot as it runs; else None."""
         if self._opened is not None:
             opened = self.past.find(self.opened_folder)
             return past_band(self.opened_folder, opened, bool(self._running_id))
-        return None if self._replay_view is None else replay_band(self._replay_view.mark)
+        return None
 
     def open_survey(self, folder: str) -> None:
         """Ask for a past survey; it is shown once it is read."""
@@ -160,7 +138,10 @@ class TracePresenter:
 
     def note_state(self, snapshot: Snapshot) -> None:
         """Note where the antennas are and which survey is running; show one that begins."""
-        self._note_replay(snapshot.replay)
+        if snapshot.replay is not None:
+            if self._replayed_id is None:
+                self.past.set_replay(True)
+            self._replayed_id = snapshot.replay.mark.survey_id
         self._note_running(snapshot)
         target, current = snapshot.target, snapshot.current
         self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
@@ -171,18 +152,6 @@ class TracePresenter:
         """Show the survey that runs, and drop the past one."""
         self._opened, self.opened_folder, self._wanted_folder = None, "", ""
         self._waiting = 0
-
-    def _note_replay(self, replay: Optional[ReplayView]) -> None:
-        before, self._replay_view = self._replay_view, replay
-        began = before is None and replay is not None
-        ended = before is not None and replay is None
-        if ended:
-            # A robot has appeared: nothing of the replay may pass for its survey.
-            self.live = ShownSurvey()
-            self._coverage = None
-        if began or ended:
-            self.show_live()
-            self.past.set_replay(began)
 
     def _note_running(self, snapshot: Snapshot) -> None:
         running_id = snapshot.running_survey
@@ -243,7 +212,7 @@ class TracePresenter:
         self._waiting = 0
 
     def _ask_for_traces(self) -> None:
-        if self._replay_view is not None and self._opened is None:
+        if self._replayed_id is not None:
             # No storage has them: they come with the replay.
             return
         if self._waiting:

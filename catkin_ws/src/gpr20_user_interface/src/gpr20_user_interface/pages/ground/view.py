@@ -12,7 +12,6 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.geometry import divided
 from gpr20_operator.ground.level_scale import LevelScale
 from gpr20_operator.ground.records import Axis, Colours, Picture
-from gpr20_operator.ground.traces import ShownBand
 from gpr20_user_interface.look.look import TOUCH_PX, Mark, look_of
 from gpr20_user_interface.look.shade_colours import LAST_SHADE, colour_table
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
@@ -22,7 +21,7 @@ from gpr20_user_interface.pages.ground.section import SectionPlot, TracePlot
 from gpr20_user_interface.widgets.ground_picture import Frame, GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.plot import Plot
-from gpr20_user_interface.widgets.widgets import new_button, set_look
+from gpr20_user_interface.widgets.widgets import new_button
 
 BAR_PX, SIDE_PX = 56, 52
 GAP_PX, LINE_PX = 2, 20
@@ -196,7 +195,7 @@ class GroundView(TranslatedWidget):
         self.model = model
         self._drawn: Tuple[object, ...] = ()
         self._problem: Optional[Message] = None
-        self._band: Optional[ShownBand] = None
+        self._band: Optional[Message] = None
         self._carriage_mm: Optional[Tuple[float, float]] = None
         self.pictures = Pictures()
         self._active: Plot = self.pictures.above
@@ -226,7 +225,7 @@ class GroundView(TranslatedWidget):
         """Note where the antennas are [mm]; None: not known."""
         self._carriage_mm = place_mm
 
-    def show_band(self, band: Optional[ShownBand]) -> None:
+    def show_band(self, band: Optional[Message]) -> None:
         """Say which survey is shown; None: the live one."""
         if band != self._band:
             self._band = band
@@ -412,10 +411,9 @@ class GroundView(TranslatedWidget):
     def _show_band(self) -> None:
         band = self._band
         self.band.setVisible(band is not None)
-        self.back.setVisible(band is not None and band.can_return and not self.is_fitting)
+        self.back.setVisible(band is not None and not self.is_fitting)
         if band is not None:
-            self.band.show_text(shown_text(band.text))
-            set_look(self.band, "replay", band.replay)
+            self.band.show_text(shown_text(band))
         self._drawn = ()
 
     def _show_fit(self, fits: bool) -> None:
