@@ -64,14 +64,10 @@ class Window(WindowCase):
     def test_notes_written_with_a_finger_go_with_the_start(self) -> None:
         sheet = self.window.annotation
         self.touch_notes()
-        self.touch(sheet.fields["operator"])
-        sheet.text_pad.press("Lucía Peña")
-        self.touch(sheet.text_pad.accept_button)
-        for name, text in (("latitude", "4.6"), ("longitude", "-74.1")):
-            self.touch(sheet.fields[name])
-            for character in text:
-                sheet.number_pad.press(character)
-            self.touch(sheet.number_pad.accept_button)
+        for name, text in (("operator", "Lucía Peña"), ("position", "4.6,-74.1")):
+            self.touch(sheet.tiles[name])
+            sheet.pad.press(text)
+            self.touch(sheet.pad.accept_button)
         self.keep_picture("notes")
         self.touch(sheet.save)
         self.start()

@@ -51,8 +51,8 @@ class WindowOnRobot(WindowCase):
     def enter_with_arrows(self) -> None:
         """3 x 3 stops on 50..130 mm, 51 frequencies."""
         control = self.window.control
-        self.arrow("x_points", DOWN, 2)
-        self.arrow("y_points", DOWN, 2)
+        self.arrow("x_points", DOWN, 8)
+        self.arrow("y_points", DOWN, 8)
         self.arrow("x_stop_mm", STEP, 1)
         self.arrow("x_stop_mm", DOWN, 2)
         self.arrow("y_stop_mm", DOWN, 2)
@@ -66,9 +66,9 @@ class WindowOnRobot(WindowCase):
 
     def test_survey_is_entered_started_paused_resumed_and_finished_with_a_finger(self) -> None:
         self.enter_with_arrows()
-        sheet = self.window.control.figures
-        wait_until(lambda: "—" not in sheet.figures, "time is estimated")
-        self.assertEqual((sheet.figures[0], sheet.figures[4]), ("18", "40, 40 mm"))
+        start = self.window.control.start.lines[0]
+        wait_until(lambda: "min" in start.whole, "time is estimated")
+        self.assertTrue(start.whole.startswith("18 traces, "), start.whole)
         self.keep_picture("robot_control")
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "the survey runs")
@@ -100,10 +100,13 @@ class WindowOnRobot(WindowCase):
         """Add text to a field of the open sheet, and save it."""
         sheet = self.window.annotation
         wait_until(sheet.isVisible, "the sheet opens")
-        sheet.fields[name].tapped.emit()
-        sheet.text_pad.press(text)
-        self.touch(sheet.text_pad.accept_button)
+        sheet.tiles[name].click()
+        sheet.pad.press(text)
+        self.touch(sheet.pad.accept_button)
         self.touch(sheet.save)
+        confirm = self.window.control.confirm
+        if confirm.isVisible():
+            self.hold(confirm)
         wait_until(lambda: not sheet.isVisible(), "the storage has the notes")
 
     def test_notes_are_written_before_during_and_after_a_survey(self) -> None:

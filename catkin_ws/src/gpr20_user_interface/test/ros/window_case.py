@@ -28,6 +28,7 @@ from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:
@@ -120,9 +121,9 @@ class WindowCase(unittest.TestCase):
     def touch(self, widget: QWidget) -> None:
         QTest.mouseClick(widget, Qt.LeftButton)
 
-    def hold(self) -> None:
-        """Hold the button of the sheet before the robot moves."""
-        button = self.window.start_sheet.hold
+    def hold(self, sheet: Optional[HoldSheet] = None) -> None:
+        """Hold the button of a sheet; None: of that before the robot moves."""
+        button = (sheet or self.window.start_sheet).hold
         QTest.mousePress(button, Qt.LeftButton)
         wait_until(lambda: not button.isVisible(), "it was held")
         QTest.mouseRelease(button, Qt.LeftButton)

@@ -18,7 +18,7 @@ __all__ = ["screen", "spoken"]
 
 LONGEST = {
     "vna_address": "192.168.100.100",
-    "start_frequency_hz": "1999.999",
+    "start_frequency_hz": "999.999",
     "stop_frequency_hz": "6000",
     "frequency_points": "4000",
     "x_start_mm": "123.45",
@@ -56,7 +56,7 @@ def test_the_tiles_show_the_longest_values(spoken):
     assert_fits(spoken, control)
     for tile in VALUE_TILES:
         assert uncut(control.tiles[tile]), tile
-    assert uncut(control.check_plan) and uncut(control.start)
+    assert all(map(uncut, (control.saved, control.check_plan, control.start)))
 
 
 def test_a_survey_to_resume_fits_beside_start(spoken):
