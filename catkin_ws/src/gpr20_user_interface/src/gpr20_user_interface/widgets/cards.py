@@ -36,10 +36,14 @@ class NoticeView(Overlay):
         self.first.setWordWrap(True)
         self.then = QLabel()
         self.then.setWordWrap(True)
+        self.accept_button = new_button(self._on_accept)
         self.resume = new_button(self._on_resume)
         self.details_button = new_button(self._on_details)
         self.close_button = new_button(self.hide)
+        self._on_accepted: Optional[Callable[[], None]] = None
         self.buttons = QHBoxLayout()
+        # Its words are longer than those of the other buttons.
+        self.buttons.addWidget(self.accept_button, 2)
         for button in (self.resume, self.details_button, self.close_button):
             self.buttons.addWidget(button, 1)
         self._layout = QVBoxLayout(self)
@@ -53,14 +57,26 @@ class NoticeView(Overlay):
 
     def show_notice(self, notice: Notice) -> None:
         """Open with the texts of a notice."""
-        self.notice = notice
+        self.ask(notice, None)
+
+    def ask(self, notice: Notice, on_accepted: Optional[Callable[[], None]]) -> None:
+        """Open with a question; closing it is a no.
+
+        Args:
+            notice: What is asked.
+            on_accepted: Called if the operator accepts; None: nothing is asked.
+        """
+        self.notice, self._on_accepted = notice, on_accepted
         self._show_details(False)
         self.retranslate()
         self.open()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.close_button.setText(self.tr("CLOSE"))
+        asked = self._on_accepted is not None
+        self.accept_button.setText(self.tr("CONTINUE WITH THIS VNA"))
+        self.accept_button.setVisible(asked)
+        self.close_button.setText(self.tr("NOT NOW") if asked else self.tr("CLOSE"))
         self.resume.setText(self.tr("RESUME"))
         self._name_details_button()
         self.first_title.setText(self.tr("Do this first"))
@@ -88,6 +104,11 @@ class NoticeView(Overlay):
         self.hide()
         self.resume_pressed.emit()
 
+    def _on_accept(self) -> None:
+        self.hide()
+        if self._on_accepted is not None:
+            self._on_accepted()
+
     def _on_details(self) -> None:
         self._show_details(self.details.isHidden())
 
@@ -107,34 +128,3 @@ def _text_area() -> QTextEdit:
     area.setReadOnly(True)
     area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
     return area
-
-
-class AnalyzerQuestion(NoticeView):
-    """Asks whether a survey is continued with another analyzer; closing it is a no."""
-
-    def __init__(self, window: QWidget) -> None:
-        super().__init__(window)
-        self._on_accepted: Callable[[], None] = self.hide
-        self.accept_button = new_button(self._accept)
-        # Its words are longer than those of the other buttons.
-        self.buttons.insertWidget(0, self.accept_button, 2)
-
-    def ask(self, notice: Notice, on_accepted: Callable[[], None]) -> None:
-        """Open with the texts of a notice.
-
-        Args:
-            notice: What is asked.
-            on_accepted: Called if the operator accepts.
-        """
-        self._on_accepted = on_accepted
-        self.show_notice(notice)
-
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        super().retranslate()
-        self.accept_button.setText(self.tr("CONTINUE WITH THIS VNA"))
-        self.close_button.setText(self.tr("NOT NOW"))
-
-    def _accept(self) -> None:
-        self.hide()
-        self._on_accepted()

@@ -25,7 +25,7 @@ from gpr20_operator.robot.survey_model import Refusal
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.cards import AnalyzerQuestion, NoticeView
+from gpr20_user_interface.widgets.cards import NoticeView
 from gpr20_user_interface.widgets.labels import LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
@@ -111,7 +111,7 @@ class Alerts(Page):
         self._opened: Optional[Notice] = None
         self._stop = StopConfirmation(clock)
         self.notice = NoticeView(window)
-        self.question = AnalyzerQuestion(window)
+        self.question = NoticeView(window)
         self.stop_warning = StopWarningView(window)
         self._answer_due = QTimer(window)
         self._answer_due.setSingleShot(True)

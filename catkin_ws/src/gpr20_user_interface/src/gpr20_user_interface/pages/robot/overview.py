@@ -171,7 +171,7 @@ class Overview(TranslatedWidget):
         """Take the sizes of the look."""
         gap_px = look_of(self).px(GAP_PX)
         self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
-        for layout in (self._layout, self._bottom, self._content):
+        for layout in (self._layout, self._top, self._bottom, self._content):
             layout.setSpacing(gap_px)
         self._write_findings()
 
@@ -217,7 +217,7 @@ class Overview(TranslatedWidget):
         content = QWidget()
         self._content = QVBoxLayout(content)
         self._content.setContentsMargins(0, 0, 0, 0)
-        for widget in (self._headline, self.findings, self._parts_title, self.parts):
+        for widget in (self.findings, self._parts_title, self.parts):
             self._content.addWidget(widget)
         self._content.addStretch(1)
         area = QScrollArea()
@@ -227,10 +227,16 @@ class Overview(TranslatedWidget):
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll_by_finger(area)
-        self._bottom = QHBoxLayout()
-        for button in (self.fold_button, self.check_button, self.enter_button):
+        words = QVBoxLayout()
+        words.addWidget(self._headline)
+        words.addWidget(self.hint)
+        # Not at the bottom, where sheets are closed: a second touch must not begin the service.
+        self._top, self._bottom = QHBoxLayout(), QHBoxLayout()
+        self._top.addLayout(words, 2)
+        self._top.addWidget(self.enter_button, 1)
+        for button in (self.fold_button, self.check_button):
             self._bottom.addWidget(button, 1)
         self._layout = QVBoxLayout(self)
+        self._layout.addLayout(self._top)
         self._layout.addWidget(area, 1)
-        self._layout.addWidget(self.hint)
         self._layout.addLayout(self._bottom)
