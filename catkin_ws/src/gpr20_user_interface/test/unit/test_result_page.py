@@ -5,11 +5,11 @@ from candidate_examples import candidate
 from hiding_kit import a_map
 from PyQt5.QtTest import QTest
 from result_kit import BLUE, ELEVEN, RED, noted, plug_in, search, stored
-from view_kit import SURVEY, make_grid, past_survey, snapshot, state_of
+from view_kit import SURVEY, description, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
 from gpr20_operator.robot.events import Answer, Request
@@ -87,9 +87,13 @@ def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
     assert ended.view.progress.isVisible() and ended.view.cancel.isVisible()
 
 
-def test_the_plan_s_permittivity_is_noted_when_the_survey_starts(window, page, node):
+def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_survey(
+    window, page, node
+):
     show(window, snapshot())
     window.on_event(Answer(Request.START, True, verbatim(""), SURVEY))
+    assert node.of("note") == []
+    window.on_event(SurveyDescribed(description()))
     ((survey, _kind, values),) = node.of("note")
     assert (survey, values["permittivity"]) == (SURVEY, window.control.permittivity)
     show(window, RUNS)

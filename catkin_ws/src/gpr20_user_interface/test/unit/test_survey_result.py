@@ -134,6 +134,8 @@ def test_the_permittivity_of_the_plan_is_noted_at_the_start_and_again_if_that_fa
     result, requests
 ):
     result.note_plan(SURVEY, 4.0)
+    result.store_soil(SURVEY)
+    result.store_soil(PAST)
     requests.ticket("note").fail(verbatim("the storage does not answer"))
     search(result, requests)
     assert requests.of("focus") == [(SURVEY, 4.0)]

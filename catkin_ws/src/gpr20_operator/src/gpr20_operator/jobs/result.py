@@ -73,7 +73,7 @@ def record_of(stored: StoredSurvey) -> Record:
     grid = grid_from_description(stored.text)
     values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
     log = values.get("log") or []
-    noted = [one["values"] for one in log if one.get("kind") == Kind.FOUND.value]
+    noted = [one.get("values") or {} for one in log if one.get("kind") == Kind.FOUND.value]
     annotation = annotation_of(values)
     return Record(
         grid,
@@ -174,14 +174,15 @@ class SurveyResult:
         """Show the result of a survey, by its id or folder; of the present one, what is known."""
         if survey != self.survey:
             self.survey = survey
-            self._forget()
+            self.try_again()
 
     def end(self) -> None:
         """End everything but an export, which continues with its survey."""
         for job in (self.reading, self.search, self.hiding, self.noting):
             job.end()
 
-    def _forget(self) -> None:
+    def try_again(self) -> None:
+        """Forget what is known of the survey; read and search it again."""
         self.end()
         if self.record is not None:
             self._imaging.pictures.drop_hiding(self.record.survey_id)
@@ -192,7 +193,7 @@ class SurveyResult:
         """Note whether a survey is running: what searches ends when one begins."""
         if runs and not self._survey_runs:
             # It may be this one that is resumed.
-            self._forget()
+            self.try_again()
         self._survey_runs = runs
 
     def keep(self) -> None:
@@ -212,10 +213,6 @@ class SurveyResult:
         self.reading.end()
         self.search.end(CANCELLED)
 
-    def try_again(self) -> None:
-        """Read and search again."""
-        self._forget()
-
     def set_permittivity(self, permittivity: Optional[float]) -> None:
         """Use another permittivity from now on, and search with it.
 
@@ -229,13 +226,19 @@ class SurveyResult:
         self.hiding.end()
         self._imaging.pictures.drop_hiding(survey_id)
         self.note_plan(survey_id, permittivity)
+        self.store_soil(survey_id)
         self.first, self.chosen, self._wanted = 0, None, True
 
     def note_plan(self, survey_id: str, permittivity: Optional[float]) -> None:
-        """Keep the permittivity of the plan with its survey, durably."""
+        """Note the permittivity of the plan of a survey that begins."""
         self._imaging.permittivities[survey_id] = permittivity
-        values = soil_values(permittivity, self._time_us())
-        self._soil.ask(survey=survey_id, kind=SOIL_KIND.value, values_json=json.dumps(values))
+
+    def store_soil(self, survey_id: str) -> None:
+        """Store the permittivity that was entered for a survey with it, durably; if one was."""
+        if survey_id in self._imaging.permittivities:
+            permittivity = self._imaging.permittivities[survey_id]
+            values = soil_values(permittivity, self._time_us())
+            self._soil.ask(survey=survey_id, kind=SOIL_KIND.value, values_json=json.dumps(values))
 
     def choose_target(self, target: Targets) -> None:
         """Ask where a target could hide."""
@@ -298,7 +301,7 @@ class SurveyResult:
         known = self.permittivity
         if known != self.record.permittivity and not self._soil.running:
             # The storage could not keep it when the survey began.
-            self.note_plan(self.record.survey_id, known)
+            self.store_soil(self.record.survey_id)
 
     def _take_image(self, image: FocusedImage) -> None:
         if self._is_other(image.survey_id):

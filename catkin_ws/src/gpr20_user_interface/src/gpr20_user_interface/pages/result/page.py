@@ -7,8 +7,10 @@ from typing import Callable, Optional
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QVBoxLayout, QWidget
 
+from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.job import survey_name
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.look.translation import Languages
@@ -72,6 +74,9 @@ class ResultPage(QWidget, Page):
         """Keep the permittivity of the plan with the survey that begins."""
         if isinstance(event, Answer) and event.request is Request.START and event.success:
             self.result.note_plan(event.survey_id, self._permittivity())
+        elif isinstance(event, SurveyDescribed):
+            # Not before the storage has opened it.
+            self.result.store_soil(survey_name(event.text)[0])
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Search when nothing else happens and the page is seen; never during a survey."""
