@@ -105,6 +105,11 @@ def _end(process: Any) -> None:
         process.send_signal(signal.SIGCONT)
 
 
+def _to_a_dense_survey(scene: Scene) -> None:
+    """Survey with short moves: the analyzer is always used."""
+    scene.survey(x_points=21, x_stop_mm=350.0)
+
+
 def _to_a_motion(scene: Scene) -> None:
     scene.survey()
     scene.wait_for_motion()
@@ -148,7 +153,9 @@ def _vna_off(scene: Scene) -> None:
 FAULTS: Dict[str, Fault] = {
     "vna_at_start": Fault("VNA switched off, then START", Scene.start, _vna_off),
     "vna_in_survey": Fault(
-        "VNA's cable pulled during a survey", lambda scene: scene.set_fault("vna", "HANG")
+        "VNA's cable pulled during a survey",
+        lambda scene: scene.set_fault("vna", "HANG"),
+        _to_a_dense_survey,
     ),
     "storage_killed": Fault("storage killed", lambda scene: scene.kill(STORAGE)),
     "control_killed": Fault("main control killed", lambda scene: scene.kill("main_control")),
