@@ -17,11 +17,12 @@ from window_helpers import close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
+from gpr20_operator.ground.trace_events import AnnotationRead, SurveyRead, SurveysListed
 from gpr20_operator.plan.fields import VALUE_TILES, default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.survey_model import Refusal
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
@@ -44,8 +45,8 @@ IDENTITY = "Anritsu,MS2026C"
 class Field:
     """A window in the field, where anything may happen while something touches it.
 
-    Its rules: nothing starts, resumes, homes or deletes without a hold, and each hold does it once;
-    STOP always works; what is shown is what was last said.
+    Its rules: nothing starts, resumes, homes, deletes or changes records without a hold, and each
+    hold does it once; STOP always works; what is shown is what was last said.
     """
 
     def __init__(self, application, folder, seed):
@@ -90,6 +91,8 @@ class Field:
             window.alerts.take_refusal(Refusal(Request.RESUME, verbatim("another one"), IDENTITY))
         elif chance < 0.7:
             window.on_event(SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40))))
+        elif chance < 0.76:
+            window.on_event(AnnotationRead(FOLDER, Annotation("Ana", name="field 3")))
         elif chance < 0.95:
             window.touch_binding.set_locked(False)
         else:
@@ -158,8 +161,8 @@ class Field:
 
     def check_wishes(self):
         assert set(wishes(self.window)) <= HARMLESS
-        removed = [one for one in self.window.traces.source.asked if one[0] == "remove marker"]
-        assert not removed
+        changed = {one[0] for one in self.window.traces.source.asked}
+        assert not changed & {"remove marker", "annotate"}
         assert set(self.window.tools.asked) <= LOOKED
 
     def check_shown(self):
