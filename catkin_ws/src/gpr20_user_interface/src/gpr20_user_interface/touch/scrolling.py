@@ -32,6 +32,8 @@ def scroll_by_finger(area: QAbstractScrollArea) -> None:
     metric = QScrollerProperties.ScrollMetric
     never = QScrollerProperties.OvershootPolicy.OvershootAlwaysOff
     properties.setScrollMetric(metric.DragStartDistance, PULL_M)
+    # A tap of what still moves, however slowly, only stops it.
+    properties.setScrollMetric(metric.MaximumClickThroughVelocity, 0.0)
     properties.setScrollMetric(metric.VerticalOvershootPolicy, never)
     properties.setScrollMetric(metric.HorizontalOvershootPolicy, never)
     scroller.setScrollerProperties(properties)
