@@ -1,9 +1,12 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
+import random
+
 import pytest
 from candidate_examples import candidate
 from hiding_kit import a_map
 from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QAbstractButton
 from result_kit import BLUE, ELEVEN, RED, noted, plug_in, search, stored
 from view_kit import SURVEY, description, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show
@@ -336,6 +339,26 @@ def test_closing_the_window_ends_what_it_waits_for(window, ended, node):
     show(window, ENDED)
     window.end()
     assert node.cancelled == [node.ticket("focus").request_id]
+
+
+def test_random_touches_store_nothing(window, done, node):
+    draw, touches = random.Random(30), 0
+    plan = done.result.permittivity
+    for _ in range(1500):
+        show(window, ENDED)
+        if node.asked and node.asked[-1][0] in ("hide", "sticks", "export"):
+            done.result.hiding.end()
+            done.result.export.cancel()
+        sheets = [one for one in (done.place.pad, done.soil.pad, *done.sheets) if one.isVisible()]
+        seen = [
+            one for one in (sheets or [done])[0].findChildren(QAbstractButton) if one.isVisible()
+        ]
+        button = draw.choice([one for one in seen if one is not done.view.plan])
+        touches += button.isEnabled()
+        click(button)
+    assert touches > 1000
+    assert node.of("note") == [] and done.result.permittivity == plan
+    assert len(node.of("focus")) == 1
 
 
 def test_the_language_changes_at_once(window, done):

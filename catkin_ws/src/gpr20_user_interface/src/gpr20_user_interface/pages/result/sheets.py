@@ -188,7 +188,7 @@ class PlaceSheet(ResultSheet):
     def show_now(self) -> None:
         """Show the place, and what is entered."""
         self.finer.setText(self.tr("Measure\nfiner"))
-        self.view.setText(self.tr("Show in\nGROUND"))
+        self.view.setText(self.tr("Show in\nGround"))
         self.deep.setText(f"{self.tr('Depth')}\n{self._depth or '—'} mm")
         self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or '—'}")
         self.store.setText(self.tr("Hold to\nstore"))
