@@ -19,7 +19,7 @@ from gpr20_survey.results.hiding_map import MM_PER_M, HidingMap
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.plot import GroundMark, MarkKind, Plot, rimmed
 
-__all__ = ["Cell", "Frame", "GroundMark", "GroundPicture", "MarkKind", "cells_image"]
+__all__ = ["Cell", "Frame", "GroundMark", "GroundPicture", "MarkKind"]
 
 # Smaller stops have no lines between them.
 SMALLEST_WITH_LINES_PX = 7.0
@@ -112,6 +112,7 @@ class GroundPicture(Plot):
         self._loading: Optional[np.ndarray] = None
         self._hiding: Optional[HidingMap] = None
         self._patterns: Dict[str, Tuple[object, QImage]] = {}
+        self._lattices: Dict[str, Tuple[object, Lattice]] = {}
 
     @property
     def cells(self) -> Optional[np.ndarray]:
@@ -205,7 +206,8 @@ class GroundPicture(Plot):
         if self._grid is None or self._cells is None:
             return
         area = survey_area(self._grid.xs_mm, self._grid.ys_mm)
-        painter.drawImage(0, 0, cells_image(self, self._cells, area, look, lines=True))
+        lattice = self._lattice("states", self._cells.shape, area)
+        painter.drawImage(0, 0, lattice.image(self._cells, look, lines=True))
         painter.setPen(QColor(look.colour(Mark.BORDER)))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(self._pixels_of(area))
@@ -243,9 +245,19 @@ class GroundPicture(Plot):
         state = (cells.tobytes(), ends, self.size(), look)
         known = self._patterns.get(name)
         if known is None or known[0] != state:
-            known = state, cells_image(self, cells, area, look)
+            known = state, self._lattice(name, cells.shape, area).image(cells, look, lines=False)
             self._patterns[name] = known
         painter.drawImage(0, 0, known[1])
+
+    def _lattice(self, name: str, shape: Tuple[int, ...], area: Area) -> Lattice:
+        """Return where cells are; worked out again only after the view has moved."""
+        size = self.viewport().size()
+        ends = self.to_data(QPointF()), self.to_data(QPointF(size.width(), size.height()))
+        state, known = (ends, size, shape, area), self._lattices.get(name)
+        if known is None or known[0] != state:
+            known = state, Lattice(self, (shape[0], shape[1]), area)
+            self._lattices[name] = known
+        return known[1]
 
     def _paint_stop(
         self, painter: QPainter, look: Look, place_mm: Optional[Tuple[float, float]], mark: Mark
@@ -316,39 +328,51 @@ def hiding_cells(found: HidingMap) -> Tuple[np.ndarray, Area]:
     return np.where(hidden, cells, Cell.BLANK).astype(np.uint8), area
 
 
-def cells_image(
-    plot: Plot, cells: np.ndarray, area: Area, look: Look, lines: bool = False
-) -> QImage:
-    """Return the patterns of cells, as large as a plot: their size does not follow the zoom.
+class Lattice:
+    """Where the cells of an area are on a plot: only what they are changes often.
 
     Args:
         plot: Where they are drawn.
-        cells: Cell of each place, both axes ascending.
+        shape: Rows and columns.
         area: All cells together.
-        look: The colours.
-        lines: Whether there are lines between large cells.
     """
-    width, height = plot.viewport().width(), plot.viewport().height()
-    rows, columns = cells.shape
-    left, low = plot.to_data(QPointF(0.5, height - 0.5))
-    right, high = plot.to_data(QPointF(width - 0.5, 0.5))
-    column = _places(left, right, width, area.left_mm, area.width_mm, columns)
-    row = _places(high, low, height, area.low_mm, area.height_mm, rows)
-    # Around the cells nothing is painted.
-    padded = np.pad(cells.astype(np.uint16), 1, constant_values=Cell.BLANK) * TILE_PX**2
-    y, x = np.arange(height) % TILE_PX * TILE_PX, np.arange(width) % TILE_PX
-    # Two steps of one axis each: much faster than both at once.
-    codes = padded[:, column][row] + (y[:, None] + x).astype(np.uint16)
-    pixels = _inks(look)[TILES.ravel()].take(codes)
-    if lines and width / (right - left) * area.width_mm / columns >= SMALLEST_WITH_LINES_PX:
-        grid = QColor(look.colour(Mark.GRID)).rgba()
+
+    def __init__(self, plot: Plot, shape: Tuple[int, int], area: Area) -> None:
+        width, height = plot.viewport().width(), plot.viewport().height()
+        rows, columns = shape
+        left, low = plot.to_data(QPointF(0.5, height - 0.5))
+        right, high = plot.to_data(QPointF(width - 0.5, 0.5))
+        column = _places(left, right, width, area.left_mm, area.width_mm, columns)
+        row = _places(high, low, height, area.low_mm, area.height_mm, rows)
+        self._column, self._row = column, row
+        y, x = np.arange(height) % TILE_PX * TILE_PX, np.arange(width) % TILE_PX
+        self._tile = (y[:, None] + x).astype(np.uint16)
         inside = (row[:, None] > 0) & (row[:, None] <= rows) & (column > 0) & (column <= columns)
         edges = np.zeros((height, width), bool)
         edges[:, 1:] |= np.diff(column) != 0
         edges[1:] |= (np.diff(row) != 0)[:, None]
-        pixels[edges & inside] = grid
-    image = QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_ARGB32)
-    return image.copy()  # its own memory
+        large = width / (right - left) * area.width_mm / columns >= SMALLEST_WITH_LINES_PX
+        self._lines = np.flatnonzero(edges & inside) if large else np.zeros(0, np.intp)
+
+    def image(self, cells: np.ndarray, look: Look, lines: bool) -> QImage:
+        """Return the patterns of cells, as large as the plot: they do not follow the zoom.
+
+        Args:
+            cells: Cell of each place, both axes ascending.
+            look: The colours.
+            lines: Whether there are lines between large cells.
+        """
+        # Around the cells nothing is painted.
+        padded = np.pad(cells.astype(np.uint16), 1, constant_values=Cell.BLANK) * TILE_PX**2
+        # Two steps of one axis each: much faster than both at once.
+        codes = padded[:, self._column][self._row]
+        codes += self._tile
+        pixels = _inks(look)[TILES.ravel()].take(codes)
+        if lines:
+            pixels.ravel()[self._lines] = QColor(look.colour(Mark.GRID)).rgba()
+        height, width = pixels.shape
+        image = QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_ARGB32)
+        return image.copy()  # its own memory
 
 
 def pattern_image(cell: Cell, size_px: int, look: Look) -> QImage:

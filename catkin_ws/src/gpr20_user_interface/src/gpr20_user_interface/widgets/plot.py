@@ -172,7 +172,7 @@ class Plot(pyqtgraph.GraphicsView):
         self._pressed: Optional[QPointF] = None
         self._pressed_ms = 0
         self._finger: Optional[QPointF] = None
-        self._axes: Tuple[object, QPixmap] = (None, QPixmap())
+        self._overlaid: Tuple[object, QPixmap] = (None, QPixmap())
 
     @property
     def numbers(self) -> Optional[np.ndarray]:
@@ -205,7 +205,7 @@ class Plot(pyqtgraph.GraphicsView):
             self._colours = used
             self._image.setLookupTable(colour_table(used))
         self._numbers = shade_numbers(picture.shades, picture.signed)
-        self._image.setImage(self._numbers, levels=(0, 255), autoLevels=False)
+        self._image.setImage(self._numbers, autoLevels=False)
         (left, right), (low, high) = picture.across_mm, picture.range
         self._image.setRect(QRectF(left, low, right - left, high - low))
 
@@ -217,8 +217,10 @@ class Plot(pyqtgraph.GraphicsView):
 
     def set_marks(self, marks: Sequence[GroundMark]) -> None:
         """Mark places; later ones are painted over earlier ones."""
-        self._marks = tuple(marks)
-        self.scene().update()
+        # The same ones stay the same object: then they are not painted again.
+        if tuple(marks) != self._marks:
+            self._marks = tuple(marks)
+            self.scene().update()
 
     def set_crosshair(self, across: Optional[float], second: Optional[float]) -> None:
         """Mark a place on each axis; None: nowhere."""
@@ -433,9 +435,7 @@ class Plot(pyqtgraph.GraphicsView):
         if self.extent is not None:
             self._paint_above(painter, look)
             self._paint_crosshair(painter, look)
-            for one in self._marks:
-                self._paint_mark(painter, look, one)
-            painter.drawPixmap(0, 0, self._axes_pixmap(look))
+            painter.drawPixmap(0, 0, self._overlay(look))
         self._paint_notice(painter, look)
         painter.restore()
 
@@ -500,20 +500,23 @@ class Plot(pyqtgraph.GraphicsView):
             text = QColor(look.colour(Mark.INK if mark.measured else Mark.NOT_MEASURED))
             _paint_text(painter, font, box, mark.text, text)
 
-    def _axes_pixmap(self, look: Look) -> QPixmap:
-        """Return the numbers along the axes; texts are written again only after a change."""
+    def _overlay(self, look: Look) -> QPixmap:
+        """Return marks and numbers; they are painted again only after a change."""
         size = self.viewport().size()
         ends = self.to_data(QPointF()), self.to_data(QPointF(size.width(), size.height()))
-        state = (ends, size, self.labels, look, self._axes_state())
-        if state != self._axes[0]:
+        state = (self._marks, ends, size, self.labels, look, self._axes_state())
+        if state != self._overlaid[0]:
             pixmap = QPixmap(size)
             pixmap.fill(Qt.GlobalColor.transparent)
             painter = QPainter(pixmap)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setFont(self.font())
+            for one in self._marks:
+                self._paint_mark(painter, look, one)
             self._paint_axes(painter, look)
             painter.end()
-            self._axes = state, pixmap
-        return self._axes[1]
+            self._overlaid = state, pixmap
+        return self._overlaid[1]
 
     def _axes_state(self) -> object:
         """Return what else the numbers depend on."""

@@ -99,6 +99,7 @@ class GroundModel:
         self.layers: FrozenSet[Layer] = ALL_LAYERS
         self._focused: Optional[FocusedSource] = None
         self._planned_permittivity: Optional[float] = None
+        self._placed: Tuple[object, Optional[Place]] = (None, None)
         self.show_survey(survey)
 
     def show_survey(self, survey: ShownSurvey) -> None:
@@ -211,6 +212,16 @@ class GroundModel:
     @property
     def place(self) -> Optional[Place]:
         """Where the crosshair is; None before the first trace."""
+        shown = self.survey
+        state = (
+            *(shown, shown.radar.revision, shown.map.revision, self._chosen, self.layers),
+            *(self.settings.polarization, self.additions.revision),
+        )
+        if state != self._placed[0]:
+            self._placed = state, self._find_place()
+        return self._placed[1]
+
+    def _find_place(self) -> Optional[Place]:
         if self._chosen is not None:
             return self._source.nearest(self._chosen)
         candidates = self.additions.candidates

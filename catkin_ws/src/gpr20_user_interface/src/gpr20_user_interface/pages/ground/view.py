@@ -397,8 +397,9 @@ class GroundView(TranslatedWidget):
         additions, point = model.additions, model.point
         grid = model.survey.map.grid
         self.enlarge_key.setText("⤡" if self.pictures.enlarged is not None else "⤢")
+        has_depth = model.deepest_m is not None
         for key in (self.shallower, self.deeper):
-            key.setEnabled(model.deepest_m is not None)
+            key.setEnabled(has_depth)
         candidates = bool(additions.candidates) and Layer.CANDIDATES in model.layers
         self.next.setText(self.tr("Next\ncandidate") if candidates else self.tr("Next\ngap"))
         self.next.setEnabled(candidates or model.survey.map.next_problem(None) is not None)
