@@ -38,11 +38,11 @@ from gpr20_operator.jobs.result_texts import (
 )
 from gpr20_operator.jobs.stick import LIST_PERIOD_S, ExportPart
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.found import What, found_of
 from gpr20_survey.results.hidden_target import Targets
-from gpr20_survey.results.soil_note import noted_permittivity, soil_values
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
-from gpr20_survey.results.soil_note import noted_permittivity, soil_values
+from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 METADATA = json.dumps(

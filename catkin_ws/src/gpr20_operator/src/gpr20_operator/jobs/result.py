@@ -16,6 +16,8 @@ from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Service, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
+from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.candidate_json import json_text
@@ -25,8 +27,6 @@ from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
 from gpr20_survey.results.found import Found, What, found_of, present
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import HidingMap
-from gpr20_survey.results.soil_note import KIND as SOIL_KIND
-from gpr20_survey.results.soil_note import noted_permittivity, soil_values
 from gpr20_survey.trace import utc_time
 
 PLACES_SHOWN = 5
