@@ -175,7 +175,7 @@ def above_notice(model: GroundModel, shown: Shown, problem: Optional[Message]) -
     if grid is None:
         return (
             Message("No survey yet."),
-            Message("Start one under Survey, or open a stored one under Stored."),
+            Message("Start one under Survey, or open a stored one under Archive."),
         )
     if Layer.FOCUSED in model.layers and not model.shows_focused:
         echoes = Message("The image is not focused yet. These are the echoes.")
