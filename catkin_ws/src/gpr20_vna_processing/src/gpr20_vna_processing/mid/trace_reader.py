@@ -70,8 +70,8 @@ class TraceReader:
         unreadable: Dict[int, Message] = {}
         points = 0
         with self._one_at_a_time:
-            end_s = time.monotonic() + MAX_READING_S
             listed = self._list(folder)
+            end_s = time.monotonic() + MAX_READING_S
             with listed.recorded.finder() as recorded:
                 for index in indices:
                     try:
