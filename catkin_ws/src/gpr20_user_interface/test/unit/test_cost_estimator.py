@@ -61,6 +61,6 @@ def test_nothing_is_answered_after_the_end(estimator, listener):
     estimator.close()
     estimator.ask(default_parameters(), FIGURES)
     for thread in threading.enumerate():
-        if thread.name == "cost_estimator":
+        if thread.name == "CostEstimator._estimate":
             thread.join(20.0)
     assert listener.received == []

@@ -14,10 +14,9 @@ from gpr20_operator.plan.hold_question import (
     change_records_question,
     delete_profile_question,
     other_analyzer_question,
-    plan_summary,
+    plan_question,
     resume_past_question,
     resume_question,
-    start_question,
 )
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.robot.events import Progress
@@ -33,14 +32,14 @@ def rows(question):
 
 
 def start(measured=PARAMETERS, permittivity=4.0, annotation=EMPTY):
-    return start_question(measured, permittivity, preview(measured, permittivity), annotation)
+    return plan_question(measured, permittivity, preview(measured, permittivity), annotation)
 
 
 def test_start_says_everything_that_the_survey_will_do():
     figures = replace(FIGURES, cost=SurveyCost(65.0, 44_800_000))
     people = Annotation(operator="Ana", site="El Dorado", name="field 3")
     measured = replace(PARAMETERS, vna_address="10.0.0.7", averages=4)
-    assert rows(start_question(measured, 8.0, figures, people)) == {
+    assert rows(plan_question(measured, 8.0, figures, people)) == {
         "Where": "X 50 - 150 mm, Y 50 - 150 mm",
         "How close": "10 mm, 11 x 11 points",
         "Soil": "Moist sand, permittivity 8",
@@ -86,7 +85,7 @@ def test_a_coarse_plan_is_said_in_words_before_the_start():
 
 
 def test_the_summary_says_what_a_plan_can_show_and_holds_for_nothing():
-    question = plan_summary(PARAMETERS, 4.0, FIGURES, EMPTY)
+    question = plan_question(PARAMETERS, 4.0, FIGURES, EMPTY, start=False)
     assert question.hold is None
     shown = rows(question)
     assert shown["Soil needs"] == "11.4 mm between stops, or less"

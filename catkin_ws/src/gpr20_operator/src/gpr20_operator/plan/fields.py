@@ -187,14 +187,14 @@ PLAN: Specs = (
         limits=_within(MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ),
         rules=frozenset([Rule.IF_BANDWIDTH]),
         choices=("", *map(number_text, IF_BANDWIDTHS_HZ)),
-        presets=presets.if_bandwidths,
+        presets=presets.settings("if_bandwidth_hz", presets.IF_BANDWIDTHS, "Hz"),
         empty=_AS_ON_VNA,
     ),
     FieldSpec(
         *("averages", Message("Averages"), Tile.VNA, WHOLE.or_empty()),
         limits=_within(1, MAX_AVERAGES),
         rules=frozenset([Rule.AVERAGES]),
-        presets=presets.averages,
+        presets=presets.settings("averages", presets.AVERAGES, "x"),
         empty=_AS_ON_VNA,
     ),
     FieldSpec(
@@ -202,7 +202,7 @@ PLAN: Specs = (
         allowed=_always(Message("LOW or HIGH for the MS2026C")),
         rules=frozenset([Rule.OUTPUT_POWER]),
         choices=("", *OUTPUT_POWERS),
-        presets=presets.output_powers,
+        presets=presets.settings("output_power", OUTPUT_POWERS),
         empty=_AS_ON_VNA,
     ),
     FieldSpec(

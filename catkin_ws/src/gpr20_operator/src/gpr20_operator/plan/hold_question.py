@@ -42,30 +42,28 @@ class HoldQuestion:
     doubt: Optional[Message] = None
 
 
-def start_question(
+def plan_question(
     parameters: SurveyParameters,
     permittivity: float,
     known: SurveyPreview,
     annotation: Annotation,
+    start: bool = True,
 ) -> HoldQuestion:
-    """Return what is asked before a survey starts: everything that it will do."""
-    rows = plan_rows(parameters, permittivity, known, annotation)
-    doubt = spacing_warning(known)
-    return HoldQuestion(Message("Start this survey?"), rows, HANDS_CLEAR, HOLD_TO_START, doubt)
+    """Return everything that a plan will do.
 
-
-def plan_summary(
-    parameters: SurveyParameters,
-    permittivity: float,
-    known: SurveyPreview,
-    annotation: Annotation,
-) -> HoldQuestion:
-    """Return what a plan does and can show; there is nothing to hold for."""
-    rows = plan_rows(parameters, permittivity, known, annotation)
-    doubt = spacing_warning(known)
-    return HoldQuestion(
-        Message("This plan"), (*rows, *figure_rows(known)), verbatim(""), None, doubt
-    )
+    Args:
+        parameters: What it measures.
+        permittivity: Relative permittivity of the soil.
+        known: The figures that follow from them.
+        annotation: What people have added to it.
+        start: Whether to ask to start it; else also what it can show of the ground.
+    """
+    rows, doubt = plan_rows(parameters, permittivity, known, annotation), spacing_warning(known)
+    if start:
+        title = Message("Start this survey?")
+        return HoldQuestion(title, rows, HANDS_CLEAR, HOLD_TO_START, doubt)
+    title, nothing = Message("This plan"), verbatim("")
+    return HoldQuestion(title, (*rows, *figure_rows(known)), nothing, None, doubt)
 
 
 def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) -> HoldQuestion:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional, Protocol
+from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
+from gpr20_operator.files.settings_file import Settings, SettingsWriter
 from gpr20_operator.plan.fields import PEOPLE, PLAN
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, Annotation
@@ -17,24 +17,6 @@ FIELDS, FOLLOWING, STEP, SURVEY = "fields", "points_follow_spacing", "arrow_step
 LAST_AREA, PROPOSED_ADDRESS = "last_area", "configured_address"
 REMEMBERED_PEOPLE = tuple(one.name for one in PEOPLE if one.remembered)
 REMEMBERED = tuple(one.name for one in PLAN if one.remembered)
-
-
-class Settings(Protocol):
-    """A file of named values."""
-
-    def read(self) -> Dict[str, Any]:
-        """Return the values; none if there is no file yet.
-
-        Raises:
-            SettingsError: They cannot be read.
-        """
-
-    def write(self, values: Mapping[str, Any]) -> None:
-        """Replace the values.
-
-        Raises:
-            SettingsError: They cannot be written.
-        """
 
 
 @dataclass(frozen=True)
@@ -105,61 +87,37 @@ class PlanMemoryFailed:
 
 
 class PlanMemory:
-    """Reads the plan once, and writes it beside the window's thread: a slow disk never delays it.
+    """Reads the plan once, and writes it beside the window's thread.
 
     Args:
         settings: The file.
-        listener: Called with PlanMemoryFailed from a thread of this class.
+        listener: Called with PlanMemoryFailed from another thread.
     """
 
     def __init__(self, settings: Settings, listener: Callable[[PlanMemoryFailed], None]) -> None:
         self._settings = settings
-        self._listener = listener
-        self._changed = threading.Condition()
-        self._wanted: Optional[RememberedPlan] = None
+        self._writer = SettingsWriter(settings, lambda reason: listener(PlanMemoryFailed(reason)))
         self._stored: Optional[RememberedPlan] = None
-        self._writing = False
         self.problem: Optional[Message] = None
 
     def load(self) -> RememberedPlan:
         """Return what was stored; the defaults, and `problem` says why, if it is damaged."""
         try:
-            plan = plan_from(self._settings.read())
+            self._stored = plan_from(self._settings.read())
         except SettingsError as error:
             self.problem = error.message
             return RememberedPlan()
-        self._stored = plan
-        return plan
+        return self._stored
 
     def save(self, plan: RememberedPlan) -> None:
         """Store a plan soon; only the newest one counts."""
-        with self._changed:
-            if plan == self._stored and self._wanted is None:
-                return
-            self._wanted = plan
-            if self._writing:
-                return
-            self._writing = True
-        threading.Thread(target=self._write, name="plan_memory", daemon=True).start()
+        if plan != self._stored:
+            self._stored = plan
+            self._writer.write(values_of(plan))
 
     def wait(self, timeout_s: float) -> bool:
         """Return whether everything is written within a time [s]."""
-        with self._changed:
-            return self._changed.wait_for(lambda: not self._writing, timeout_s)
-
-    def _write(self) -> None:
-        while True:
-            with self._changed:
-                if self._wanted is None:
-                    self._writing = False
-                    self._changed.notify_all()
-                    return
-                plan, self._wanted = self._wanted, None
-                self._stored = plan
-            try:
-                self._settings.write(values_of(plan))
-            except SettingsError as error:
-                self._listener(PlanMemoryFailed(error.message))
+        return self._writer.wait(timeout_s)
 
 
 def _texts(values: Mapping[str, Any], key: str, names: Any) -> Dict[str, str]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Callable, List, Mapping, Optional, Tuple
+from typing import Callable, Iterable, List, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.survey_parameters import RobotTravel, coordinate_limits_mm
 from gpr20_survey.radar.soils import Soils
-from gpr20_survey.trace.ms2026c import IF_BANDWIDTHS_HZ, OUTPUT_POWERS
 
 SMALL_AREA_MM = 300.0
 SPACINGS_MM = (5, 10, 15, 20, 25)
@@ -126,28 +125,16 @@ def rotations(_context: PresetContext) -> List[Preset]:
 
 def addresses(context: PresetContext) -> List[Preset]:
     """Return the address of the robot's configuration."""
-    if not context.address:
-        return []
-    return [Preset(Message("Robot's own"), {"vna_address": context.address})]
+    own = {"vna_address": context.address}
+    return [Preset(Message("Robot's own"), own)] if context.address else []
 
 
-def if_bandwidths(_context: PresetContext) -> List[Preset]:
-    """Return the decades of the bandwidths of the VNA."""
-    shown = [f"{one:.12g}" for one in IF_BANDWIDTHS_HZ if 100 <= one <= 100_000]
-    decades = [text for text in shown if text.startswith("1")]
-    return _settings("if_bandwidth_hz", [(f"{text} Hz", text) for text in decades])
+def settings(field: str, texts: Iterable[str], unit: str = "") -> Presets:
+    """Return the presets of a setting of the VNA: as it is, or one of some texts."""
+    as_set = Preset(Message("AS SET"), {field: ""})
+    chosen = [Preset(verbatim(f"{text} {unit}".strip()), {field: text}) for text in texts]
+    return lambda _context: [as_set, *chosen]
 
 
-def averages(_context: PresetContext) -> List[Preset]:
-    """Return usual numbers of sweeps for one trace."""
-    return _settings("averages", [(f"{text} x", text) for text in AVERAGES])
-
-
-def output_powers(_context: PresetContext) -> List[Preset]:
-    """Return the levels of the VNA."""
-    return _settings("output_power", [(text, text) for text in OUTPUT_POWERS])
-
-
-def _settings(field: str, values: List[Tuple[str, str]]) -> List[Preset]:
-    chosen = [Preset(verbatim(title), {field: text}) for title, text in values]
-    return [Preset(Message("AS SET"), {field: ""}), *chosen]
+# The decades.
+IF_BANDWIDTHS = ("100", "1000", "10000", "100000")

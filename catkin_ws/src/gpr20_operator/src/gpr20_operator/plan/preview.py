@@ -6,6 +6,7 @@ import threading
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
+from gpr20_operator.files.newest import Newest
 from gpr20_operator.plan.form import ROUNDING
 from gpr20_operator.robot.events import RobotFigures
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
@@ -98,9 +99,8 @@ class CostEstimator:
 
     def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
         self._listener = listener
+        self._newest = Newest(self._estimate)
         self._lock = threading.Lock()
-        self._wanted: Optional[Tuple[SurveyParameters, RobotFigures]] = None
-        self._working = False
         self._closed = False
 
     def close(self) -> None:
@@ -110,22 +110,14 @@ class CostEstimator:
 
     def ask(self, parameters: SurveyParameters, figures: RobotFigures) -> None:
         """Estimate; the listener gets the result."""
-        with self._lock:
-            self._wanted = parameters, figures
-            if self._working:
-                return
-            self._working = True
-        threading.Thread(target=self._work, name="cost_estimator", daemon=True).start()
+        self._newest.put((parameters, figures))
 
-    def _work(self) -> None:
-        while True:
-            with self._lock:
-                if self._wanted is None or self._closed:
-                    self._working = False
-                    return
-                (parameters, figures), self._wanted = self._wanted, None
-            cost = survey_cost(parameters, figures.config, figures.settings)
-            with self._lock:
-                # The listener may be gone once this has been closed.
-                if not self._closed:
-                    self._listener(CostEstimated(parameters, cost))
+    def _estimate(self, asked: Tuple[SurveyParameters, RobotFigures]) -> None:
+        parameters, figures = asked
+        if self._closed:
+            return
+        cost = survey_cost(parameters, figures.config, figures.settings)
+        with self._lock:
+            # The listener may be gone once this has been closed.
+            if not self._closed:
+                self._listener(CostEstimated(parameters, cost))

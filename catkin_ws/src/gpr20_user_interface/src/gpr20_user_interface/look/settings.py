@@ -2,36 +2,18 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass, replace
-from typing import Any, Callable, Dict, Mapping, Optional, Protocol
+from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
+from gpr20_operator.files.settings_file import Settings, SettingsWriter
 from gpr20_operator.palette import Theme
 
 DIM_CHOICES_MIN = (0, 2, 5, 10)
 LANGUAGE, THEME, DIM_AFTER = "language", "theme", "dim_after_min"
-
-
-class Settings(Protocol):
-    """A file of named values."""
-
-    def read(self) -> Dict[str, Any]:
-        """Return the values; none if there is no file yet.
-
-        Raises:
-            SettingsError: They cannot be read.
-        """
-
-    def write(self, values: Mapping[str, Any]) -> None:
-        """Replace the values.
-
-        Raises:
-            SettingsError: They cannot be written.
-        """
 
 
 @dataclass(frozen=True)
@@ -93,7 +75,7 @@ class WindowMemory:
 
     Args:
         file: The file; None: nothing is remembered.
-        failed: Called if they cannot be read or written, also from a thread of this class.
+        failed: Called if they cannot be read or written, also from another thread.
 
     Attributes:
         settings: The settings now.
@@ -103,10 +85,7 @@ class WindowMemory:
         self, file: Optional[Settings] = None, failed: Callable[[Message], None] = lambda _: None
     ) -> None:
         self.settings = WindowSettings()
-        self._file = file
-        self._failed = failed
-        self._one_writes = threading.Lock()
-        self._writer: Optional[threading.Thread] = None
+        self._writer = None if file is None else SettingsWriter(file, failed)
         if file is not None:
             try:
                 self.settings = settings_from(file.read())
@@ -116,23 +95,10 @@ class WindowMemory:
     def change(self, **changes: Any) -> None:
         """Change some settings, and remember them soon."""
         changed = replace(self.settings, **changes)
-        if changed == self.settings:
-            return
+        if changed != self.settings and self._writer is not None:
+            self._writer.write(values_of(changed))
         self.settings = changed
-        if self._file is not None:
-            self._writer = threading.Thread(target=self._write, name="window_settings")
-            self._writer.start()
 
     def close(self, timeout_s: float) -> bool:
         """Return whether the settings are written within a time [s]."""
-        if self._writer is not None:
-            self._writer.join(timeout_s)
-        return self._writer is None or not self._writer.is_alive()
-
-    def _write(self) -> None:
-        with self._one_writes:
-            try:
-                if self._file is not None:
-                    self._file.write(values_of(self.settings))
-            except SettingsError as error:
-                self._failed(error.message)
+        return self._writer is None or self._writer.wait(timeout_s)

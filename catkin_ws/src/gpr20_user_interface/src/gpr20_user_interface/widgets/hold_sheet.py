@@ -11,9 +11,9 @@ from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.plan.hold_question import (
     HoldQuestion,
     other_analyzer_question,
+    plan_question,
     resume_past_question,
     resume_question,
-    start_question,
 )
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
@@ -174,7 +174,7 @@ class StartSheet(HoldSheet, Page):
 
         def make() -> HoldQuestion:
             known = self._survey.preview_of(parameters)
-            return start_question(parameters, permittivity, known, annotation)
+            return plan_question(parameters, permittivity, known, annotation)
 
         self._ask(make, _can_start, lambda: self._survey.start(parameters, annotation))
 

@@ -17,7 +17,7 @@ from gpr20_operator.ground.trace_events import (
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.plan.annotation import NextAnnotation, replaces_text
 from gpr20_operator.plan.form import PlanCheck, PlanForm
-from gpr20_operator.plan.hold_question import change_records_question, plan_summary
+from gpr20_operator.plan.hold_question import change_records_question, plan_question
 from gpr20_operator.plan.memory import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_operator.plan.preview import SurveyPreview
@@ -300,8 +300,9 @@ class PlanPage(TranslatedWidget, Page):
     def _on_check(self) -> None:
         if self.parameters is not None and self.permittivity is not None:
             known = self._survey.preview_of(self.parameters)
-            question = plan_summary(
-                self.parameters, self.permittivity, known, self.next_annotation.value
+            question = plan_question(
+                *(self.parameters, self.permittivity, known, self.next_annotation.value),
+                start=False,
             )
             self.summary.ask(question, self.summary.hide)
 
