@@ -1,9 +1,9 @@
-"""A small file with the settings of the window."""
+"""A small file with the settings of a screen, and what writes it in the background."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, Mapping
+from typing import Any, Callable, Dict, Mapping, Protocol
 
 import yaml
 
@@ -12,12 +12,31 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
+from gpr20_operator.files.newest import Newest
 from gpr20_survey.files.durable_files import ensure_folders, replace_file
 
 # Settings have some hundred bytes; a far larger file is something else.
 MAX_BYTES = 65536
 # Only the operator's own: a survey's place and people may be in it.
 FOLDER_MODE = 0o700
+
+
+class Settings(Protocol):
+    """A file of named values."""
+
+    def read(self) -> Dict[str, Any]:
+        """Return the values; none if there is no file yet.
+
+        Raises:
+            SettingsError: They cannot be read.
+        """
+
+    def write(self, values: Mapping[str, Any]) -> None:
+        """Replace the values.
+
+        Raises:
+            SettingsError: They cannot be written.
+        """
 
 
 class SettingsFile:
@@ -83,3 +102,22 @@ class SettingsFile:
                 reason=reason,
             )
         )
+
+
+def settings_writer(
+    settings: Settings, failed: Callable[[Message], None]
+) -> Newest[Mapping[str, Any]]:
+    """Return what writes the newest values in a thread of its own.
+
+    Args:
+        settings: Where to.
+        failed: Called from that thread if they cannot be written.
+    """
+
+    def write(values: Mapping[str, Any]) -> None:
+        try:
+            settings.write(values)
+        except SettingsError as error:
+            failed(error.message)
+
+    return Newest(write)

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.settings_file import Settings, SettingsWriter
+from gpr20_operator.files.settings_file import Settings, settings_writer
 from gpr20_operator.plan.fields import PEOPLE, PLAN
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, Annotation
@@ -96,7 +96,7 @@ class PlanMemory:
 
     def __init__(self, settings: Settings, listener: Callable[[PlanMemoryFailed], None]) -> None:
         self._settings = settings
-        self._writer = SettingsWriter(settings, lambda reason: listener(PlanMemoryFailed(reason)))
+        self._writer = settings_writer(settings, lambda reason: listener(PlanMemoryFailed(reason)))
         self._stored: Optional[RememberedPlan] = None
         self.problem: Optional[Message] = None
 
@@ -113,7 +113,7 @@ class PlanMemory:
         """Store a plan soon; only the newest one counts."""
         if plan != self._stored:
             self._stored = plan
-            self._writer.write(values_of(plan))
+            self._writer.put(values_of(plan))
 
     def wait(self, timeout_s: float) -> bool:
         """Return whether everything is written within a time [s]."""

@@ -25,10 +25,10 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_operator.files.profile_folder import ProfileFolder
-from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.files.settings_file import Settings, SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.memory import PlanMemory, Settings
+from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import CostEstimator
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.robot.replay_model import ReplayModel

@@ -9,7 +9,7 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.settings_file import Settings, SettingsWriter
+from gpr20_operator.files.settings_file import Settings, settings_writer
 from gpr20_operator.palette import Theme
 
 DIM_CHOICES_MIN = (0, 2, 5, 10)
@@ -85,7 +85,7 @@ class WindowMemory:
         self, file: Optional[Settings] = None, failed: Callable[[Message], None] = lambda _: None
     ) -> None:
         self.settings = WindowSettings()
-        self._writer = None if file is None else SettingsWriter(file, failed)
+        self._writer = None if file is None else settings_writer(file, failed)
         if file is not None:
             try:
                 self.settings = settings_from(file.read())
@@ -96,7 +96,7 @@ class WindowMemory:
         """Change some settings, and remember them soon."""
         changed = replace(self.settings, **changes)
         if changed != self.settings and self._writer is not None:
-            self._writer.write(values_of(changed))
+            self._writer.put(values_of(changed))
         self.settings = changed
 
     def close(self, timeout_s: float) -> bool:
