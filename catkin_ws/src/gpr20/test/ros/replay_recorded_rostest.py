@@ -27,7 +27,7 @@ from gpr20_msgs.msg import ControlStatus, Replay, SurveyCoverage
 PACKAGES = rospkg.RosPack()
 WINDOW = Path(PACKAGES.get_path("gpr20_user_interface")) / "test/ros/window_process.py"
 FINISHED = "REPLAY ENDED"
-BESIDE = "A recording or another program uses the topics of this robot"
+BESIDE = "A recording plays on this robot's topics"
 ENDING_LIMIT_S = 20.0
 # Without the results of the axes, which would make the robot pause.
 WINDOW_TOPICS = (

@@ -68,7 +68,10 @@ NOT_STARTED = Fault(
 NO_SURVEY = Fault("window.no_survey", remedies.NOTHING_TO_DO, Severity.NOTE)
 REPLAY_BESIDE = Fault(
     "window.replay_beside",
-    Message("End the player, or play under other names: rosbag play --prefix=/replay ..."),
+    Message(
+        "End the program that the details name. Play recordings away from the robot's topics, with "
+        "the prefix /replay."
+    ),
     Severity.WARNING,
 )
 REPLAY_RUNS = Fault(

@@ -158,6 +158,8 @@ def test_a_replay_opens_no_card(window):
     show(window, shown(SurveyState.PAUSED, state=paused(FULL), replay=replay))
     assert not window.notice.isVisible()
     assert not window.job.notes.isVisible()
+    # What the robot said then; the band has the survey.
+    assert window.job.message.text() == "The disk is full."
 
 
 def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):

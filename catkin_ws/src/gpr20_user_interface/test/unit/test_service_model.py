@@ -1,6 +1,7 @@
 """SERVICE: when the robot may be serviced, and when it ends by itself."""
 
 import random
+from dataclasses import replace
 
 import pytest
 from view_kit import snapshot, state_of
@@ -9,6 +10,7 @@ from window_helpers import ServiceTools
 from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.robot.events import AxisLimits, CurrentPosition, Request
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.service_events import (
     AxisAction,
     AxisMeasured,
@@ -185,6 +187,14 @@ def test_no_survey_can_be_started_while_something_is_in_service(clock):
     assert not survey.snapshot().can_start
     survey.handle(ServiceActivity(None))
     assert survey.snapshot().can_start
+
+
+def test_nothing_is_found_wrong_with_the_robot_of_a_replay(model):
+    model.on_event(ClockOffset("vna_acquisition", 8.0))
+    model.refresh(at_rest())
+    assert model.findings()
+    model.refresh(replace(at_rest(), replay=ReplayView(ReplayMark())))
+    assert model.findings() == () and model.obstacle is not None
 
 
 def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):

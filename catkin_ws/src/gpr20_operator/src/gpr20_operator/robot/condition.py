@@ -241,7 +241,7 @@ def _ignored_sender(snapshot: Snapshot) -> Optional[Message]:
     if not snapshot.ignored_sender:
         return None
     return Message(
-        "A recording or another program uses the topics of this robot. It is not shown.",
+        "A recording plays on this robot's topics. It is not shown.",
         details=snapshot.ignored_sender,
     ).with_fault(faults.REPLAY_BESIDE)
 

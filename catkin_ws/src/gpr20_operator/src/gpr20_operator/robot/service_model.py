@@ -214,8 +214,8 @@ class ServiceModel:
     def findings(self) -> Tuple[Finding, ...]:
         """Return what is wrong with the robot, the worst first."""
         shown = self._snapshot
-        if shown is None:
-            return ()
+        if shown is None or shown.replay is not None:
+            return ()  # what was wrong with the robot of a recording is in its survey
         now_s = self._clock.now_s()
         analyzer, tested_s = self._judged
         nodes = self._limits.nodes

@@ -90,7 +90,10 @@ class JobPage(TranslatedWidget, Page):
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.show_text(", ".join(text for text in (name if known else "", area) if text))
-        self.message.setText(sentence_text(condition.message))
+        replayed = snapshot.state if snapshot.replay is not None else None
+        # Beside a replay, the band says which survey it is.
+        message = condition.message if replayed is None else replayed.reason
+        self.message.setText(sentence_text(message))
         asks = condition.remedy is not None and condition.level in ASKING
         self.remedy.setText("" if condition.remedy is None else shown_text(condition.remedy))
         self.remedy.setVisible(asks)
