@@ -159,7 +159,7 @@ def test_a_replay_opens_no_card(window):
     assert not window.notice.isVisible()
     assert not window.job.notes.isVisible()
     # What the robot said then; the band has the survey.
-    assert window.job.message.text() == "The disk is full."
+    assert window.job.message.text() == "The disk is full"
 
 
 def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):
