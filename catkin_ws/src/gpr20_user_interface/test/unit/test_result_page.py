@@ -87,7 +87,7 @@ def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
     window.show_tab(TabName.SURVEY)
     show(window, ENDED)
     assert len(node.of("focus")) == 1
-    assert ended.view.progress.isVisible() and ended.view.cancel.isVisible()
+    assert ended.view.progress.isVisible() and ended.view.card.button.isVisible()
 
 
 def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_survey(
@@ -161,18 +161,18 @@ def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
     show(window, ENDED)
     node.ticket("focus").fail(REFUSED)
     view = refreshed(ended).view
-    assert "agree with every permittivity" in view.state.text()
-    assert view.details.text() == shown_text(REMEDY)
-    click(view.again)
+    said = view.card.sentence.text()
+    assert "agree with every permittivity" in said and shown_text(REMEDY) in said
+    click(view.card.button)
     search(ended.result, node)
     assert len(ended.result.places) == 11
 
 
 def test_a_cancelled_search_rests(window, ended, node):
-    click(ended.view.cancel)
+    click(ended.view.card.button)
     show(window, ENDED)
-    assert len(node.of("read")) == 1 and ended.view.again.isVisible()
-    click(ended.view.again)
+    assert len(node.of("read")) == 1 and not ended.view.progress.isVisible()
+    click(ended.view.card.button)
     show(window, ENDED)
     assert len(node.of("read")) == 2
 

@@ -19,7 +19,6 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_common import remedies
 from gpr20_common.message import Message
 from gpr20_operator.ground.records import Colours
 from gpr20_operator.ground.sources import FocusedSource
@@ -28,9 +27,11 @@ from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, Sur
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
+from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.pages.result.sheets import with_remedy
+from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
-from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
+from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
 PANEL_PX = 280
@@ -104,15 +105,12 @@ class ResultView(TranslatedWidget):
         self.no_clearance.setWordWrap(True)
         self.picture = GroundPicture()
         self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
-        self.nothing, self.state = QLabel(), QLabel()
-        for label in (self.nothing, self.state):
-            label.setObjectName("title")
-            label.setWordWrap(True)
-        self.details = PulledText()
+        self.nothing = QLabel()
+        self.nothing.setObjectName("title")
+        self.nothing.setWordWrap(True)
+        self.card = EmptyState()
         self.progress = QProgressBar()
         self.progress.setRange(0, 0)  # it is not known how long it takes
-        self.cancel = new_button(self._on_cancel)
-        self.again = new_button(self._on_again)
         self.stick = new_button(self.stick_wanted.emit)
         self.stick.setObjectName("primary")
         self.hiding = new_button(self.hiding_wanted.emit)
@@ -135,7 +133,6 @@ class ResultView(TranslatedWidget):
         """Write the texts in the language of the application."""
         self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
-        self.cancel.setText(self.tr("CANCEL"))
         self.stick.setText(self.tr("Report\nto stick"))
         self.hiding.setText(self.tr("Where could\na mine hide?"))
         self.more.setText(self.tr("More\nplaces"))
@@ -180,26 +177,19 @@ class ResultView(TranslatedWidget):
         self.title.setText(
             "" if record is None else record.name if part is None else shown_text(part)
         )
-        lines: List[str] = []
-        if result.waits:
-            headline = SURVEY_RUNS
-        elif running:
-            headline = texts.SEARCHING if search.running else texts.READING
-        elif failed is not None:
-            headline = failed
-            first = remedies.first_step(failed)
-            lines = [] if first is None else [shown_text(first)]
-        else:
-            headline = texts.READING
-        seconds = f" {int(search.running_s or reading.running_s)} s" if running else ""
-        self.state.setText(sentence_text(headline) + seconds)
-        self.details.setText("\n".join(lines))
-        self.details.setVisible(bool(lines))
         self.progress.setVisible(running)
-        self.cancel.setVisible(running)
-        self.again.setVisible(failed is not None and not running and not result.waits)
-        cancelled = failed == CANCELLED
-        self.again.setText(self.tr("SEARCH") if cancelled else self.tr("TRY AGAIN"))
+        if result.waits:
+            self.card.show_state("pause", shown_text(SURVEY_RUNS))
+        elif running:
+            what = texts.SEARCHING if search.running else texts.READING
+            seconds = int(search.running_s or reading.running_s)
+            text = f"{shown_text(what)} {seconds} s"
+            self.card.show_state("search", text, self.tr("CANCEL"), result.cancel)
+        elif failed is not None:
+            again = self.tr("SEARCH") if failed == CANCELLED else self.tr("TRY AGAIN")
+            self.card.show_state("warning", with_remedy(failed), again, result.try_again)
+        else:
+            self.card.show_state("search", shown_text(texts.READING))
 
     def _show_places(self) -> None:
         result, image = self.result, self.result.image
@@ -241,30 +231,14 @@ class ResultView(TranslatedWidget):
         row.clicked.connect(lambda: self.place_touched.emit(self.result.shown[number]))
         return row
 
-    def _on_cancel(self) -> None:
-        self.result.cancel()
-        self.refresh()
-
-    def _on_again(self) -> None:
-        self.result.try_again()
-        self.refresh()
-
     def _on_more(self) -> None:
         self.result.turn_page()
         self.refresh()
 
     def _lay_out(self) -> None:
-        self.state.setAlignment(Qt.AlignmentFlag.AlignCenter)
         card = QVBoxLayout()
-        card.addStretch(1)
-        card.addWidget(self.state)
-        card.addWidget(self.details, 1)
+        card.addWidget(self.card, 1)
         card.addWidget(self.progress)
-        asked = QHBoxLayout()
-        for button in (self.cancel, self.again):
-            asked.addWidget(button)
-        card.addLayout(asked)
-        card.addStretch(1)
         self._list = QVBoxLayout()
         self._list.setContentsMargins(0, 0, 0, 0)
         for row in self.rows:
