@@ -146,7 +146,7 @@ def test_a_touch_shows_section_and_trace_of_that_place_and_says_what_is_there(fi
     assert filled.ground.model.place == Place(150.0, 90.0)
     assert view.pictures.above.crosshair == (150.0, 90.0)
     assert view.pictures.sections[0].labels == ("X mm", "Depth mm, at Y 90 mm")
-    assert view.text.text().splitlines()[0] == "X 150 mm, Y 90 mm, depth 50 mm"
+    assert view.text.text().splitlines()[0] == "X 150, Y 90, depth 50 mm"
     assert "above the noise" in view.text.text()
 
 
@@ -192,7 +192,7 @@ def test_candidates_are_visited_and_described(filled, view):
     assert filled.ground.model.mark == SURE
     assert view.text.text().splitlines() == [
         "Candidate 1",
-        "X 125 mm, Y 90 mm, depth 85 mm",
+        "X 125, Y 90, depth 85 mm",
         "21 dB above the clutter",
     ]
     touch(view.pictures.above, SURE.x_mm, SURE.y_mm)
@@ -207,7 +207,7 @@ def test_candidates_are_visited_and_described(filled, view):
     refreshed(view)
     assert view.text.text().splitlines() == [
         "Marker: raíz",
-        "X 175 mm, Y 70 mm, depth 60 mm",
+        "X 175, Y 70, depth 60 mm",
         "2026-11-21 05:10 UTC Ana",
     ]
 
@@ -315,7 +315,7 @@ def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, 
     refreshed(view)
     assert window.ground.model.is_loading
     assert view.pictures.above.notice == ""
-    assert "loading, 25 of 40" in view.note.text()
+    assert "loading 25/40" in view.note.text()
     assert all(one.notice == "" for one in view.pictures.sections)
     grid = window.traces.live.map.grid
     for index, s21 in enumerate(noise(grid)):

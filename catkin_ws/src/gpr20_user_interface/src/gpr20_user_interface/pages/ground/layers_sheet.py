@@ -227,7 +227,7 @@ class LayersSheet(Overlay):
             [*self.colours.values(), self.scale, self.along],
             [self.polarization, self.axis, self.background, self.follow, self.done],
         ]
-        spans = {1: [36, 12, 12], 3: [24, 12, 24]}
+        spans = {1: [40, 10, 10], 3: [24, 12, 24]}
         for row, widgets in enumerate(rows):
             wide = spans.get(row, [COLUMNS // len(widgets)] * len(widgets))
             for number, widget in enumerate(widgets):

@@ -92,9 +92,9 @@ def counted(candidates: Tuple[Candidate, ...]) -> Message:
 def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
     """Return a place in words."""
     if depth_mm is None:
-        return Message("X {x_mm:.0f} mm, Y {y_mm:.0f} mm", x_mm=x_mm, y_mm=y_mm)
+        return Message("X {x_mm:.0f}, Y {y_mm:.0f} mm", x_mm=x_mm, y_mm=y_mm)
     return Message(
-        "X {x_mm:.0f} mm, Y {y_mm:.0f} mm, depth {depth_mm:.0f} mm",
+        "X {x_mm:.0f}, Y {y_mm:.0f}, depth {depth_mm:.0f} mm",
         x_mm=x_mm,
         y_mm=y_mm,
         depth_mm=depth_mm,
@@ -146,7 +146,7 @@ def remark(model: GroundModel) -> Message:
         return verbatim("")
     if model.is_loading:
         return Message(
-            "Dashes: loading, {loaded} of {stored}.", loaded=loading.loaded, stored=loading.stored
+            "Dashes: loading {loaded}/{stored}.", loaded=loading.loaded, stored=loading.stored
         )
     if Layer.HIDING in model.layers and model.additions.hiding is not None:
         return Message("Hatched: a mine could hide here.")

@@ -23,7 +23,7 @@ from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.widgets.widgets import new_button
 
-BAR_PX, SIDE_PX = 56, 52
+BAR_PX, COVERED_PX, SIDE_PX = 56, 68, 52
 GAP_PX, LINE_PX = 2, 20
 # The trace takes this part of a section's room, within limits.
 TRACE_PART, LEAST_TRACE_PX, MOST_TRACE_PX = 0.22, 66, 150
@@ -281,7 +281,8 @@ class GroundView(TranslatedWidget):
         for key in (self.enlarge_key, self.shallower, self.deeper):
             key.setFixedWidth(look.px(SIDE_PX))
             key.setMinimumHeight(look.px(TOUCH_PX))
-        self._bottom.setFixedHeight(look.px(BAR_PX))
+        # A screen that is too small to operate has a sentence there.
+        self._bottom.setFixedHeight(look.px(BAR_PX if look.touchable else COVERED_PX))
         for label in (self.note, self.band):
             label.setFixedHeight(look.px(LINE_PX))
         for layout in (self._top, self._column, self._line, self._whole):
