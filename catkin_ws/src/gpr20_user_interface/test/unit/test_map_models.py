@@ -13,6 +13,14 @@ from gpr20_operator.ground.coverage import (
     StopState,
     coverage_of_stored,
 )
+from gpr20_operator.ground.geometry import (
+    LEAST_ABOVE,
+    MOST_ABOVE,
+    Area,
+    divided,
+    shown_area,
+    survey_area,
+)
 from gpr20_operator.ground.grid import Stop, grid_from_description
 from gpr20_operator.ground.map_model import MapModel
 from gpr20_survey.plan.coverage import Coverage, SampleState
@@ -162,3 +170,23 @@ def test_what_describes_no_survey_is_refused():
     for text in ("", "[]", "{}", *wrong):
         with pytest.raises(SurveyNotReadableError):
             grid_from_description(text)
+
+
+@given(
+    st.floats(1.0, 900.0), st.floats(1.0, 900.0), st.integers(200, 1200), st.integers(100, 700)
+)  # fmt: skip
+def test_the_pictures_share_a_room_so_that_none_is_too_small(width_mm, height_mm, width, height):
+    division = divided(width_mm, height_mm, width, height)
+    along_px = width if division.beside else height
+    assert LEAST_ABOVE * along_px - 1 <= division.above_px <= MOST_ABOVE * along_px + 1
+    room = (division.above_px, height) if division.beside else (width, division.above_px)
+    scale = min(room[0] / width_mm, room[1] / height_mm)
+    assert scale * width_mm <= room[0] + 1e-6 and scale * height_mm <= room[1] + 1e-6
+
+
+def test_a_survey_is_shown_with_those_around_it_unless_it_would_be_too_small():
+    own = Area(100.0, 200.0, 50.0, 150.0)
+    assert shown_area(own, [Area(80.0, 120.0, 50.0, 60.0)]) == Area(80.0, 200.0, 50.0, 150.0)
+    assert shown_area(own, [Area(-900.0, 900.0, 0.0, 600.0)]) == own.grown(25.0)
+    line = survey_area(np.array([10.0, 20.0, 30.0]), np.array([5.0]))
+    assert (line.width_mm, line.height_mm) == (30.0, 2.0)
