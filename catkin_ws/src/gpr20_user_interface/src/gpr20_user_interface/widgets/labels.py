@@ -4,64 +4,11 @@ from __future__ import annotations
 
 from typing import List
 
-from PyQt5.QtCore import QEvent, QSize, Qt
-from PyQt5.QtGui import QPainter, QPaintEvent, QResizeEvent, QTextLayout, QTextOption
+from PyQt5.QtCore import QSize, Qt
+from PyQt5.QtGui import QPainter, QPaintEvent, QTextLayout, QTextOption
 from PyQt5.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy
 
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
-
-
-class ElidedLabel(QLabel):
-    """One line that ends with … where there is no room; the tool tip shows the whole text."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._whole = ""
-        self.setTextFormat(Qt.TextFormat.PlainText)
-        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-
-    @property
-    def whole(self) -> str:
-        """The text without anything left out."""
-        return self._whole
-
-    @property
-    def is_cut(self) -> bool:
-        """Whether some of the text has no room."""
-        return self.text() != _one_line(self._whole)
-
-    def show_text(self, text: str) -> None:
-        """Show as much of a text as fits."""
-        if text == self._whole:
-            return
-        self._whole = text
-        self.setToolTip(text)
-        self._elide()
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """Qt: it may be as narrow as it must."""
-        return QSize(0, super().minimumSizeHint().height())
-
-    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
-        """Qt: there is more or less room."""
-        super().resizeEvent(event)
-        self._elide()
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Qt: something about the widget has changed."""
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.FontChange:
-            self._elide()
-
-    def _elide(self) -> None:
-        metrics = self.fontMetrics()
-        room_px = self.width() - 2
-        text = metrics.elidedText(_one_line(self._whole), Qt.TextElideMode.ElideRight, room_px)
-        self.setText(text)
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())
 
 
 class LinesLabel(QLabel):
@@ -77,13 +24,18 @@ class LinesLabel(QLabel):
         """The text without anything left out."""
         return self.text()
 
+    @property
+    def is_cut(self) -> bool:
+        """Whether some of the text has no room."""
+        return "".join("".join(self.shown_lines()).split()) != "".join(self.text().split())
+
     def show_text(self, text: str) -> None:
         """Show as much of a text as fits."""
         if text != self.text():
             self.setText(text)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """Qt: it may be as small as it must."""
+        """Qt: it may be as narrow as it must."""
         return QSize(0, self.fontMetrics().height())
 
     def sizeHint(self) -> QSize:  # noqa: N802
@@ -93,17 +45,20 @@ class LinesLabel(QLabel):
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
         """Draw the lines."""
         painter = QPainter(self)
+        # The background of the style sheet.
+        self.drawFrame(painter)
         painter.setPen(self.palette().color(self.foregroundRole()))
-        lines = self._lines()
+        lines, room = self.shown_lines(), self.contentsRect()
         step_px = self.fontMetrics().lineSpacing()
-        top_px = max(0, (self.height() - step_px * len(lines)) // 2)
+        top_px = room.top() + max(0, (room.height() - step_px * len(lines)) // 2)
         for number, line in enumerate(lines):
             baseline_px = top_px + number * step_px + self.fontMetrics().ascent()
-            painter.drawText(0, baseline_px, line)
+            painter.drawText(room.left(), baseline_px, line)
 
-    def _lines(self) -> List[str]:
-        metrics, width_px = self.fontMetrics(), max(1, self.width())
-        most = max(1, self.height() // metrics.lineSpacing())
+    def shown_lines(self) -> List[str]:
+        """Return the lines as they are drawn."""
+        metrics, room = self.fontMetrics(), self.contentsRect()
+        width_px, most = max(1, room.width()), max(1, room.height() // metrics.lineSpacing())
         text = " ".join(self.text().split())
         layout = QTextLayout(text, self.font())
         option = QTextOption()
@@ -123,6 +78,14 @@ class LinesLabel(QLabel):
                 lines[-1] = metrics.elidedText(rest, Qt.TextElideMode.ElideRight, width_px)
         layout.endLayout()
         return lines
+
+
+class ElidedLabel(LinesLabel):
+    """One line that ends with … where there is no room."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
 
 
 class PulledText(QScrollArea):

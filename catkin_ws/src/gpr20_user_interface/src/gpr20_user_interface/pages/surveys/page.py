@@ -166,8 +166,9 @@ class SurveysPage(TranslatedWidget, Page):
     def _show_list(self) -> None:
         self.model.show(self._surveys.found(self._listed, self._text))
         if self.chosen is not None:
-            # Its survey may have changed; it stays chosen where the search leaves it out.
-            self.chosen = self._surveys.find(self.chosen.folder)
+            # It may have changed; it stays chosen where the search leaves it out, or is not read.
+            found = self._surveys.find(self.chosen.folder)
+            self.chosen = self.chosen if self._surveys.more and found is None else found
         self.list.viewport().update()
         self._show_empty()
         self._show_search()
