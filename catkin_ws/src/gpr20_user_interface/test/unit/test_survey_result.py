@@ -3,7 +3,7 @@
 import dataclasses
 
 import pytest
-from candidate_examples import candidate_list, candidate_lists
+from candidate_examples import candidate, candidate_list, candidate_lists
 from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,7 +28,7 @@ from view_kit import PAST, SURVEY
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.job import JobState
-from gpr20_operator.jobs.result import CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
+from gpr20_operator.jobs.result import BESIDE_MM, CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
 from gpr20_operator.jobs.result_texts import (
     headline,
     measured,
@@ -284,6 +284,21 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_read_again(result
     assert result.find_at(place) == record
     assert result.find_at(result.places[1]) is None
     assert len(requests.of("focus")) == 1
+
+
+def test_what_was_found_is_seen_beside_a_place_of_another_list_too(result, requests):
+    search(result, requests)
+    result.note_found(result.places[0], What.DEVICE, None, "Ana")
+    ((_survey, _kind, values),) = requests.of("note")
+    requests.ticket("note").done(None)
+    requests.ticket("read").done(stored(log=[noted("found", values)]))
+    result.set_permittivity(8.0)
+    result.keep()
+    moved = [candidate(1, 300.0, 300.0), candidate(2, 125.0, 90.0 + BESIDE_MM)]
+    found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)
+    requests.ticket("focus").done(image_of(found))
+    assert result.find_at(moved[0]) is None
+    assert result.find_at(moved[1]).what is What.DEVICE
 
 
 @pytest.mark.parametrize(("depth_mm", "who"), [(-1.0, "Ana"), (1e6, "Ana"), (None, "")])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
@@ -30,6 +31,8 @@ from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.trace import utc_time
 
 PLACES_SHOWN = 5
+# Places of two lists that are no farther apart are one.
+BESIDE_MM = 30.0
 CANCELLED = Message("The search was cancelled.")
 SURVEY_RUNS = Message("A survey is running. The search begins when it has ended.")
 OTHER_SURVEY = Message("The answer is that of another survey.")
@@ -264,12 +267,20 @@ class SurveyResult:
         self.chosen = None
 
     def find_at(self, place: Candidate) -> Optional[Found]:
-        """Return what people found at a place of this list; None: nobody has looked there."""
-        if self.record is None or self.image is None:
-            return None
-        key = place.id, self._list_sum
-        records = self.record.found
-        return next((one for one in records if (one.candidate, one.list_sha256) == key), None)
+        """Return what people found at a place of this list, or last of another list beside it.
+
+        A list that was made with another permittivity has other numbers.
+        """
+        records = () if self.record is None else self.record.found
+        own = [
+            one for one in records if (one.candidate, one.list_sha256) == (place.id, self._list_sum)
+        ]
+        near = [
+            one
+            for one in records
+            if math.hypot(one.x_mm - place.x_mm, one.y_mm - place.y_mm) <= BESIDE_MM
+        ]
+        return max(own or near, key=lambda one: one.time) if own or near else None
 
     def note_found(self, place: Candidate, what: What, depth_mm: Optional[float], who: str) -> None:
         """Store durably what people found at a place.
