@@ -105,14 +105,10 @@ def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
     names = [f"/robot{number:02d}" for number in range(1, 30)]
     found(opened, "/robot1", *names)
     opened.settings.robot_button.click()
-    sheet, seen = opened.robots, set()
-    for _ in range(4):
-        for button in sheet.buttons:
-            if button.isVisible() and button.isEnabled():
-                button.click()
-        seen.update(choice.shown)
-        sheet.next_page.click()
-    assert seen == set(names)
+    for button in opened.robots.buttons:
+        if button.isEnabled():
+            button.click()
+    assert choice.shown == names
 
 
 def test_a_window_without_a_robot_proposes_those_that_there_are_once(opened, choice):

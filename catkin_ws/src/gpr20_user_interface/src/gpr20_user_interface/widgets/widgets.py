@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Callable, Sequence
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
+from PyQt5.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QWidget
+
+from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
 def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
@@ -14,6 +16,18 @@ def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
     # Not the function itself, which would get whether the button is checked.
     button.clicked.connect(lambda: act())
     return button
+
+
+def scroll_area(content: QWidget) -> QScrollArea:
+    """Return an area that a finger pulls where its content is higher."""
+    area = QScrollArea()
+    area.setWidget(content)
+    area.setWidgetResizable(True)
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    scroll_by_finger(area)
+    return area
 
 
 def set_look(widget: QWidget, name: str, value: object) -> None:

@@ -8,12 +8,10 @@ from typing import Dict, List, Tuple
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtWidgets import (
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -27,8 +25,7 @@ from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.touch.scrolling import scroll_by_finger
-from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
+from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, scroll_area, set_look
 
 FINDING_COLOURS: Dict[Level, TextColours] = {
     Level.OK: TextColours.GOOD,
@@ -220,13 +217,6 @@ class Overview(TranslatedWidget):
         for widget in (self.findings, self._parts_title, self.parts):
             self._content.addWidget(widget)
         self._content.addStretch(1)
-        area = QScrollArea()
-        area.setWidget(content)
-        area.setWidgetResizable(True)
-        area.setFrameShape(QFrame.Shape.NoFrame)
-        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll_by_finger(area)
         words = QVBoxLayout()
         words.addWidget(self._headline)
         words.addWidget(self.hint)
@@ -238,5 +228,5 @@ class Overview(TranslatedWidget):
             self._bottom.addWidget(button, 1)
         self._layout = QVBoxLayout(self)
         self._layout.addLayout(self._top)
-        self._layout.addWidget(area, 1)
+        self._layout.addWidget(scroll_area(content), 1)
         self._layout.addLayout(self._bottom)

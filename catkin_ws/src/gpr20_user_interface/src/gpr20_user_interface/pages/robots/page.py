@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Callable, List, Tuple
 
-from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_operator.robot.events import Request
@@ -15,11 +15,10 @@ from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import new_button, scroll_area
 
 MARGIN_PX = 24
-ROWS, COLUMNS = 4, 2
-PER_PAGE = ROWS * COLUMNS
+COLUMNS = 2
 LONGEST_NAME = 14
 # In the top bar.
 LONGEST_IN_BAR = 16
@@ -53,17 +52,13 @@ class RobotsPage(Overlay, Page):
         self._control_seen = False
         self._proposed = False
         self._listed: Tuple[ListedRobot, ...] = ()
-        self._page = 0
         # Whether the window may leave its robot now.
         self._free = True
         self.title, self.hint = QLabel(), QLabel()
         self.title.setObjectName("title")
         self.hint.setObjectName("quiet")
         self.hint.setWordWrap(True)
-        self.buttons: List[QPushButton] = [
-            new_button(partial(self._choose, number)) for number in range(PER_PAGE)
-        ]
-        self.next_page = new_button(self._show_next_page)
+        self.buttons: List[QPushButton] = []
         self.close_button = new_button(self._close)
         open_button.clicked.connect(lambda: self._open())
         self._lay_out()
@@ -95,25 +90,24 @@ class RobotsPage(Overlay, Page):
         self.hint.setText(
             self.tr("STOP stops the robot that is shown, and no other. Surveys continue.")
         )
-        self.next_page.setText(self.tr("MORE"))
         self.close_button.setText(self.tr("CLOSE"))
-        pages = -(-len(self._listed) // PER_PAGE)
-        self._page = self._page % pages if pages else 0
-        self.next_page.setVisible(pages > 1)
-        first = self._page * PER_PAGE
-        listed = self._listed[first : first + PER_PAGE]
-        for button, robot in zip(self.buttons, listed):
+        while len(self.buttons) < len(self._listed):
+            number = len(self.buttons)
+            self.buttons.append(new_button(partial(self._choose, number)))
+            self._grid.addWidget(self.buttons[-1], *divmod(number, COLUMNS))
+        for button, robot in zip(self.buttons, self._listed):
             button.setText(f"{robot.short_name(LONGEST_NAME)}\n{shown_text(robot.activity)}")
             button.setEnabled(self._free and not robot.is_shown)
         for number, button in enumerate(self.buttons):
-            button.setVisible(number < len(listed))
+            button.setVisible(number < len(self._listed))
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
         look = look_of(self)
         margin, gap = look.px(MARGIN_PX), look.px(GAP_PX)
         self._layout.setContentsMargins(margin, gap, margin, gap)
-        self._layout.setSpacing(gap)
+        for layout in (self._layout, self._grid):
+            layout.setSpacing(gap)
 
     def _list(self, free: bool) -> None:
         if (self._robots.listed, free) != (self._listed, self._free):
@@ -126,24 +120,20 @@ class RobotsPage(Overlay, Page):
         self.open()
 
     def _choose(self, number: int) -> None:
-        self._robots.show(self._listed[self._page * PER_PAGE + number].namespace)
-
-    def _show_next_page(self) -> None:
-        self._page += 1
-        self.retranslate()
+        self._robots.show(self._listed[number].namespace)
 
     def _close(self) -> None:
         self.hide()
         self._robots.watch(False)
 
     def _lay_out(self) -> None:
-        layout = self._layout = QGridLayout(self)
-        layout.addWidget(self.title, 0, 0, 1, COLUMNS)
-        for number, button in enumerate(self.buttons):
-            layout.addWidget(button, 1 + number // COLUMNS, number % COLUMNS)
-        layout.addWidget(self.hint, 1 + ROWS, 0, 1, COLUMNS)
-        layout.addWidget(self.next_page, 2 + ROWS, 0)
-        layout.addWidget(self.close_button, 2 + ROWS, 1)
-        layout.setRowStretch(1 + ROWS, 1)
+        content = QWidget()
+        self._grid = QGridLayout(content)
+        self._grid.setContentsMargins(0, 0, 0, 0)
         for column in range(COLUMNS):
-            layout.setColumnStretch(column, 1)
+            self._grid.setColumnStretch(column, 1)
+        self._layout = QVBoxLayout(self)
+        self._layout.addWidget(self.title)
+        self._layout.addWidget(scroll_area(content), 1)
+        self._layout.addWidget(self.hint)
+        self._layout.addWidget(self.close_button)
