@@ -1,4 +1,4 @@
-"""What RADAR shows: the operator's settings, and pictures that are ready to be painted."""
+"""The operator's settings, and pictures of the ground that are ready to be painted."""
 
 from __future__ import annotations
 
@@ -19,11 +19,6 @@ class Axis(enum.Enum):
     X_MM = "x"
     Y_MM = "y"
 
-    @property
-    def downwards(self) -> bool:
-        """Whether its values are written from the top downwards."""
-        return self in (Axis.DELAY_NS, Axis.DEPTH_MM)
-
 
 class Colours(enum.Enum):
     """How shades become colours."""
@@ -39,13 +34,6 @@ class Colours(enum.Enum):
     def signed(self) -> bool:
         """Whether the sign of the wave is shown."""
         return self is not Colours.ENVELOPE
-
-
-class Source(enum.Enum):
-    """What the pictures are made of."""
-
-    ECHOES = "echoes"
-    FOCUSED = "focused"
 
 
 @dataclass(frozen=True)
@@ -74,7 +62,6 @@ class RadarSettings:
         depth_m: Depth of the slice and of the crosshair [m].
         along: Axis that the line is parallel to: X or Y.
         colours: How shades become colours.
-        source: What the pictures are made of.
     """
 
     polarization: int = 0
@@ -86,7 +73,6 @@ class RadarSettings:
     depth_m: float = 0.05
     along: Axis = Axis.X_MM
     colours: Colours = Colours.ENVELOPE
-    source: Source = Source.ECHOES
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
-"""What the pictures of RADAR are made of: the echoes of the survey, or its focused image."""
+"""What pictures are made of: the echoes of the survey, or its focused image."""
 
 from __future__ import annotations
 
-from typing import Optional, Protocol, Tuple
+from typing import Optional, Tuple, Union
 
 import numpy as np
 
@@ -22,28 +22,6 @@ from gpr20_operator.ground.records import (
 from gpr20_survey.results.focused_image import FocusedImage
 
 
-class RadarSource(Protocol):
-    """Pictures of the ground at and below places; each is None while there is nothing to show."""
-
-    def nearest(self, place: Place) -> Optional[Place]:
-        """Return the nearest place that has data or will have them."""
-
-    def deepest_m(self, settings: RadarSettings) -> Optional[float]:
-        """Return the largest depth of a slice [m]."""
-
-    def curve(self, place: Place, settings: RadarSettings) -> Optional[Curve]:
-        """Return the ground straight below a place."""
-
-    def line(self, place: Place, settings: RadarSettings) -> Optional[Picture]:
-        """Return the line through a place."""
-
-    def slice(self, settings: RadarSettings) -> Optional[Picture]:
-        """Return the slice at the depth of the settings."""
-
-    def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
-        """Return the level below a place at the depth of the settings [dB above noise]."""
-
-
 class EchoSource:
     """The echoes as they were measured."""
 
@@ -53,10 +31,7 @@ class EchoSource:
     def stop(self, place: Place) -> Optional[Stop]:
         """Return the stop nearest to a place, also from outside of the area."""
         grid = self._model.grid
-        if grid is None:
-            return None
-        row = int(np.argmin(np.abs(grid.ys_mm - place.y_mm)))
-        return Stop(row, int(np.argmin(np.abs(grid.xs_mm - place.x_mm))))
+        return None if grid is None else grid.closest_stop(place.x_mm, place.y_mm)
 
     def nearest(self, place: Place) -> Optional[Place]:
         """Return the place of the nearest stop."""
@@ -190,3 +165,7 @@ class FocusedSource:
 
 def _shades(scale: LevelScale, levels_db: np.ndarray) -> np.ndarray:
     return scale.shades(levels_db, np.zeros(1, np.float32))
+
+
+# Both return None while there is nothing to show.
+RadarSource = Union[EchoSource, FocusedSource]
