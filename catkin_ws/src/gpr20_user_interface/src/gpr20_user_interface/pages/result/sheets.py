@@ -40,6 +40,7 @@ from gpr20_user_interface.widgets.widgets import new_button
 
 MOST_STICKS = 3
 LONGEST_NAME = 12
+NONE = "—"
 BYTES_PER_MB, BYTES_PER_GB = 1e6, 1e9
 PERMITTIVITIES = Message(
     "{lowest:g} to {highest:g}", lowest=MIN_PERMITTIVITY, highest=LARGEST_PERMITTIVITY
@@ -189,8 +190,10 @@ class PlaceSheet(ResultSheet):
         """Show the place, and what is entered."""
         self.finer.setText(self.tr("Measure\nfiner"))
         self.view.setText(self.tr("Show in\nGround"))
-        self.deep.setText(f"{self.tr('Depth')}\n{self._depth or '—'} mm")
-        self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or '—'}")
+        # Not inside an f-string, where xgettext finds no text.
+        deep, who = self.tr("Depth"), self.tr("Who")
+        self.deep.setText(f"{deep}\n{self._depth or NONE} mm")
+        self.who.setText(f"{who}\n{self._who[:LONGEST_NAME] or NONE}")
         self.store.setText(self.tr("Hold to\nstore"))
         for what, key in self.whats.items():
             text = self.tr("Found:\n{what}").format(what=shown_text(texts.FINDS[what]))
@@ -285,7 +288,7 @@ class SoilSheet(ResultSheet):
         own = self._value is not None and self._value not in known
         self.show_choice(self.unknown, self.tr("Not known"), self._value is None)
         number = f"\n{self._value:g}" if own else ""
-        self.other.setText(f"{self.tr('Other value')}{number}")
+        self.other.setText(self.tr("Other value") + number)
         self.use.setText(self.tr("Hold to use it"))
         self.use.setEnabled(self._value != self.result.permittivity)
         self.text.setText(
