@@ -17,7 +17,7 @@ FROM_MARK = Message("X, Y: mm from the frame's mark")
 NOTHING_FOUND = Message("No place stands out.")
 NOT_SAFE = Message(
     "That does not mean that no mine is there: one that echoes no more than this ground is not "
-    "seen. “Where could a mine hide?” shows where."
+    'seen. "Where could a mine hide?" shows where.'
 )
 SEARCHING = Message("Searching for places")
 READING = Message("Reading the survey")
