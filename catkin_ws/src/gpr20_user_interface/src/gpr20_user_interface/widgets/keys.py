@@ -223,6 +223,7 @@ class Pad(Overlay):
         self.erase.setAutoRepeat(True)
         self.cancel = self._button("", self.hide)
         self.accept_button = self._button("", self._accept)
+        self.accept_button.setObjectName("primary")
         self._lay_out()
 
     def ask(
