@@ -32,7 +32,8 @@ from gpr20_user_interface.widgets.ground_picture import (
     GroundPicture,
     MarkKind,
 )
-from gpr20_user_interface.widgets.plot import MOST_ZOOM, round_ticks
+from gpr20_user_interface.widgets.ink import round_ticks
+from gpr20_user_interface.widgets.plot import MOST_ZOOM
 
 
 def colour(mark):

@@ -17,7 +17,8 @@ from gpr20_operator.ground.map_model import MapModel
 from gpr20_operator.ground.records import Colours, Picture
 from gpr20_survey.results.hiding_map import MM_PER_M, HidingMap
 from gpr20_user_interface.look.look import Look, Mark
-from gpr20_user_interface.widgets.plot import GroundMark, MarkKind, Plot, rimmed
+from gpr20_user_interface.widgets.ink import GroundMark, MarkKind, rimmed
+from gpr20_user_interface.widgets.plot import Plot
 
 __all__ = ["Cell", "Frame", "GroundMark", "GroundPicture", "MarkKind"]
 
@@ -241,8 +242,7 @@ class GroundPicture(Plot):
         self, painter: QPainter, look: Look, name: str, cells: np.ndarray, area: Area
     ) -> None:
         """Paint patterns over the image; they are made again only after a change."""
-        ends = self.to_screen(area.left_mm, area.low_mm), self.to_screen(area.right_mm, 0.0)
-        state = (cells.tobytes(), ends, self.size(), look)
+        state = (cells.tobytes(), area, self._map, self.size(), look)
         known = self._patterns.get(name)
         if known is None or known[0] != state:
             known = state, self._lattice(name, cells.shape, area).image(cells, look, lines=False)
@@ -251,9 +251,7 @@ class GroundPicture(Plot):
 
     def _lattice(self, name: str, shape: Tuple[int, ...], area: Area) -> Lattice:
         """Return where cells are; worked out again only after the view has moved."""
-        size = self.viewport().size()
-        ends = self.to_data(QPointF()), self.to_data(QPointF(size.width(), size.height()))
-        state, known = (ends, size, shape, area), self._lattices.get(name)
+        state, known = (self._map, self.size(), shape, area), self._lattices.get(name)
         if known is None or known[0] != state:
             known = state, Lattice(self, (shape[0], shape[1]), area)
             self._lattices[name] = known

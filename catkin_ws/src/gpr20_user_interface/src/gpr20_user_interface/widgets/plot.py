@@ -2,36 +2,35 @@
 
 from __future__ import annotations
 
-import enum
-import math
-from dataclasses import dataclass
-from typing import Iterator, List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import pyqtgraph
 from PyQt5.QtCore import QEvent, QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import (
     QColor,
-    QFont,
-    QFontMetrics,
     QImage,
     QMouseEvent,
     QPainter,
-    QPen,
     QPixmap,
     QPolygonF,
     QResizeEvent,
+    QTransform,
     QWheelEvent,
 )
-from PyQt5.QtWidgets import QGesture, QGestureEvent, QPinchGesture, QSizePolicy
+from PyQt5.QtWidgets import QGestureEvent, QPinchGesture, QSizePolicy
 
 from gpr20_operator.ground.records import Colours, Picture
-from gpr20_user_interface.look.look import TEXT_PX, Look, Mark, look_of
-from gpr20_user_interface.look.shade_colours import (
-    NOTICE_GROUND,
-    NOTICE_INK,
-    colour_table,
-    shade_numbers,
+from gpr20_user_interface.look.look import Look, Mark, look_of
+from gpr20_user_interface.look.shade_colours import colour_table, shade_numbers
+from gpr20_user_interface.widgets.ink import (
+    GroundMark,
+    Ticks,
+    paint_axes,
+    paint_mark,
+    paint_notice,
+    round_ticks,
+    stroke,
 )
 
 # A finger that moved less than this has touched a place.
@@ -42,66 +41,11 @@ REACH_PX = 24
 BOUNCE_MS = 60
 MOST_ZOOM = 40.0
 WHEEL_ZOOM = 1.25
-RING_PX, FAR_PX, FLAG_PX = 14.0, 5.0, 26.0
-LINE_PX, HALO_PX = 2.0, 5.0
 # Half of the gap in the middle of the crosshair: what lies under it stays free.
 FREE_PX = 14.0
-SMALL_TEXT_PX = 14
-PADDING_PX = 6
-STEPS = (1.0, 2.0, 5.0, 10.0, 20.0)
-
-
-class MarkKind(enum.Enum):
-    """What a mark is of."""
-
-    CANDIDATE = "candidate"
-    MARKER = "marker"
-
-
-@dataclass(frozen=True)
-class GroundMark:
-    """A ring or a flag.
-
-    Attributes:
-        across_mm: Where it is along the first axis.
-        second_mm: Where it is along the second axis: Y, or the depth.
-        text: Inside of the ring.
-        kind: A candidate is a ring, a marker is a flag.
-        doubtful: Its ring is dashed.
-        chosen: It is what the operator looks at.
-        measured: Whether the ground there was measured; else the ring is grey and dashed.
-        near: Whether it lies at what is shown; what does not is small and has no text.
-        about: What a touch of it is about.
-    """
-
-    across_mm: float
-    second_mm: float
-    text: str
-    kind: MarkKind = MarkKind.CANDIDATE
-    doubtful: bool = False
-    chosen: bool = False
-    measured: bool = True
-    near: bool = True
-    about: object = None
-
-
-def round_ticks(low: float, high: float, most: int) -> np.ndarray:
-    """Return multiples of 1, 2 or 5 times a power of ten, from `low` to `high`.
-
-    Args:
-        low: First end of the axis.
-        high: Other end, larger.
-        most: How many there may be, at least one.
-    """
-    if not (math.isfinite(high - low) and high > low):
-        return np.zeros(0)
-    power = 10.0 ** math.floor(math.log10((high - low) / (most + 1)))
-    for factor in STEPS:
-        step = factor * power
-        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        if last - first < most:
-            return np.arange(first, last + 1) * step
-    return np.zeros(0)
+# Room of a number on each axis.
+TICK_PX = (80, 44)
+UNIT = QRectF(0.0, 0.0, 1.0, 1.0)
 
 
 class ShadeItem(pyqtgraph.ImageItem):
@@ -125,6 +69,9 @@ class Plot(pyqtgraph.GraphicsView):
 
     Attributes:
         extent: What is shown at first, in units of the axes; None: nothing is known.
+        numbers: What is drawn: 0..254 for shades, 255 for what is not there; None: no picture.
+        marks: What is marked.
+        crosshair: Where the crosshair is on each axis; None: nowhere.
         notice: What is written over the picture.
         labels: Titles of both axes.
     """
@@ -150,7 +97,6 @@ class Plot(pyqtgraph.GraphicsView):
         self._image = ShadeItem(axisOrder="row-major")
         self._box.addItem(self._image, ignoreBounds=True)
         self.setCentralItem(self._box)
-        self.centralWidget.setAcceptHoverEvents(False)
         self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
         self.setMouseTracking(False)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -161,33 +107,17 @@ class Plot(pyqtgraph.GraphicsView):
         else:
             self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.extent: Optional[QRectF] = None
-        self.notice = ""
-        self.labels = ("", "")
-        self._numbers: Optional[np.ndarray] = None
+        self.numbers: Optional[np.ndarray] = None
+        self.marks: Tuple[GroundMark, ...] = ()
+        self.crosshair: Tuple[Optional[float], Optional[float]] = (None, None)
+        self.notice, self.labels = "", ("", "")
         self._colours: Optional[Colours] = None
-        self._marks: Tuple[GroundMark, ...] = ()
-        self._crosshair: Tuple[Optional[float], Optional[float]] = (None, None)
-        self._zoom = 1.0
-        self._centre: Optional[QPointF] = None
+        self._zoom, self._centre = 1.0, QPointF()
         self._pressed: Optional[QPointF] = None
-        self._pressed_ms = 0
         self._finger: Optional[QPointF] = None
+        self._pressed_ms = 0
         self._overlaid: Tuple[object, QPixmap] = (None, QPixmap())
-
-    @property
-    def numbers(self) -> Optional[np.ndarray]:
-        """What is drawn: 0..254 for shades, 255 for what is not there; None: no picture."""
-        return self._numbers
-
-    @property
-    def marks(self) -> Tuple[GroundMark, ...]:
-        """What is marked."""
-        return self._marks
-
-    @property
-    def crosshair(self) -> Tuple[Optional[float], Optional[float]]:
-        """Where the crosshair is on each axis; None: nowhere."""
-        return self._crosshair
+        self._place()
 
     def show_picture(self, picture: Optional[Picture], colours: Colours) -> None:
         """Draw a picture; None: nothing.
@@ -196,7 +126,7 @@ class Plot(pyqtgraph.GraphicsView):
             picture: The picture.
             colours: Its colours; those with a sign only if it has one.
         """
-        self._numbers = None
+        self.numbers = None
         if picture is None or not picture.measured:
             self._image.clear()
             return
@@ -204,8 +134,8 @@ class Plot(pyqtgraph.GraphicsView):
         if used is not self._colours:
             self._colours = used
             self._image.setLookupTable(colour_table(used))
-        self._numbers = shade_numbers(picture.shades, picture.signed)
-        self._image.setImage(self._numbers, autoLevels=False)
+        self.numbers = shade_numbers(picture.shades, picture.signed)
+        self._image.setImage(self.numbers, autoLevels=False)
         (left, right), (low, high) = picture.across_mm, picture.range
         self._image.setRect(QRectF(left, low, right - left, high - low))
 
@@ -218,13 +148,13 @@ class Plot(pyqtgraph.GraphicsView):
     def set_marks(self, marks: Sequence[GroundMark]) -> None:
         """Mark places; later ones are painted over earlier ones."""
         # The same ones stay the same object: then they are not painted again.
-        if tuple(marks) != self._marks:
-            self._marks = tuple(marks)
+        if tuple(marks) != self.marks:
+            self.marks = tuple(marks)
             self.scene().update()
 
     def set_crosshair(self, across: Optional[float], second: Optional[float]) -> None:
         """Mark a place on each axis; None: nowhere."""
-        self._crosshair = (across, second)
+        self.crosshair = (across, second)
         self.scene().update()
 
     def set_notice(self, notice: str) -> None:
@@ -234,22 +164,18 @@ class Plot(pyqtgraph.GraphicsView):
 
     def show_all(self) -> None:
         """Show everything again after moving and zooming."""
-        self._zoom, self._centre = 1.0, None
+        self._zoom, self._centre = 1.0, (self.extent or UNIT).center()
         self._place()
 
     def fill(self) -> None:
         """Zoom until the picture fills the room, around the crosshair."""
-        if self.extent is None:
-            return
-        x_px, y_px = self._scale_px()
-        whole = self.extent.width() * x_px, self.extent.height() * y_px
-        shares = self.viewport().width() / whole[0], self.viewport().height() / whole[1]
-        self._zoom *= max(shares)
-        across, second = self._crosshair
-        middle = self._middle()
-        self.centre_on(
-            middle.x() if across is None else across, middle.y() if second is None else second
-        )
+        area, room = self.area, self.viewport()
+        if not area.isEmpty():
+            self._zoom *= max(room.width() / area.width(), room.height() / area.height())
+            (across, second), middle = self.crosshair, self._centre
+            self.centre_on(
+                middle.x() if across is None else across, middle.y() if second is None else second
+            )
 
     def centre_on(self, across: float, second: float) -> None:
         """Bring a place to the middle, as far as there is something around it."""
@@ -258,73 +184,53 @@ class Plot(pyqtgraph.GraphicsView):
 
     def zoom_by(self, factor: float, around: QPointF) -> None:
         """Zoom; the place below a pixel stays there."""
-        before = self.to_data(around)
+        place = self.to_data(around)
         self._zoom = min(max(self._zoom * factor, 1.0), MOST_ZOOM)
-        self._centre = self._centre or self._middle()
         self._place()
-        after = self.to_data(around)
-        self.centre_on(
-            self._centre.x() + before[0] - after[0], self._centre.y() + before[1] - after[1]
-        )
+        self._pull(self.to_screen(*place), around)
 
     @property
     def area(self) -> QRectF:
         """The picture on the screen, without what lies beside it."""
-        if self.extent is None:
-            return QRectF()
-        ends = [
-            self.to_screen(self.extent.left(), self.extent.top()),
-            self.to_screen(self.extent.right(), self.extent.bottom()),
-        ]
-        whole = QRectF(*ends).normalized()
+        whole = QRectF() if self.extent is None else self._map.mapRect(self.extent)
         return whole & QRectF(self.viewport().rect())
 
     def to_screen(self, across: float, second: float) -> QPointF:
         """Return the pixel of a place."""
-        x_px, y_px = self._scale_px()
-        middle = self._centre or self._middle()
-        down = (second - middle.y()) * y_px
-        return QPointF(
-            self.viewport().width() / 2.0 + (across - middle.x()) * x_px,
-            self.viewport().height() / 2.0 + (down if self._downwards else -down),
-        )
+        return self._map.map(QPointF(across, second))
 
     def to_data(self, pixel: QPointF) -> Tuple[float, float]:
         """Return the place of a pixel."""
-        x_px, y_px = self._scale_px()
-        middle = self._centre or self._middle()
-        down = (pixel.y() - self.viewport().height() / 2.0) / y_px
-        return (
-            middle.x() + (pixel.x() - self.viewport().width() / 2.0) / x_px,
-            middle.y() + (down if self._downwards else -down),
-        )
+        place = self._back.map(pixel)
+        return place.x(), place.y()
 
-    def _scale_px(self) -> Tuple[float, float]:
-        """Return the pixels per unit of both axes."""
-        extent = self.extent or QRectF(0.0, 0.0, 1.0, 1.0)
-        x_px = max(self.viewport().width(), 1) / max(extent.width(), 1e-9)
-        y_px = max(self.viewport().height(), 1) / max(extent.height(), 1e-9)
-        if self._to_scale:
-            x_px = y_px = min(x_px, y_px)
-        return x_px * self._zoom, y_px * self._zoom
+    def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
+        """Return the pixels of places."""
+        points = zip(across.tolist(), second.tolist())
+        return self._map.map(QPolygonF([QPointF(x, y) for x, y in points]))
 
-    def _middle(self) -> QPointF:
-        return QPointF() if self.extent is None else self.extent.center()
+    def _pull(self, before: QPointF, after: QPointF) -> None:
+        """Move what is below one pixel to another one."""
+        (x, y), (new_x, new_y) = self.to_data(before), self.to_data(after)
+        self.centre_on(self._centre.x() + x - new_x, self._centre.y() + y - new_y)
 
     def _place(self) -> None:
-        """Let the box show what zoom and centre say, within the extent."""
-        if self.extent is not None:
-            x_px, y_px = self._scale_px()
-            half_x = self.viewport().width() / x_px / 2.0
-            half_y = self.viewport().height() / y_px / 2.0
-            if self._centre is not None:
-                self._centre = QPointF(
-                    _within(self._centre.x(), self.extent.left(), self.extent.right(), half_x),
-                    _within(self._centre.y(), self.extent.top(), self.extent.bottom(), half_y),
-                )
-            middle = self._centre or self._middle()
-            shown = QRectF(middle.x() - half_x, middle.y() - half_y, 2 * half_x, 2 * half_y)
-            self._box.setRange(shown, padding=0.0)
+        """Show what zoom and centre say, within the extent."""
+        extent, room = self.extent or UNIT, self.viewport()
+        x_px = self._zoom * max(room.width(), 1) / max(extent.width(), 1e-9)
+        y_px = self._zoom * max(room.height(), 1) / max(extent.height(), 1e-9)
+        if self._to_scale:
+            x_px = y_px = min(x_px, y_px)
+        half_x, half_y = room.width() / x_px / 2.0, room.height() / y_px / 2.0
+        x = _within(self._centre.x(), extent.left(), extent.right(), half_x)
+        y = _within(self._centre.y(), extent.top(), extent.bottom(), half_y)
+        self._centre = QPointF(x, y)
+        down_px = y_px if self._downwards else -y_px
+        left_px, top_px = room.width() / 2.0 - x * x_px, room.height() / 2.0 - y * down_px
+        self._map = QTransform(x_px, 0.0, 0.0, down_px, left_px, top_px)
+        self._back = self._map.inverted()[0]
+        shown = QRectF(x - half_x, y - half_y, 2 * half_x, 2 * half_y)
+        self._box.setRange(shown, padding=0.0)
         self.resetCachedContent()
         self.scene().update()
         self.moved.emit()
@@ -338,12 +244,11 @@ class Plot(pyqtgraph.GraphicsView):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: a finger comes."""
-        if event.button() != Qt.MouseButton.LeftButton or self.extent is None:
-            return
-        self._pressed = self._finger = event.localPos()
-        self._pressed_ms = event.timestamp()
-        self._begin_drag(event.localPos())
-        self.pressed.emit()
+        if event.button() == Qt.MouseButton.LeftButton and self.extent is not None:
+            self._pressed = self._finger = event.localPos()
+            self._pressed_ms = event.timestamp()
+            self._begin_drag(event.localPos())
+            self.pressed.emit()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: a finger comes again soon."""
@@ -353,20 +258,17 @@ class Plot(pyqtgraph.GraphicsView):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: the finger moves."""
-        place = event.localPos()
-        if self._finger is None:
+        place, before = event.localPos(), self._finger
+        slop_px = look_of(self).px(SLOP_PX)
+        if before is None:
             return
-        if self._pressed is not None:
-            if _distance(place, self._pressed) < look_of(self).px(SLOP_PX):
-                return
-            self._pressed = None
+        if self._pressed is not None and _distance(place, self._pressed) < slop_px:
+            return
+        self._pressed, self._finger = None, place
         if self._scrubs:
             self.dragged.emit(*self.to_data(place))
         else:
-            before, after = self.to_data(self._finger), self.to_data(place)
-            middle = self._centre or self._middle()
-            self.centre_on(middle.x() + before[0] - after[0], middle.y() + before[1] - after[1])
-        self._finger = place
+            self._pull(before, place)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: the finger leaves; outside of the plot it was taken away by the touch filter."""
@@ -376,28 +278,22 @@ class Plot(pyqtgraph.GraphicsView):
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: the wheel turns."""
-        if self.extent is not None:
-            up = event.angleDelta().y() > 0
-            self.zoom_by(WHEEL_ZOOM if up else 1.0 / WHEEL_ZOOM, event.posF())
+        up = event.angleDelta().y() > 0
+        self.zoom_by(WHEEL_ZOOM if up else 1.0 / WHEEL_ZOOM, event.posF())
 
     def viewportEvent(self, event: QEvent) -> bool:  # noqa: N802 (Qt's name)
         """Qt: two fingers move."""
         if event.type() == QEvent.Type.Gesture and isinstance(event, QGestureEvent):
-            pinch: Optional[QGesture] = event.gesture(Qt.GestureType.PinchGesture)
-            if isinstance(pinch, QPinchGesture) and self.extent is not None:
+            pinch = event.gesture(Qt.GestureType.PinchGesture)
+            if isinstance(pinch, QPinchGesture):
                 self._pressed = self._finger = None
-                self._pinch(pinch)
+                last, now = pinch.lastCenterPoint().toPoint(), pinch.centerPoint().toPoint()
+                now_px = QPointF(self.viewport().mapFromGlobal(now))
+                self._pull(QPointF(self.viewport().mapFromGlobal(last)), now_px)
+                self.zoom_by(pinch.scaleFactor(), now_px)
                 event.accept(pinch)
                 return True
         return bool(super().viewportEvent(event))
-
-    def _pinch(self, pinch: QPinchGesture) -> None:
-        centre = self.viewport().mapFromGlobal(pinch.centerPoint().toPoint())
-        last = self.viewport().mapFromGlobal(pinch.lastCenterPoint().toPoint())
-        before, after = self.to_data(QPointF(last)), self.to_data(QPointF(centre))
-        middle = self._centre or self._middle()
-        self.centre_on(middle.x() + before[0] - after[0], middle.y() + before[1] - after[1])
-        self.zoom_by(pinch.scaleFactor(), QPointF(centre))
 
     def _begin_drag(self, place: QPointF) -> None:
         """Note where a finger has come."""
@@ -407,14 +303,13 @@ class Plot(pyqtgraph.GraphicsView):
 
     def marks_near(self, place: QPointF) -> List[GroundMark]:
         """Return the marks within reach of a finger, the nearest first."""
-        reach_px = look_of(self).px(REACH_PX)
         found = [
             (_distance(self.to_screen(one.across_mm, one.second_mm), place), one)
-            for one in self._marks
+            for one in self.marks
         ]
         # Whichever of them is chosen, and with that painted last, the order is the same.
         found.sort(key=lambda pair: (pair[0], len(pair[1].text), pair[1].text))
-        return [one for px, one in found if px <= reach_px]
+        return [one for px, one in found if px <= look_of(self).px(REACH_PX)]
 
     def drawBackground(self, painter: QPainter, _rect: QRectF) -> None:  # noqa: N802 (Qt's name)
         """Qt: draw what lies below the picture."""
@@ -436,7 +331,8 @@ class Plot(pyqtgraph.GraphicsView):
             self._paint_above(painter, look)
             self._paint_crosshair(painter, look)
             painter.drawPixmap(0, 0, self._overlay(look))
-        self._paint_notice(painter, look)
+        if self.notice:
+            paint_notice(painter, look, QRectF(self.viewport().rect()), self.notice)
         painter.restore()
 
     def _paint_below(self, painter: QPainter, look: Look) -> None:
@@ -445,194 +341,52 @@ class Plot(pyqtgraph.GraphicsView):
     def _paint_above(self, painter: QPainter, look: Look) -> None:
         """Draw above the picture and below marks, in pixels."""
 
-    def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
-        """Return the pixels of places."""
-        (x_px, y_px), middle = self._scale_px(), self._centre or self._middle()
-        xs = self.viewport().width() / 2.0 + (across - middle.x()) * x_px
-        down = (second - middle.y()) * (y_px if self._downwards else -y_px)
-        ys = self.viewport().height() / 2.0 + down
-        return QPolygonF([QPointF(x, y) for x, y in zip(xs.tolist(), ys.tolist())])
-
     def _paint_crosshair(self, painter: QPainter, look: Look) -> None:
-        across, second = self._crosshair
-        room, free_px = QRectF(self.viewport().rect()), look.px(FREE_PX)
-        here = self.to_screen(across or 0.0, second or 0.0)
-        lines = []
+        across, second = self.crosshair
+        here, room = self.to_screen(across or 0.0, second or 0.0), self.viewport()
+        free_px = look.px(FREE_PX) if across is not None and second is not None else 0
+        x, y, lines = here.x(), here.y(), []
         if across is not None:
-            gap_px = free_px if second is not None else 0
-            for ends in ((room.top(), here.y() - gap_px), (here.y() + gap_px, room.bottom())):
-                lines.append(QPolygonF([QPointF(here.x(), one) for one in ends]))
+            lines += [(x, 0.0, x, y - free_px), (x, y + free_px, x, room.height())]
         if second is not None:
-            gap_px = free_px if across is not None else 0
-            for ends in ((room.left(), here.x() - gap_px), (here.x() + gap_px, room.right())):
-                lines.append(QPolygonF([QPointF(one, here.y()) for one in ends]))
-        for line in lines:
-            stroke(painter, look, Mark.SELECTED, line)
-
-    def _paint_mark(self, painter: QPainter, look: Look, mark: GroundMark) -> None:
-        place = self.to_screen(mark.across_mm, mark.second_mm)
-        own = Mark.CANDIDATE if mark.kind is MarkKind.CANDIDATE else Mark.MARKER
-        own = Mark.SELECTED if mark.chosen else own if mark.measured else Mark.NOT_MEASURED
-        if mark.kind is MarkKind.MARKER:
-            _paint_flag(painter, look, place, own, look.px(FLAG_PX if mark.near else FLAG_PX / 2))
-        else:
-            self._paint_ring(painter, look, mark, place, own)
-
-    def _paint_ring(
-        self, painter: QPainter, look: Look, mark: GroundMark, place: QPointF, own: Mark
-    ) -> None:
-        radius = look.px((RING_PX if mark.near else FAR_PX) + 3 * mark.chosen)
-        paper, ink = QColor(look.colour(Mark.PAPER)), QColor(look.colour(own))
-        painter.setPen(QPen(paper, look.px(HALO_PX)))
-        painter.setBrush(paper if mark.near else Qt.BrushStyle.NoBrush)
-        painter.drawEllipse(place, radius, radius)
-        pen = QPen(ink, look.px(LINE_PX + 1))
-        if mark.doubtful or not mark.measured:
-            pen.setDashPattern([2.0, 1.4])
-            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-        painter.setPen(pen)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawEllipse(place, radius, radius)
-        if mark.near and mark.text:
-            size_px = look.px(TEXT_PX if len(mark.text) < 3 else SMALL_TEXT_PX)
-            font = _sized(painter.font(), size_px, bold=True)
-            box = QRectF(place.x() - radius, place.y() - radius, 2 * radius, 2 * radius)
-            text = QColor(look.colour(Mark.INK if mark.measured else Mark.NOT_MEASURED))
-            _paint_text(painter, font, box, mark.text, text)
+            lines += [(0.0, y, x - free_px, y), (x + free_px, y, room.width(), y)]
+        for x, y, to_x, to_y in lines:
+            stroke(painter, look, Mark.SELECTED, QPolygonF([QPointF(x, y), QPointF(to_x, to_y)]))
 
     def _overlay(self, look: Look) -> QPixmap:
         """Return marks and numbers; they are painted again only after a change."""
         size = self.viewport().size()
-        ends = self.to_data(QPointF()), self.to_data(QPointF(size.width(), size.height()))
-        state = (self._marks, ends, size, self.labels, look, self._axes_state())
+        state = (self.marks, self._map, size, self.labels, look, self._ticks_state())
         if state != self._overlaid[0]:
             pixmap = QPixmap(size)
             pixmap.fill(Qt.GlobalColor.transparent)
             painter = QPainter(pixmap)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setFont(self.font())
-            for one in self._marks:
-                self._paint_mark(painter, look, one)
-            self._paint_axes(painter, look)
+            for one in self.marks:
+                paint_mark(painter, look, one, self.to_screen(one.across_mm, one.second_mm))
+            paint_axes(painter, look, self.area, self.labels, self._ticks(look))
             painter.end()
             self._overlaid = state, pixmap
         return self._overlaid[1]
 
-    def _axes_state(self) -> object:
-        """Return what else the numbers depend on."""
+    def _ticks_state(self) -> object:
+        """Return what else the numbers of the axes depend on."""
 
-    def _paint_axes(self, painter: QPainter, look: Look) -> None:
-        """Write numbers along the lower and the left edge, inside of the picture."""
-        font = _sized(painter.font(), look.px(SMALL_TEXT_PX))
-        metrics, room = QFontMetrics(font), self.area
-        line_px, taken = metrics.height(), []
-        bottom, left = self.labels
-        caption = QRectF(0, 0, metrics.horizontalAdvance(bottom) + 4, line_px)
-        caption.moveBottomRight(room.bottomRight())
-        if bottom:
-            taken.append((caption, bottom))
-        caption = QRectF(0, 0, metrics.horizontalAdvance(left) + 4, line_px)
-        caption.moveTopLeft(room.topLeft())
-        if left:
-            taken.append((caption, left))
-        for value, text in self._across_ticks(room, metrics):
-            wide = metrics.horizontalAdvance(text) + 4
-            x = self.to_screen(value, 0.0).x()
-            box = QRectF(x - wide / 2.0, room.bottom() - line_px, wide, line_px)
-            taken = _with_box(taken, box, text, room)
-        for value, text in self._second_ticks(room, metrics):
-            y = self.to_screen(0.0, value).y()
-            wide = metrics.horizontalAdvance(text) + 4
-            box = QRectF(room.left(), y - line_px / 2.0, wide, line_px)
-            taken = _with_box(taken, box, text, room)
-        ink, ground = QColor(look.colour(Mark.INK)), QColor(look.colour(Mark.PAPER))
-        for box, text in taken:
-            painter.fillRect(box, ground)
-            _paint_text(painter, font, box, text, ink)
-
-    def _across_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
-        ends = self.to_data(room.topLeft())[0], self.to_data(room.bottomRight())[0]
-        most = int(room.width() / (2.2 * max(1, metrics.horizontalAdvance("0000"))))
-        return ((float(one), f"{one:g}") for one in round_ticks(*ends, max(2, most)))
-
-    def _second_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
-        one, other = self.to_data(room.topLeft())[1], self.to_data(room.bottomRight())[1]
-        most = int(room.height() / (2.5 * max(1, metrics.height())))
-        ticks = round_ticks(min(one, other), max(one, other), max(2, most))
-        return ((float(one), f"{one:g}") for one in ticks)
-
-    def _paint_notice(self, painter: QPainter, look: Look) -> None:
-        if not self.notice:
-            return
-        padding = look.px(PADDING_PX)
-        room = QRectF(self.viewport().rect()).adjusted(padding, 2 * padding, -padding, -padding)
-        flags = int(Qt.AlignmentFlag.AlignHCenter | Qt.TextFlag.TextWordWrap)
-        size_px = look.px(TEXT_PX)
-        # Smaller letters where the sentence would be cut off.
-        while True:
-            painter.setFont(_sized(painter.font(), size_px))
-            box = QRectF(painter.boundingRect(room, flags, self.notice))
-            if size_px <= 8 or (box.height() <= room.height() and box.width() <= room.width()):
-                break
-            size_px -= 1
-        ground = box.adjusted(-padding, -padding, padding, padding)
-        painter.fillRect(ground, QColor(NOTICE_GROUND))
-        painter.setPen(QColor(NOTICE_INK))
-        painter.drawText(room, flags, self.notice)
-
-
-def stroke(painter: QPainter, look: Look, mark: Mark, points: QPolygonF) -> None:
-    """Draw a line that is seen on every shade of a picture."""
-    painter.setBrush(Qt.BrushStyle.NoBrush)
-    for pen in rimmed(look, mark, LINE_PX):
-        painter.setPen(pen)
-        painter.drawPolyline(points)
-
-
-def rimmed(look: Look, mark: Mark, width: float) -> Tuple[QPen, QPen]:
-    """Return the pens of a line with a rim in the colour of the paper."""
-    wide = QPen(QColor(look.colour(Mark.PAPER)), look.px(width) + look.px(HALO_PX - LINE_PX))
-    return wide, QPen(QColor(look.colour(mark)), look.px(width))
-
-
-def _paint_flag(painter: QPainter, look: Look, foot: QPointF, mark: Mark, size: float) -> None:
-    """Paint a flag whose pole has its foot at the place."""
-    top = QPointF(foot.x(), foot.y() - size)
-    cloth = [top, QPointF(top.x() + 0.75 * size, top.y() + 0.28 * size)]
-    cloth.append(QPointF(top.x(), top.y() + 0.56 * size))
-    for pen in rimmed(look, mark, LINE_PX + 1):
-        pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
-        painter.setPen(pen)
-        painter.setBrush(pen.color())
-        painter.drawLine(foot, top)
-        painter.drawPolygon(QPolygonF(cloth))
-
-
-def _paint_text(painter: QPainter, font: QFont, box: QRectF, text: str, ink: QColor) -> None:
-    painter.save()
-    painter.setFont(font)
-    painter.setPen(ink)
-    flags = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextDontClip)
-    painter.drawText(box, flags, text)
-    painter.restore()
-
-
-def _sized(font: QFont, size_px: int, bold: bool = False) -> QFont:
-    sized = QFont(font)
-    sized.setPixelSize(size_px)
-    sized.setBold(bold)
-    return sized
-
-
-Boxes = List[Tuple[QRectF, str]]
-
-
-def _with_box(taken: Boxes, box: QRectF, text: str, room: QRectF) -> Boxes:
-    """Return the texts with another one, if it lies inside and apart from the others."""
-    inside = room.left() <= box.left() and box.right() <= room.right()
-    inside = inside and room.top() <= box.top() and box.bottom() <= room.bottom()
-    free = not any(one.adjusted(-2, 0, 2, 0).intersects(box) for one, _text in taken)
-    return [*taken, (box, text)] if inside and free else taken
+    def _ticks(self, look: Look) -> Tuple[Ticks, Ticks]:
+        """Return the numbers of both axes, with their pixels."""
+        area = self.area
+        (left, one), (right, other) = self.to_data(area.topLeft()), self.to_data(area.bottomRight())
+        most = [
+            max(2, int(length / look.px(px)))
+            for length, px in zip((area.width(), area.height()), TICK_PX)
+        ]
+        xs = round_ticks(left, right, most[0]).tolist()
+        ys = round_ticks(min(one, other), max(one, other), most[1]).tolist()
+        return (
+            [(self.to_screen(x, 0.0).x(), f"{x:g}") for x in xs],
+            [(self.to_screen(0.0, y).y(), f"{y:g}") for y in ys],
+        )
 
 
 def _within(centre: float, low: float, high: float, half: float) -> float:
@@ -643,4 +397,4 @@ def _within(centre: float, low: float, high: float, half: float) -> float:
 
 
 def _distance(one: QPointF, other: QPointF) -> float:
-    return math.hypot(one.x() - other.x(), one.y() - other.y())
+    return float(np.hypot(one.x() - other.x(), one.y() - other.y()))

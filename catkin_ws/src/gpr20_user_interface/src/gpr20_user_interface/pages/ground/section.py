@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Iterator, Optional, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
-from PyQt5.QtGui import QBrush, QColor, QFontMetrics, QPainter, QPen, QPolygonF
+from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from gpr20_operator.ground.records import Axis, Colours, Curve, Picture
 from gpr20_user_interface.look.look import Look, Mark, look_of
 from gpr20_user_interface.pages.ground.model import Grip
-from gpr20_user_interface.widgets.plot import LINE_PX, Plot, stroke
+from gpr20_user_interface.widgets.ink import LINE_PX, Ticks, stroke
+from gpr20_user_interface.widgets.plot import Plot
 
 GRIP_PX = 9
+# Room of a level below the trace.
+LEVEL_PX = 36
 # A finger nearer to the apex of the hyperbola than this moves it, another one bends the flank.
 GRIP_RADIUS_PX = 45
 # A trace has a little room beside its strongest echo.
@@ -116,19 +119,17 @@ class TracePlot(Plot):
         self.set_extent(QRectF(lowest, top, LARGEST_SHADE - lowest, bottom - top))
         self.scene().update()
 
-    def _axes_state(self) -> object:
+    def _ticks_state(self) -> object:
         return None if self._curve is None else self._curve.scale
 
-    def _across_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
+    def _ticks(self, look: Look) -> Tuple[Ticks, Ticks]:
+        # The depths are those of the section.
         if self._curve is None:
-            return iter(())
+            return (), ()
         scale, levels = self._curve.scale, self._curve.scale.ticks_db()
-        most = max(1, int(room.width() / (1.6 * max(1, metrics.horizontalAdvance("00")))))
-        every = max(1, -(-len(levels) // most))
-        return ((scale.shade_of(float(one)), f"{one:g}") for one in levels[::-every])
-
-    def _second_ticks(self, room: QRectF, metrics: QFontMetrics) -> Iterator[Tuple[float, str]]:
-        return iter(())  # those of the section
+        every = max(1, -(-len(levels) // max(1, self.width() // look.px(LEVEL_PX))))
+        places = [(scale.shade_of(float(one)), f"{one:g}") for one in levels[::-every]]
+        return [(self.to_screen(shade, 0.0).x(), text) for shade, text in places], ()
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
         painter.setPen(QPen(QColor(look.colour(Mark.CURVE)), look.px(LINE_PX)))
