@@ -311,11 +311,16 @@ def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node)
     plug_in(node, BLUE)
     node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
     assert "BLUE is full" in window_text(refreshed(done).stick)
+    click(done.stick.again)
+    plug_in(node, RED)
+    assert node.of("export")[-1].volume == RED.path
+    node.ticket("export").fail(verbatim("the USB stick RED is full"))
+    refreshed(done)
     click(done.stick.other)
     refreshed(done)
     assert all(key.isVisible() for key in done.stick.parts.values())
     click(done.stick.sticks[0])
-    assert len(node.of("export")) == 2
+    assert len(node.of("export")) == 3
 
 
 def test_a_stored_survey_opens_its_result(window, page, node):

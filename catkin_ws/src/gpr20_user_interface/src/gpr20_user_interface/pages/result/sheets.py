@@ -369,10 +369,11 @@ class StickSheet(ResultSheet):
         self.parts = {one: self._part(one) for one in ExportPart}
         self.sticks = [self._stick(number) for number in range(MOST_STICKS)]
         self.other = new_button(lambda: self.result.export.choose_parts())
+        self.again = new_button(self.ask)
         self.cancel = new_button(lambda: self.result.export.cancel())
         self.add_row(list(self.parts.values()))
         self.add_row(self.sticks)
-        self.add_text(self.other, self.cancel)
+        self.add_text(self.again, self.other, self.cancel)
         self.retranslate()
 
     def ask(self) -> None:
@@ -392,6 +393,8 @@ class StickSheet(ResultSheet):
         running = export.job.running
         self.other.setText(self.tr("Other files"))
         self.other.setVisible(not running and not export.choosing)
+        self.again.setText(self.tr("TRY AGAIN"))
+        self.again.setVisible(export.job.state is JobState.FAILED)
         self.cancel.setText(self.tr("CANCEL"))
         self.cancel.setVisible(running)
         names = {

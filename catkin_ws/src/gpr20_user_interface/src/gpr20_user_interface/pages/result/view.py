@@ -83,7 +83,7 @@ class PlaceRow(QPushButton):
 class ResultView(TranslatedWidget):
     """Shows a SurveyResult and emits the operator's wishes."""
 
-    # A Candidate, or None: a place beside all of them.
+    # A Candidate.
     place_touched = pyqtSignal(object)
     stick_wanted = pyqtSignal()
     hiding_wanted = pyqtSignal()
