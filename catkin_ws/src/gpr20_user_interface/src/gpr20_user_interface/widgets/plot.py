@@ -54,8 +54,9 @@ class ShadeItem(pyqtgraph.ImageItem):
     def render(self) -> None:
         """Make the image that is drawn, after a change."""
         super().render()
-        if self.qimage is not None:
-            self.qimage = self.qimage.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
+        made: Optional[QImage] = getattr(self, "qimage", None)
+        if made is not None:
+            self.qimage = made.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
 
 
 class Plot(pyqtgraph.GraphicsView):

@@ -100,6 +100,9 @@ class GroundModel:
         self._focused: Optional[FocusedSource] = None
         self._planned_permittivity: Optional[float] = None
         self._placed: Tuple[object, Optional[Place]] = (None, None)
+        self._chosen: Optional[Place] = None
+        self.mark: Optional[Found] = None
+        self.hyperbola: Optional[Hyperbola] = None
         self.show_survey(survey)
 
     def show_survey(self, survey: ShownSurvey) -> None:
@@ -121,9 +124,7 @@ class GroundModel:
 
     def _forget(self, survey_id: str) -> None:
         self._survey_id = survey_id
-        self._chosen: Optional[Place] = None
-        self.mark: Optional[Found] = None
-        self.hyperbola: Optional[Hyperbola] = None
+        self._chosen = self.mark = self.hyperbola = None
 
     @property
     def state(self) -> Tuple[object, ...]:
@@ -277,7 +278,7 @@ class GroundModel:
         candidates = self.additions.candidates
         if candidates:
             known = self.mark in candidates
-            number = candidates.index(self.mark) + 1 if known else 0  # type: ignore[arg-type]
+            number = candidates.index(self.mark) + 1 if known else 0
             self.choose_mark(candidates[number % len(candidates)])
 
     def choose_next_problem(self) -> None:
@@ -330,7 +331,7 @@ class GroundModel:
 
     def change(self, **changes: object) -> None:
         """Change some of the settings, by their names."""
-        self.settings = dataclasses.replace(self.settings, **changes)  # type: ignore[arg-type]
+        self.settings = dataclasses.replace(self.settings, **changes)
         if "permittivity" in changes:
             self.set_depth(self.settings.depth_m)
 
@@ -481,7 +482,7 @@ class GroundModel:
         hyperbola = self.hyperbola
         if hyperbola is None:
             return np.zeros(0), np.zeros(0)
-        across_mm = np.linspace(*section.across_mm, HYPERBOLA_POINTS)
+        across_mm = np.linspace(section.across_mm[0], section.across_mm[1], HYPERBOLA_POINTS)
         # With the apex, which may lie between two points.
         across_mm = np.sort(np.append(across_mm, hyperbola.across_mm))
         delays_s = hyperbola.delays_s(across_mm)

@@ -21,7 +21,7 @@ from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import check_text
-from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT
+from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT, Marker
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import shown_text
@@ -136,8 +136,8 @@ class GroundPage(QObject, Page):
         """Request the missing traces and draw what is new."""
         self._traces.refresh()
         self._keep_image()
-        self.view.set_problem(self._imaging.problem)
-        self.view.set_carriage(self._traces.carriage_mm)
+        self.view.problem = self._imaging.problem
+        self.view.carriage_mm = self._traces.carriage_mm
         self.view.refresh()
 
     def ask_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float]) -> None:
@@ -173,8 +173,8 @@ class GroundPage(QObject, Page):
         view.marker_wanted.connect(self.ask_marker)
         view.finer_wanted.connect(self.ask_finer)
         view.plan_wanted.connect(self._on_plan_wanted)
-        view.layers_wanted.connect(self.layers.open)
-        view.back_wanted.connect(self._on_back_to_live)
+        view.layers.clicked.connect(lambda: self.layers.open())
+        view.back.clicked.connect(lambda: self._on_back_to_live())
         view.opened.connect(additions.read_again)
         self.layers.changed.connect(view.refresh)
         self.layers.fit_wanted.connect(view.begin_fit)
@@ -188,8 +188,8 @@ class GroundPage(QObject, Page):
         self._traces.show_live()
         self._follow()
 
-    def _on_marker(self, marker: object) -> None:
-        self.model.choose_mark(marker)  # type: ignore[arg-type]
+    def _on_marker(self, marker: Marker) -> None:
+        self.model.choose_mark(marker)
         self.view.refresh()
 
     def _on_plan_wanted(self) -> None:
