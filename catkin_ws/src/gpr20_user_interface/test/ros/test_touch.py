@@ -77,7 +77,7 @@ class Touch(unittest.TestCase):
         self.assert_stops(window)
         window.close()
         again = self.open()
-        again.tap("result.view.plan")
+        again.tap("result.plan")
         self.assert_starts(again, most_touches=10)
 
     def assert_starts(self, window: TouchedWindow, most_touches: int) -> None:

@@ -35,10 +35,10 @@ class Walk(unittest.TestCase):
         stick = Path(rospy.get_param("~stick"))
         before = set(stick.rglob("*.pdf"))
 
-        first_screens = ("control.start", "result.view.plan")
+        first_screens = ("control.start", "result.plan")
         wait_until(lambda: any(map(window.is_shown, first_screens)), "there is contact")
         if window.is_shown("result"):
-            window.tap("result.view.plan")  # that of the survey before
+            window.tap("result.plan")  # that of the survey before
         others = window.touches
         window.tap("control.start")
         self.keep_picture(window, language, "start")
@@ -47,19 +47,19 @@ class Walk(unittest.TestCase):
         wait_until(lambda: window.is_shown("job"), "the survey runs")
         self.keep_picture(window, language, "survey")
 
-        started, first = window.touches, "result.view.rows.0.place"
+        started, first = window.touches, "result.rows.0.place"
         wait_until(lambda: window.is_shown(first), "the places are shown", limit_s=SURVEY_LIMIT_S)
         self.keep_picture(window, language, "where")
         self.assertLessEqual(window.touches - started, 2)
         self.assertRegex(window.find(first)["text"], PLACE)
 
         known = window.touches
-        window.tap("result.view.stick")
+        window.tap("result.stick")
         try:
             wait_until(
                 lambda: (
                     bool(set(stick.rglob("*.pdf")) - before)
-                    and not window.is_shown("result.stick.cancel")
+                    and not window.is_shown("result.stick_sheet.cancel")
                 ),
                 "the report is on the stick, and the window says so",
                 limit_s=SURVEY_LIMIT_S,

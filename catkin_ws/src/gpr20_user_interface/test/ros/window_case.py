@@ -99,8 +99,8 @@ class WindowCase(unittest.TestCase):
 
     def opened(self, tile: Tile) -> bool:
         # No touch is taken for a moment after something has closed.
-        if self.window.result.view.plan.isVisible():
-            self.touch(self.window.result.view.plan)
+        if self.window.result.plan.isVisible():
+            self.touch(self.window.result.plan)
         elif not self.window.values.isVisible():
             self.touch(self.window.control.tiles[tile])
         return self.window.values.isVisible()
@@ -129,8 +129,8 @@ class WindowCase(unittest.TestCase):
         QTest.mouseRelease(button, Qt.LeftButton)
 
     def click(self, name: str) -> None:
-        if name == "start" and self.window.result.view.plan.isVisible():
-            self.touch(self.window.result.view.plan)
+        if name == "start" and self.window.result.plan.isVisible():
+            self.touch(self.window.result.plan)
         self.touch(self.buttons()[name])
         if self.window.start_sheet.isVisible():
             self.hold()

@@ -105,7 +105,7 @@ def result(window):
 
 def stick(window):
     result(window)
-    window.result.view.stick.click()
+    window.result.stick.click()
     plug_in(window.node, BLUE, RED, LOCKED)
     show(window, ENDED)
 

@@ -76,7 +76,7 @@ def test_the_places_fit(spoken, page):
     found(page, spoken, record=stored(7, outcome="interrupted"), omitted=12345, omitted_primary=9)
     check(spoken, page)
     for _ in range(9):
-        page.view.more.click()
+        page.more.click()
     check(spoken, page)
     page.result.set_permittivity(12.345)
     show(spoken, ENDED)
@@ -92,54 +92,58 @@ def page_list():
 
 def test_a_place_and_what_was_found_there_fit(spoken, page):
     found(page, spoken)
-    page.view.rows[4].click()
-    check(spoken, page, page.place)
-    page.place._who, page.place._depth, page.place._what = "W" * 60, "1234.5", What.DEVICE
-    page.place.show_now()
-    check(spoken, page, page.place)
-    page.place.deep.click()
-    assert_fits(spoken, page.place.pad)
-    page.place.pad.hide()
+    page.rows[4].click()
+    check(spoken, page, page.place_sheet)
+    page.place_sheet._who, page.place_sheet._depth, page.place_sheet._what = (
+        "W" * 60,
+        "1234.5",
+        What.DEVICE,
+    )
+    page.place_sheet.show_now()
+    check(spoken, page, page.place_sheet)
+    page.place_sheet.deep.click()
+    assert_fits(spoken, page.place_sheet.pad)
+    page.place_sheet.pad.hide()
 
 
 def test_the_soil_fits(spoken, page):
     found(page, spoken)
-    page.view.soil.click()
-    page.soil._choose(12.345)
-    check(spoken, page, page.soil)
-    page.soil.other.click()
-    assert_fits(spoken, page.soil.pad)
-    page.soil.pad.hide()
+    page.soil.click()
+    page.soil_sheet._choose(12.345)
+    check(spoken, page, page.soil_sheet)
+    page.soil_sheet.other.click()
+    assert_fits(spoken, page.soil_sheet.pad)
+    page.soil_sheet.pad.hide()
 
 
 def test_where_a_mine_could_hide_fits(spoken, page):
     found(page, spoken)
-    page.view.hiding.click()
-    check(spoken, page, page.hiding)
-    list(page.hiding.targets.values())[1].click()
-    check(spoken, page, page.hiding)
+    page.hiding.click()
+    check(spoken, page, page.hiding_sheet)
+    list(page.hiding_sheet.targets.values())[1].click()
+    check(spoken, page, page.hiding_sheet)
     spoken.node.ticket("hide").done(a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY))
-    check(spoken, page, page.hiding)
-    page.hiding.hide()
+    check(spoken, page, page.hiding_sheet)
+    page.hiding_sheet.hide()
     check(spoken, page)
 
 
 def test_the_stick_fits_in_every_state(spoken, page):
     found(page, spoken)
-    page.view.stick.click()
-    check(spoken, page, page.stick)
+    page.stick.click()
+    check(spoken, page, page.stick_sheet)
     plug_in(spoken.node)
-    check(spoken, page, page.stick)
+    check(spoken, page, page.stick_sheet)
     page.result.begin_export("en")
     plug_in(spoken.node, BLUE, RED, LOCKED)
-    check(spoken, page, page.stick)
-    page.stick.sticks[1].click()
+    check(spoken, page, page.stick_sheet)
+    page.stick_sheet.sticks[1].click()
     spoken.node.ticket("export").progress(verbatim("copying to the USB stick"))
-    check(spoken, page, page.stick)
+    check(spoken, page, page.stick_sheet)
     spoken.node.ticket("export").done(("GPR20/a.pdf", "GPR20/b.zip"))
-    check(spoken, page, page.stick)
-    page.stick.other.click()
-    check(spoken, page, page.stick)
-    page.stick.sticks[1].click()
+    check(spoken, page, page.stick_sheet)
+    page.stick_sheet.other.click()
+    check(spoken, page, page.stick_sheet)
+    page.stick_sheet.sticks[1].click()
     spoken.node.ticket("export").fail(verbatim("the USB stick is full; nothing was left. " * 7))
-    check(spoken, page, page.stick)
+    check(spoken, page, page.stick_sheet)

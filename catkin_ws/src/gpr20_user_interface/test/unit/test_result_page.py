@@ -51,9 +51,7 @@ def done(ended, node):
 
 
 def refreshed(page):
-    page.view.refresh()
-    for sheet in page.sheets:
-        sheet.refresh()
+    page.show_now()
     return page
 
 
@@ -64,7 +62,7 @@ def test_the_page_is_there_when_a_survey_has_ended_until_the_next_one_is_planned
     assert window.survey_tab.currentWidget() is window.job
     show(window, ENDED)
     assert window.survey_tab.currentWidget() is page
-    click(page.view.plan)
+    click(page.plan)
     show(window, ENDED)
     assert window.survey_tab.currentWidget() is window.control
 
@@ -75,7 +73,7 @@ def test_a_survey_that_ended_early_has_a_result_too(window, page, node, code):
     show(window, snapshot(code, state=state_of(code, survey_id=SURVEY)))
     search(page.result, node, record=stored(7, outcome=code.name.lower()))
     refreshed(page)
-    assert "7" in page.view.picture.notice and "40" in page.view.picture.notice
+    assert "7" in page.picture.notice and "40" in page.picture.notice
 
 
 def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
@@ -87,7 +85,7 @@ def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
     window.show_tab(TabName.SURVEY)
     show(window, ENDED)
     assert len(node.of("focus")) == 1
-    assert ended.view.progress.isVisible() and ended.view.card.button.isVisible()
+    assert ended.progress.isVisible() and ended.card.button.isVisible()
 
 
 def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_survey(
@@ -107,7 +105,7 @@ def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_surve
 
 
 def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):
-    view = done.view
+    view = done
     assert [row.rank.text() for row in view.rows] == ["1", "2", "3", "4", "5"]
     assert "6" in view.title.text() and "11" in view.title.text()
     assert [one.text for one in reversed(view.picture.marks)] == ["1", "2", "3", "4", "5"]
@@ -122,14 +120,14 @@ def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):
 
 def test_nothing_found_says_what_that_does_not_mean(ended, node):
     search(ended.result, node, [])
-    view = refreshed(ended).view
+    view = refreshed(ended)
     assert view.title.text() == shown_text(NOTHING_FOUND)
     assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
     assert not view.more.isVisible()
 
 
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):
-    view = ended.view
+    view = ended
 
     def is_said(label):
         return label.isVisible() and label.text() == shown_text(NO_CLEARANCE)
@@ -146,10 +144,10 @@ def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, end
     refreshed(ended)
     assert is_said(view.no_clearance) and view.simulated.isVisible()
     for key, sheet in (
-        (view.rows[0], ended.place),
-        (view.soil, ended.soil),
-        (view.hiding, ended.hiding),
-        (view.stick, ended.stick),
+        (view.rows[0], ended.place_sheet),
+        (view.soil, ended.soil_sheet),
+        (view.hiding, ended.hiding_sheet),
+        (view.stick, ended.stick_sheet),
     ):
         click(key)
         assert sheet.isVisible() and is_said(sheet.no_clearance)
@@ -160,7 +158,7 @@ def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
     node.ticket("read").done(stored())
     show(window, ENDED)
     node.ticket("focus").fail(REFUSED)
-    view = refreshed(ended).view
+    view = refreshed(ended)
     said = view.card.sentence.text()
     assert "agree with every permittivity" in said and shown_text(REMEDY) in said
     click(view.card.button)
@@ -169,18 +167,18 @@ def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
 
 
 def test_a_cancelled_search_rests(window, ended, node):
-    click(ended.view.card.button)
+    click(ended.card.button)
     show(window, ENDED)
-    assert len(node.of("read")) == 1 and not ended.view.progress.isVisible()
-    click(ended.view.card.button)
+    assert len(node.of("read")) == 1 and not ended.progress.isVisible()
+    click(ended.card.button)
     show(window, ENDED)
     assert len(node.of("read")) == 2
 
 
 def test_a_survey_that_begins_closes_the_sheets_and_ends_the_search(window, done, node):
-    click(done.view.soil)
+    click(done.soil)
     show(window, RUNS)
-    assert not done.soil.isVisible() and done.result.image is None
+    assert not done.soil_sheet.isVisible() and done.result.image is None
     assert window.survey_tab.currentWidget() is window.job
 
 
@@ -188,99 +186,102 @@ def test_a_place_says_why_and_opens_what_can_be_done(window, done):
     wanted = []
     done.finer_wanted.connect(lambda *asked: wanted.append(("finer", *asked[1:])))
     done.show_wanted.connect(lambda *asked: wanted.append(("show", *asked)))
-    click(done.view.rows[0])
-    assert "31 dB" in done.place.text.text() and "125" in done.place.title.text()
-    click(done.place.view)
-    click(done.view.rows[0])
-    click(done.place.finer)
+    click(done.rows[0])
+    assert "31 dB" in done.place_sheet.text.text() and "125" in done.place_sheet.title.text()
+    click(done.place_sheet.view)
+    click(done.rows[0])
+    click(done.place_sheet.finer)
     assert wanted == [("show", SURVEY, SURVEY, 125.0, 90.0, 85.0), ("finer", 125.0, 90.0)]
 
 
 def test_measure_finer_opens_its_plan_and_show_opens_ground(window, done):
-    click(done.view.rows[0])
-    click(done.place.finer)
+    click(done.rows[0])
+    click(done.place_sheet.finer)
     assert window.ground.finer.isVisible() and window.ground.finer.plan.refines == SURVEY
     click(window.ground.finer.close_button)
     # The survey that has ended is the one that GROUND shows.
     window.traces.live.begin(make_grid())
-    click(done.view.rows[0])
-    click(done.place.view)
+    click(done.rows[0])
+    click(done.place_sheet.view)
     show(window, ENDED)
     assert window.tabs.currentWidget() is window.ground.view
 
 
 def test_what_was_found_is_stored_only_by_a_hold(done, node):
-    click(done.view.rows[0])
-    assert not done.place.store.isEnabled()
-    click(done.place.whats[What.SCRAP])
-    click(done.place.who)
-    done.place.pad.press("Ana")
-    click(done.place.pad.accept_button)
-    click(done.place.deep)
-    done.place.pad.press("35")
-    click(done.place.pad.accept_button)
-    click(done.place.store)
+    click(done.rows[0])
+    assert not done.place_sheet.store.isEnabled()
+    click(done.place_sheet.whats[What.SCRAP])
+    click(done.place_sheet.who)
+    done.place_sheet.pad.press("Ana")
+    click(done.place_sheet.pad.accept_button)
+    click(done.place_sheet.deep)
+    done.place_sheet.pad.press("35")
+    click(done.place_sheet.pad.accept_button)
+    click(done.place_sheet.store)
     assert node.of("note") == []
-    hold(done.place.store)
+    hold(done.place_sheet.store)
     ((_survey, _kind, values),) = node.of("note")
     assert (values["what"], values["depth_mm"], values["who"]) == ("scrap", 35.0, "Ana")
     node.ticket("note").done(None)
     node.ticket("read").done(stored(log=[noted("found", values)]))
     refreshed(done)
-    assert "35" in done.view.rows[0].why.whole
+    assert "35" in done.rows[0].why.whole
     assert done.result.noting.state is JobState.DONE
 
 
 def test_a_record_that_cannot_be_stored_says_why(done, node):
-    click(done.view.rows[0])
-    click(done.place.whats[What.NOTHING])
-    done.place._who = "Ana"
-    done.place.show_now()
-    hold(done.place.store)
+    click(done.rows[0])
+    click(done.place_sheet.whats[What.NOTHING])
+    done.place_sheet._who = "Ana"
+    done.place_sheet.show_now()
+    hold(done.place_sheet.store)
     node.ticket("note").fail(verbatim("the disk is full"))
-    assert "the disk is full".capitalize() in refreshed(done).place.text.text()
+    assert "the disk is full".capitalize() in refreshed(done).place_sheet.text.text()
 
 
 def test_the_soil_is_changed_by_a_hold_and_everything_is_made_with_it(window, done, node):
-    click(done.view.soil)
-    key = list(done.soil.soils.values())[1]
+    click(done.soil)
+    key = list(done.soil_sheet.soils.values())[1]
     click(key)
-    click(done.soil.use)
-    assert done.soil.isVisible() and len(node.of("focus")) == 1
-    hold(done.soil.use)
+    click(done.soil_sheet.use)
+    assert done.soil_sheet.isVisible() and len(node.of("focus")) == 1
+    hold(done.soil_sheet.use)
     show(window, ENDED)
-    assert node.of("focus")[-1] == (SURVEY, 8.0) and not done.soil.isVisible()
-    assert "8" in done.view.soil.text()
+    assert node.of("focus")[-1] == (SURVEY, 8.0) and not done.soil_sheet.isVisible()
+    assert "8" in done.soil.text()
 
 
 def test_any_permittivity_can_be_entered(done, node):
-    click(done.view.soil)
+    click(done.soil)
     for text, allowed in (("0.5", False), ("101", False), ("x", False), ("6,5", True)):
-        click(done.soil.other)
-        done.soil.pad.edit.setPlainText(text)
-        assert done.soil.pad.accept_button.isEnabled() == allowed
-    click(done.soil.pad.accept_button)
-    hold(done.soil.use)
+        click(done.soil_sheet.other)
+        done.soil_sheet.pad.edit.setPlainText(text)
+        assert done.soil_sheet.pad.accept_button.isEnabled() == allowed
+    click(done.soil_sheet.pad.accept_button)
+    hold(done.soil_sheet.use)
     assert done.result.permittivity == 6.5
 
 
 def test_where_a_mine_could_hide_is_hatched(done, node):
-    click(done.view.hiding)
-    click(done.hiding.targets[Targets.PMN])
+    click(done.hiding)
+    click(done.hiding_sheet.targets[Targets.PMN])
     refreshed(done)
-    assert done.hiding.progress.isVisible() and not done.hiding.targets[Targets.PMN].isEnabled()
+    assert (
+        done.hiding_sheet.progress.isVisible()
+        and not done.hiding_sheet.targets[Targets.PMN].isEnabled()
+    )
     found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
     node.ticket("hide").done(found)
     refreshed(done)
-    assert window_text(done.hiding).count("\n") >= 3
-    click(done.hiding.close_button)
-    assert done.view.picture._hiding is found
-    click(done.view.hiding)
-    click(done.hiding.targets[Targets.FRAGMENT])
+    assert window_text(done.hiding_sheet).count("\n") >= 3
+    click(done.hiding_sheet.close_button)
+    assert done.picture._hiding is found
+    click(done.hiding)
+    click(done.hiding_sheet.targets[Targets.FRAGMENT])
     refreshed(done)
-    click(done.hiding.cancel)
+    click(done.hiding_sheet.cancel)
     refreshed(done)
-    assert node.cancelled and not done.hiding.progress.isVisible()
+    assert node.cancelled and not done.hiding_sheet.progress.isVisible()
 
 
 def window_text(sheet):
@@ -288,38 +289,40 @@ def window_text(sheet):
 
 
 def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, node):
-    click(done.view.stick)
+    click(done.stick)
     plug_in(node, BLUE)
     refreshed(done)
-    assert len(node.of("export")) == 1 and done.stick.progress.isVisible()
+    assert len(node.of("export")) == 1 and done.stick_sheet.progress.isVisible()
     node.ticket("export").progress(verbatim("copying"))
-    assert "Copying" in window_text(refreshed(done).stick)
+    assert "Copying" in window_text(refreshed(done).stick_sheet)
     node.ticket("export").done(("GPR20/a.pdf",))
-    before = done.stick.title.text()
-    assert refreshed(done).stick.title.text() != before and "GPR20" in window_text(done.stick)
-    click(done.stick.close_button)
-    click(done.view.stick)
+    before = done.stick_sheet.title.text()
+    assert refreshed(done).stick_sheet.title.text() != before and "GPR20" in window_text(
+        done.stick_sheet
+    )
+    click(done.stick_sheet.close_button)
+    click(done.stick)
     plug_in(node, BLUE, RED)
     refreshed(done)
     assert len(node.of("export")) == 1
-    click(done.stick.sticks[1])
+    click(done.stick_sheet.sticks[1])
     assert node.of("export")[-1].volume == RED.path
 
 
 def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node):
-    click(done.view.stick)
+    click(done.stick)
     plug_in(node, BLUE)
     node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
-    assert "BLUE is full" in window_text(refreshed(done).stick)
-    click(done.stick.again)
+    assert "BLUE is full" in window_text(refreshed(done).stick_sheet)
+    click(done.stick_sheet.again)
     plug_in(node, RED)
     assert node.of("export")[-1].volume == RED.path
     node.ticket("export").fail(verbatim("the USB stick RED is full"))
     refreshed(done)
-    click(done.stick.other)
+    click(done.stick_sheet.other)
     refreshed(done)
-    assert all(key.isVisible() for key in done.stick.parts.values())
-    click(done.stick.sticks[0])
+    assert all(key.isVisible() for key in done.stick_sheet.parts.values())
+    click(done.stick_sheet.sticks[0])
     assert len(node.of("export")) == 3
 
 
@@ -334,7 +337,7 @@ def test_a_stored_survey_opens_its_result(window, page, node):
     assert window.tabs.currentWidget() is window.survey_tab
     assert window.survey_tab.currentWidget() is page
     assert node.of("read")[-1] == (listed.folder,)
-    click(page.view.plan)
+    click(page.plan)
     show(window, snapshot())
     assert window.survey_tab.currentWidget() is window.control
 
@@ -354,11 +357,15 @@ def test_random_touches_store_nothing(window, done, node):
         if node.asked and node.asked[-1][0] in ("hide", "sticks", "export"):
             done.result.hiding.end()
             done.result.export.cancel()
-        sheets = [one for one in (done.place.pad, done.soil.pad, *done.sheets) if one.isVisible()]
+        sheets = [
+            one
+            for one in (done.place_sheet.pad, done.soil_sheet.pad, *done.sheets)
+            if one.isVisible()
+        ]
         seen = [
             one for one in (sheets or [done])[0].findChildren(QAbstractButton) if one.isVisible()
         ]
-        button = draw.choice([one for one in seen if one is not done.view.plan])
+        button = draw.choice([one for one in seen if one is not done.plan])
         touches += button.isEnabled()
         click(button)
     assert touches > 1000
@@ -369,14 +376,14 @@ def test_random_touches_store_nothing(window, done, node):
 def test_the_language_changes_at_once(window, done):
     from gpr20_common.catalogue import Language
 
-    before = done.view.no_clearance.text()
+    before = done.no_clearance.text()
     window.languages.use(Language.SPANISH)
     QTest.qWait(1)
-    assert done.view.no_clearance.text() != before
+    assert done.no_clearance.text() != before
 
 
 def test_the_brightest_place_is_first_whatever_its_flags(ended, node):
     bright = candidate(1, level_db=40.0, flags=[Flag.SURFACE_RESIDUE, Flag.EDGE])
     search(ended.result, node, [bright, *ELEVEN[1:]])
-    assert refreshed(ended).view.rows[0].rank.text() == "1"
+    assert refreshed(ended).rows[0].rank.text() == "1"
     assert ended.result.shown[0] is bright

@@ -1,30 +1,100 @@
-"""The page of a result: it searches by itself, and opens what belongs to a place."""
+"""The result of a survey: one image, at most five ranked places, and what can be done next.
+
+It searches by itself when a survey has ended and the page is seen.
+"""
 
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import Callable, List, Optional
 
-from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QVBoxLayout, QWidget
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QProgressBar,
+    QPushButton,
+    QSizePolicy,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
 
+from gpr20_common.message import Message
+from gpr20_operator.ground.records import Colours
+from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.job import survey_name
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import Candidate
-from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, look_of
+from gpr20_user_interface.look.translation import Languages, TranslatedWidget, shown_text
 from gpr20_user_interface.pages.result.sheets import (
     HidingSheet,
     PlaceSheet,
     SoilSheet,
     StickSheet,
+    with_remedy,
 )
-from gpr20_user_interface.pages.result.view import ResultView
+from gpr20_user_interface.widgets.empty_state import EmptyState
+from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
+from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.widgets import new_button, set_look
+
+PANEL_PX = 280
+RANK_PX = 36
+RIM = 0.06
 
 
-class ResultPage(QWidget, Page):
+class PlaceRow(QPushButton):
+    """Rank and place; below, where there is room, why it is on the list."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("tile")
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+        self.rank, self.place, self.why = QLabel(), QLabel(), ElidedLabel()
+        self.rank.setObjectName("tile_title")
+        self.place.setObjectName("first_title")
+        self.rank.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        grid = QGridLayout(self)
+        grid.setSpacing(0)
+        grid.setContentsMargins(BORDER_PX, BORDER_PX, BORDER_PX, BORDER_PX)
+        grid.addWidget(self.rank, 0, 0, 2, 1)
+        grid.addWidget(self.place, 0, 1)
+        grid.addWidget(self.why, 1, 1)
+        grid.setColumnStretch(1, 1)
+        for label in (self.rank, self.place, self.why):
+            label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+
+    def show_place(self, place: Candidate, found: Optional[Message]) -> None:
+        """Show a place, and what people found there."""
+        self.rank.setText(str(place.number))
+        self.rank.setFixedWidth(look_of(self).px(RANK_PX))
+        self.place.setText(shown_text(texts.place_line(place)))
+        self.why.show_text(shown_text(found or texts.why_line(place)))
+        for widget in (self, self.rank, self.place, self.why):
+            set_look(widget, "level", "locked" if place.is_doubtful else "")
+        self._fit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: there is more or less room."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        lines_px = self.place.fontMetrics().height() + self.why.fontMetrics().height()
+        self.why.setVisible(self.height() >= lines_px + 2 * BORDER_PX)
+
+
+class ResultPage(TranslatedWidget, Page):
     """Shows the result of the survey that has ended, or of a stored one that was opened.
 
     Args:
@@ -53,22 +123,41 @@ class ResultPage(QWidget, Page):
         super().__init__()
         self.result = result
         self._permittivity = permittivity
-        self.view = ResultView(result)
-        self.place = PlaceSheet(window, result, operator)
-        self.soil = SoilSheet(window, result)
-        self.hiding = HidingSheet(window, result)
-        self.stick = StickSheet(window, result, lambda: languages.language.value)
-        self.sheets = (self.place, self.soil, self.hiding, self.stick)
-        self.view.place_touched.connect(self.place.ask)
-        self.view.stick_wanted.connect(self.stick.ask)
-        self.view.hiding_wanted.connect(lambda: self.hiding.open_now())
-        self.view.soil_wanted.connect(self.soil.ask)
-        self.view.plan_wanted.connect(self.plan_wanted)
-        self.place.finer_wanted.connect(self._on_finer)
-        self.place.show_wanted.connect(self._on_show)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.view)
+        self.place_sheet = PlaceSheet(window, result, operator)
+        self.soil_sheet = SoilSheet(window, result)
+        self.hiding_sheet = HidingSheet(window, result)
+        self.stick_sheet = StickSheet(window, result, lambda: languages.language.value)
+        self.sheets = (self.place_sheet, self.soil_sheet, self.hiding_sheet, self.stick_sheet)
+        self.place_sheet.finer_wanted.connect(self._on_finer)
+        self.place_sheet.show_wanted.connect(self._on_show)
+        self._drawn: object = None
+        self._drawn_image: object = None
+        self.title = QLabel()
+        self.title.setObjectName("first_title")
+        self.title.setWordWrap(True)
+        self.simulated = QLabel()
+        self.simulated.setObjectName("simulated")
+        self.no_clearance = QLabel()
+        self.no_clearance.setObjectName("alarm")
+        self.no_clearance.setWordWrap(True)
+        self.picture = GroundPicture()
+        self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
+        self.nothing = QLabel()
+        self.nothing.setObjectName("title")
+        self.nothing.setWordWrap(True)
+        self.card = EmptyState()
+        self.progress = QProgressBar()
+        self.progress.setRange(0, 0)  # it is not known how long it takes
+        self.stick = new_button(self.stick_sheet.ask)
+        self.stick.setObjectName("primary")
+        self.hiding = new_button(self.hiding_sheet.open_now)
+        self.soil = new_button(self.soil_sheet.ask)
+        self.more = new_button(self._on_more)
+        self.plan = new_button(self.plan_wanted.emit)
+        self.keys = (self.stick, self.hiding, self.soil, self.more, self.plan)
+        self.picture.mark_touched.connect(self.place_sheet.ask)
+        self._lay_out()
+        self.retranslate()
 
     def on_event(self, event: object) -> None:
         """Keep the permittivity of the plan with the survey that begins."""
@@ -82,21 +171,164 @@ class ResultPage(QWidget, Page):
         """Search when nothing else happens and the page is seen; never during a survey."""
         self.result.note_running(snapshot.running)
         if snapshot.running:
-            for sheet in (*self.sheets, self.place.pad, self.soil.pad):
+            for sheet in (*self.sheets, self.place_sheet.pad, self.soil_sheet.pad):
                 sheet.hide()
         if self.isVisible() and snapshot.replay is None:
             self.result.keep()
-        self._show()
+        self.show_now()
 
     def end(self) -> None:
         """End what is awaited."""
         self.result.end()
         self.result.export.job.end()
 
-    def _show(self) -> None:
-        self.view.refresh()
+    def show_now(self) -> None:
+        """Show what has changed, of the page and of the sheets."""
+        revision = self.result.revision
+        if self.isVisible() and revision != self._drawn:
+            self._drawn = revision
+            self._show()
         for sheet in self.sheets:
             sheet.refresh()
+
+    def retranslate(self) -> None:
+        """Write the texts in the language of the application."""
+        self.simulated.setText(self.tr("SIMULATED"))
+        self.no_clearance.setText(shown_text(NO_CLEARANCE))
+        self.stick.setText(self.tr("Report\nto stick"))
+        self.hiding.setText(self.tr("Where could\na mine hide?"))
+        self.more.setText(self.tr("More\nplaces"))
+        self.plan.setText(self.tr("Plan the\nnext survey"))
+        self._drawn = None
+        self._show()
+
+    def restyle(self) -> None:
+        """Take the sizes and colours of the look."""
+        look = look_of(self)
+        gap_px = look.px(GAP_PX)
+        self._panel.setFixedWidth(look.px(PANEL_PX))
+        self._page.setContentsMargins(gap_px // 2, gap_px // 2, gap_px // 2, gap_px // 2)
+        self._page.setSpacing(gap_px // 2)
+        for layout in (self._keys, self._places):
+            layout.setSpacing(gap_px)
+        self._list.setSpacing(look.px(2))
+        self._drawn_image = self._drawn = None
+
+    def _show(self) -> None:
+        result = self.result
+        done = result.image is not None
+        record = result.record
+        self.simulated.setVisible(record is not None and record.grid.simulated)
+        self._stack.setCurrentIndex(int(done))
+        self.stick.setEnabled(record is not None)
+        self.hiding.setEnabled(done)
+        self.soil.setEnabled(record is not None)
+        self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
+        self.more.setVisible(len(result.places) > PLACES_SHOWN)
+        if done:
+            self._show_places()
+        else:
+            self._show_state()
+
+    def _show_state(self) -> None:
+        result = self.result
+        record, reading, search = result.record, result.reading, result.search
+        running = reading.running or search.running
+        failed = search.problem or (reading.problem if record is None else None)
+        part = texts.measured(result)
+        self.title.setText(
+            "" if record is None else record.name if part is None else shown_text(part)
+        )
+        self.progress.setVisible(running)
+        if result.waits:
+            self.card.show_state("pause", shown_text(SURVEY_RUNS))
+        elif running:
+            what = texts.SEARCHING if search.running else texts.READING
+            seconds = int(search.running_s or reading.running_s)
+            text = f"{shown_text(what)} {seconds} s"
+            self.card.show_state("search", text, self.tr("CANCEL"), result.cancel)
+        elif failed is not None:
+            again = self.tr("SEARCH") if failed == CANCELLED else self.tr("TRY AGAIN")
+            self.card.show_state("warning", with_remedy(failed), again, result.try_again)
+        else:
+            self.card.show_state("search", shown_text(texts.READING))
+
+    def _show_places(self) -> None:
+        result, image = self.result, self.result.image
+        if image is None:
+            return
+        self.title.setText(shown_text(texts.headline(image.found, result.first)))
+        if image is not self._drawn_image:
+            self._drawn_image = image
+            self.picture.show_picture(FocusedSource(image).from_above(), Colours.ENVELOPE)
+            shown = self.picture.extent
+            if shown is not None:
+                # A ring at the edge is seen as a whole.
+                rim = RIM * max(shown.width(), shown.height())
+                self.picture.set_extent(shown.adjusted(-rim, -rim, rim, rim))
+        self.picture.set_hiding(result.hiding.result)
+        self.picture.set_marks(
+            [
+                GroundMark(
+                    *(one.x_mm, one.y_mm, str(one.number)),
+                    doubtful=one.is_doubtful,
+                    chosen=one == result.chosen,
+                    about=one,
+                )
+                for one in reversed(result.shown)
+            ]
+        )
+        self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
+        self.picture.labels = shown_text(texts.FROM_MARK), ""
+        self._right.setCurrentIndex(int(not result.places))
+        for row, place in zip(self.rows, result.shown):
+            found = result.find_at(place)
+            row.show_place(place, None if found is None else texts.found_line(found))
+        for number, row in enumerate(self.rows):
+            row.setVisible(number < len(result.shown))
+        self.nothing.setText(shown_text(texts.NOT_SAFE))
+
+    def _row(self, number: int) -> PlaceRow:
+        row = PlaceRow()
+        row.clicked.connect(lambda: self.place_sheet.ask(self.result.shown[number]))
+        return row
+
+    def _on_more(self) -> None:
+        self.result.turn_page()
+        self.show_now()
+
+    def _lay_out(self) -> None:
+        card = QVBoxLayout()
+        card.addWidget(self.card, 1)
+        card.addWidget(self.progress)
+        self._list = QVBoxLayout()
+        self._list.setContentsMargins(0, 0, 0, 0)
+        for row in self.rows:
+            self._list.addWidget(row, 1)
+        self._right = QStackedWidget()
+        self._right.addWidget(_holding(self._list))
+        self._right.addWidget(self.nothing)
+        self._panel = self._right
+        # Five rows in the height of an image; each is as high as a finger needs.
+        self._panel.setStyleSheet("QPushButton#tile { min-height: 1px; }")
+        self._places = QHBoxLayout()
+        self._places.setContentsMargins(0, 0, 0, 0)
+        self._places.addWidget(self.picture, 1)
+        self._places.addWidget(self._panel)
+        self._stack = QStackedWidget()
+        self._stack.addWidget(_holding(card))
+        self._stack.addWidget(_holding(self._places))
+        top = QHBoxLayout()
+        top.addWidget(self.title, 1)
+        top.addWidget(self.simulated)
+        self._keys = QHBoxLayout()
+        for key in self.keys:
+            self._keys.addWidget(key)
+        self._page = QVBoxLayout(self)
+        self._page.addLayout(top)
+        self._page.addWidget(self._stack, 1)
+        self._page.addLayout(self._keys)
+        self._page.addWidget(self.no_clearance)
 
     def _on_finer(self, place: Candidate) -> None:
         if self.result.record is not None:
@@ -106,3 +338,9 @@ class ResultPage(QWidget, Page):
         if self.result.record is not None:
             survey = self.result.record.survey_id, self.result.survey
             self.show_wanted.emit(*survey, place.x_mm, place.y_mm, place.depth_mm)
+
+
+def _holding(layout: QLayout) -> QWidget:
+    held = QWidget()
+    held.setLayout(layout)
+    return held
