@@ -54,12 +54,11 @@ class FinerSheet(Overlay):
         self._problem = ""
         self._running = False
         self.plan: Optional[FinerPlan] = None
-        self.title = QLabel()
+        self.title, self.size_title, self.spacing_title = QLabel(), QLabel(), QLabel()
         self.title.setObjectName("title")
-        self.size_title, self.spacing_title = QLabel(), QLabel()
         self.sizes: List[QPushButton] = [self._size_key(one) for one in SIZES_MM]
-        self.closer = new_button(lambda: self._change_spacing(-SPACING_STEP_MM), "-")
-        self.wider = new_button(lambda: self._change_spacing(SPACING_STEP_MM), "+")
+        self.closer = new_button(lambda: self._plan_again(-SPACING_STEP_MM), "-")
+        self.wider = new_button(lambda: self._plan_again(SPACING_STEP_MM), "+")
         self.spacing = QLabel()
         self.spacing.setObjectName("figure")
         self.spacing.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -67,9 +66,9 @@ class FinerSheet(Overlay):
         self.figures.setObjectName("figure")
         for label in (self.figures, self.note):
             label.setWordWrap(True)
-        self.use = new_button(self._on_use)
-        self.drop = new_button(self._on_drop)
-        self.close_button = new_button(self.hide)
+        self.use, self.close_button = new_button(self._on_use), new_button(self.hide)
+        self.drop = new_button(self.dropped.emit)
+        self.drop.clicked.connect(self.hide)
         self._lay_out()
         self.retranslate()
 
@@ -118,13 +117,10 @@ class FinerSheet(Overlay):
         self._size_mm = size_mm
         self._plan_again()
 
-    def _change_spacing(self, change_mm: float) -> None:
-        self._spacing_mm = clipped_spacing(self._spacing_mm + change_mm)
-        self._plan_again()
-
-    def _plan_again(self) -> None:
+    def _plan_again(self, change_mm: float = 0.0) -> None:
         if self._grid is None:
             return
+        self._spacing_mm = clipped_spacing(self._spacing_mm + change_mm)
         try:
             self.plan = plan_finer(self._grid, *self._place_mm, self._size_mm, self._spacing_mm)
             self._problem = ""
@@ -169,10 +165,6 @@ class FinerSheet(Overlay):
         if self.plan is not None:
             self.hide()
             self.chosen.emit(self.plan)
-
-    def _on_drop(self) -> None:
-        self.hide()
-        self.dropped.emit()
 
     def _lay_out(self) -> None:
         size, spacing, keys = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()

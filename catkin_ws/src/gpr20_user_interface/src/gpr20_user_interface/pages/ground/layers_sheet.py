@@ -52,26 +52,28 @@ class LayersSheet(Overlay):
         super().__init__(window)
         self._model = model
         self._own = 9.0
-        self.layers = {one: self._key(partial(self._switch, one)) for one in Layer}
+        self.layers = {
+            one: self._key(partial(self._do, partial(model.switch, one))) for one in Layer
+        }
         self.counts: Dict[StopState, QLabel] = {one: QLabel() for one in ORDER}
         self.swatches: Dict[StopState, QLabel] = {one: QLabel() for one in ORDER}
-        self.next_problem = self._key(self._on_next_problem)
-        self.markers = self._key(self._on_markers)
+        self.next_problem = self._key(lambda: self._close_with(self._on_next_problem))
+        self.markers = self._key(lambda: self._close_with(self.markers_wanted.emit))
         self.soils: Dict[Optional[Soils], QPushButton] = {
             soil: self._key(partial(self._on_soil, soil)) for soil in (*Soils, None)
         }
         self.permittivity = Stepper(PERMITTIVITIES, model.settings.permittivity)
-        self.fit = self._key(self._on_fit)
+        self.fit = self._key(lambda: self._close_with(self.fit_wanted.emit))
         self.gain = Stepper(GAINS_DB_PER_NS, model.settings.gain_db_per_ns)
         self.colours: Dict[Colours, QPushButton] = {
             colours: self._key(partial(self._change, colours=colours)) for colours in Colours
         }
         self.scale = self._key(lambda: self._toggle("in_db"))
         self.along = self._key(self._on_along)
-        self.polarization = self._key(self._on_polarization)
+        self.polarization = self._key(lambda: self._do(model.next_polarization))
         self.axis = self._key(lambda: self._toggle("in_depth"))
         self.background = self._key(lambda: self._toggle("remove_background"))
-        self.follow = self._key(self._on_follow)
+        self.follow = self._key(lambda: self._do(lambda: model.follow(not model.follows)))
         self.done = self._key(self.hide)
         for key in (*self.layers.values(), *self.soils.values(), *self.colours.values()):
             key.setCheckable(True)
@@ -169,46 +171,29 @@ class LayersSheet(Overlay):
         key.setObjectName("ground_choice")
         return key
 
-    def _switch(self, layer: Layer) -> None:
-        self._model.switch(layer)
-        self._announce()
-
     def _on_next_problem(self) -> None:
         self._model.choose_next_problem()
-        self.hide()
         self.changed.emit()
 
-    def _on_markers(self) -> None:
+    def _close_with(self, act: Callable[[], None]) -> None:
         self.hide()
-        self.markers_wanted.emit()
+        act()
 
     def _on_soil(self, soil: Optional[Soils]) -> None:
         self._change(permittivity=self._own if soil is None else soil.value.permittivity)
-
-    def _on_fit(self) -> None:
-        self.hide()
-        self.fit_wanted.emit()
 
     def _on_along(self) -> None:
         along_x = self._model.settings.along is Axis.X_MM
         self._change(along=Axis.Y_MM if along_x else Axis.X_MM)
 
-    def _on_polarization(self) -> None:
-        self._model.next_polarization()
-        self._announce()
-
-    def _on_follow(self) -> None:
-        self._model.follow(not self._model.follows)
-        self._announce()
-
     def _toggle(self, name: str) -> None:
         self._change(**{name: not getattr(self._model.settings, name)})
 
     def _change(self, **changes: object) -> None:
-        self._model.change(**changes)
-        self._announce()
+        self._do(lambda: self._model.change(**changes))
 
-    def _announce(self) -> None:
+    def _do(self, change: Callable[[], None]) -> None:
+        change()
         self._show()
         self.changed.emit()
 

@@ -26,17 +26,14 @@ class MarkersSheet(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.markers: Tuple[Marker, ...] = ()
-        self.title = QLabel()
+        self.title, self.details, self.list = QLabel(), QLabel(), QListWidget()
         self.title.setObjectName("title")
-        self.list = QListWidget()
         self.list.setWordWrap(True)
         self.list.currentRowChanged.connect(lambda _row: self._show_choice())
-        self.details = QLabel()
         self.details.setTextFormat(Qt.TextFormat.PlainText)
         self.details.setWordWrap(True)
-        self.show_button = new_button(self._on_show)
         self.confirm = HoldSheet(window)
-        self.remove = new_button(self._on_remove)
+        self.show_button, self.remove = new_button(self._on_show), new_button(self._on_remove)
         self.close_button = new_button(self.hide)
         self._lay_out()
         self.retranslate()
@@ -54,10 +51,9 @@ class MarkersSheet(Overlay):
 
     def set_markers(self, markers: Tuple[Marker, ...]) -> None:
         """Show another list, if it has changed."""
-        if markers == self.markers:
-            return
-        self.markers = markers
-        self._show()
+        if markers != self.markers:
+            self.markers = markers
+            self._show()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
