@@ -104,7 +104,7 @@ class WindowOnRobot(WindowCase):
         sheet.pad.press(text)
         self.touch(sheet.pad.accept_button)
         self.touch(sheet.save)
-        confirm = self.window.control.confirm
+        confirm = self.window.annotation.confirm
         if confirm.isVisible():
             self.hold(confirm)
         wait_until(lambda: not sheet.isVisible(), "the storage has the notes")

@@ -172,13 +172,13 @@ def test_notes_of_the_running_survey_that_exist_are_changed_by_a_hold(window, st
     write(sheet, "notes", "!")
     click(sheet.save)
     assert storage.asked[-1][0] != "annotate"
-    hold(window.control.confirm.hold)
+    hold(window.annotation.confirm.hold)
     changed = replace(EXAMPLE, notes=EXAMPLE.notes + "!")
     assert storage.asked[-1] == ("annotate", SURVEY, changed)
 
 
 def test_a_stored_survey_is_changed_only_by_a_hold_that_says_old_and_new(window, storage, sheet):
-    confirm = window.control.confirm
+    confirm = window.annotation.confirm
     window.on_event(AnnotationRead(FOLDER, Annotation("Ana", name="field 3")))
     assert FOLDER in sheet.title.whole
     write(sheet, "operator", "b")
@@ -197,7 +197,7 @@ def test_a_stored_survey_is_changed_only_by_a_hold_that_says_old_and_new(window,
 
 def test_random_touches_never_change_the_records_of_a_stored_survey(window, storage, sheet):
     draw = random.Random(4)
-    parts = (sheet, sheet.pad, window.control.confirm)
+    parts = (sheet, sheet.pad, window.annotation.confirm)
     saves = 0
     for _ in range(600):
         if not any(part.isVisible() for part in parts):
@@ -214,7 +214,7 @@ def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
     window.on_event(AnnotationRead(FOLDER, EMPTY))
     write(sheet, "site", "here")
     click(sheet.save)
-    hold(window.control.confirm.hold)
+    hold(window.annotation.confirm.hold)
     window.on_event(AnnotationFailed(verbatim("The disk is full")))
     assert window.notice.isVisible()
     assert window.notice.reason.toPlainText() == "The disk is full"

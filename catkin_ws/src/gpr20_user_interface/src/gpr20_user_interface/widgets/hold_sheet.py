@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Callable, List, Optional, Tuple
 
 from PyQt5.QtCore import Qt
@@ -149,6 +150,9 @@ class HoldSheet(Overlay):
         self._grid.setColumnStretch(0, 1)
 
 
+CAN_START, CAN_RESUME = attrgetter("can_start"), attrgetter("can_resume")
+
+
 class StartSheet(HoldSheet, Page):
     """Asks before a survey starts or is resumed, and then requests it.
 
@@ -164,7 +168,7 @@ class StartSheet(HoldSheet, Page):
         super().__init__(window)
         self._survey = survey
         self._past = past
-        self._is_possible: Callable[[Snapshot], bool] = _can_start
+        self._is_possible: Callable[[Snapshot], bool] = CAN_START
         self._make: Callable[[], HoldQuestion] = lambda: resume_question(None)
 
     def ask_start(
@@ -176,14 +180,14 @@ class StartSheet(HoldSheet, Page):
             known = self._survey.preview_of(parameters)
             return plan_question(parameters, permittivity, known, annotation)
 
-        self._ask(make, _can_start, lambda: self._survey.start(parameters, annotation))
+        self._ask(make, CAN_START, lambda: self._survey.start(parameters, annotation))
 
     def ask_resume(self) -> None:
         """Ask whether to resume the survey that is paused."""
         unproven = _zeros_are_unproven(self._survey.snapshot)
         self._ask(
             lambda: resume_question(self._survey.snapshot.progress, unproven),
-            _can_resume,
+            CAN_RESUME,
             lambda: self._survey.resume(accept_zeros=unproven),
         )
 
@@ -199,7 +203,7 @@ class StartSheet(HoldSheet, Page):
         """Ask whether to continue a survey with another analyzer."""
         self._ask(
             lambda: other_analyzer_question(identity),
-            lambda snapshot: _no_survey_runs(snapshot) or _can_resume(snapshot),
+            lambda snapshot: _no_survey_runs(snapshot) or snapshot.can_resume,
             lambda: self._survey.resume_with(identity),
         )
 
@@ -222,18 +226,10 @@ class StartSheet(HoldSheet, Page):
         self.ask(make(), act)
 
 
-def _can_start(snapshot: Snapshot) -> bool:
-    return snapshot.can_start
-
-
+# If the main control does not answer, it is better said after the request than by a sheet that
+# closes.
 def _no_survey_runs(snapshot: Snapshot) -> bool:
-    # If the main control does not answer, it is better said after the request than by a sheet
-    # that closes.
     return not snapshot.fields_locked
-
-
-def _can_resume(snapshot: Snapshot) -> bool:
-    return snapshot.can_resume
 
 
 def _zeros_are_unproven(snapshot: Snapshot) -> bool:

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional
+from functools import singledispatchmethod
+from typing import Callable, Dict
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from gpr20_operator.plan.annotation import annotation_texts, check_annotation
+from gpr20_operator.ground.trace_events import (
+    AnnotationFailed,
+    AnnotationRead,
+    AnnotationStored,
+)
+from gpr20_operator.ground.traces import TraceSource
+from gpr20_operator.plan.annotation import annotation_texts, check_annotation, replaces_text
 from gpr20_operator.plan.fields import PEOPLE, SPECS
+from gpr20_operator.plan.hold_question import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.plan.tile import PlanTile
+from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.overlay import Overlay
@@ -31,15 +40,30 @@ PLACES = {
 
 
 class AnnotationSheet(Overlay):
-    """A tile for each text, which opens keys on the screen when it is touched."""
+    """A tile for each text, which opens keys on the screen when it is touched.
 
-    # Carries the survey, an id or the name of its folder, and what it had and has now, both an
-    # Annotation. Empty: the next survey.
-    saved = pyqtSignal(str, object, object)
+    What somebody wrote about a survey that exists is changed only by a hold.
 
-    def __init__(self, window: QWidget) -> None:
+    Args:
+        window: What it covers.
+        source: The storage.
+        running: Returns the id of the survey that runs; empty: none.
+
+    Attributes:
+        confirm: What asks before the records of a survey are changed.
+        survey: The survey of the records, an id or the name of its folder; empty: the next one.
+    """
+
+    # Carries the Annotation of the next survey.
+    saved = pyqtSignal(object)
+    # Carries the reason, a Message, why records could not be read or changed.
+    failed = pyqtSignal(object)
+
+    def __init__(self, window: QWidget, source: TraceSource, running: Callable[[], str]) -> None:
         super().__init__(window)
-        self._survey = ""
+        self._source, self._running = source, running
+        self.confirm = HoldSheet(window)
+        self.survey = ""
         self._before = EMPTY
         self.texts: Dict[str, str] = annotation_texts(EMPTY)
         self.title = ElidedLabel()
@@ -53,10 +77,22 @@ class AnnotationSheet(Overlay):
         self._lay_out()
         self.retranslate()
 
-    @property
-    def survey(self) -> Optional[str]:
-        """The survey whose annotation is shown; empty: the next one; None: the sheet is closed."""
-        return self._survey if self.isVisible() else None
+    @singledispatchmethod
+    def on_event(self, event: object) -> None:
+        """Take what the storage says about records."""
+
+    @on_event.register
+    def _(self, event: AnnotationRead) -> None:
+        self.show_annotation(event.survey, event.annotation)
+
+    @on_event.register
+    def _(self, event: AnnotationStored) -> None:
+        if event.survey == self.survey:
+            self.hide()
+
+    @on_event.register
+    def _(self, event: AnnotationFailed) -> None:
+        self.failed.emit(event.reason)
 
     def show_annotation(self, survey: str, annotation: Annotation) -> None:
         """Open with an annotation.
@@ -65,17 +101,17 @@ class AnnotationSheet(Overlay):
             survey: The survey's id, or the name of its folder; empty: the next one.
             annotation: What it has now.
         """
-        self._survey, self._before = survey, annotation
+        self.survey, self._before = survey, annotation
         self.texts = annotation_texts(annotation)
         self.retranslate()
         self.open()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        survey = self.tr("Survey {survey}").format(survey=self._survey)
-        self.title.show_text(survey if self._survey else self.tr("Next survey"))
+        survey = self.tr("Survey {survey}").format(survey=self.survey)
+        self.title.show_text(survey if self.survey else self.tr("Next survey"))
         for name, tile in self.tiles.items():
-            empty = SPECS[name].empty if not self._survey else None
+            empty = SPECS[name].empty if not self.survey else None
             shown = self.texts[name] or ("" if empty is None else shown_text(empty))
             tile.show_texts(shown_text(SPECS[name].title), sentence=shown or "—")
         self.save.setText(self.tr("SAVE"))
@@ -93,9 +129,24 @@ class AnnotationSheet(Overlay):
             button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
     def _on_save(self) -> None:
-        annotation, _problems = check_annotation(self.texts)
-        if annotation is not None:
-            self.saved.emit(self._survey, self._before, annotation)
+        before, survey = self._before, self.survey
+        after, _problems = check_annotation(self.texts)
+        if after is None:
+            return
+        if not survey:
+            self.hide()
+            self.saved.emit(after)
+            return
+
+        def store() -> None:
+            # The sheet stays open until the storage has it.
+            self._source.annotate(survey, after)
+
+        if survey == self._running() and not replaces_text(before, after):
+            store()
+        else:
+            name = before.name or survey
+            self.confirm.ask(change_records_question(name, before, after), store)
 
     def _ask(self, name: str) -> None:
         spec = SPECS[name]

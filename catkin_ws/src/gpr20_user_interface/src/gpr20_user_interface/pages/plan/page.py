@@ -9,15 +9,10 @@ from typing import Dict, Mapping, Optional
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QWidget
 
-from gpr20_operator.ground.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    AnnotationStored,
-)
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.plan.annotation import NextAnnotation, replaces_text
+from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.form import PlanCheck, PlanForm
-from gpr20_operator.plan.hold_question import change_records_question, plan_question
+from gpr20_operator.plan.hold_question import plan_question
 from gpr20_operator.plan.memory import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_operator.plan.preview import SurveyPreview
@@ -67,8 +62,7 @@ class PlanPage(TranslatedWidget, Page):
         next_annotation: What people add to the next survey.
         values: The sheet of a tile.
         summary: The sheet with everything that the plan does.
-        annotation: The sheet of name, operator, site, position and notes.
-        confirm: What asks before the records of a survey that exists are changed.
+        annotation: The sheet of name, operator, site, position and notes of a survey.
         profiles: The sheet of the stored plans.
     """
 
@@ -103,9 +97,10 @@ class PlanPage(TranslatedWidget, Page):
         self.saved, self.check_plan = PlanTile(), PlanTile()
         self.start, self.resume = PlanTile("start"), PlanTile("start")
         self.values = ValueSheet(window, self.form)
-        self.summary, self.confirm = HoldSheet(window), HoldSheet(window)
+        self.summary = HoldSheet(window)
         self.profiles = ProfilesSheet(window, profiles)
-        self.annotation = AnnotationSheet(window)
+        running = lambda: survey.snapshot.running_survey  # noqa: E731
+        self.annotation = AnnotationSheet(window, traces.source, running)
         self._lay_out()
         self._connect()
         self.retranslate()
@@ -134,6 +129,7 @@ class PlanPage(TranslatedWidget, Page):
     @singledispatchmethod
     def on_event(self, event: object) -> None:
         """Take what is known of the records of surveys, and of a START."""
+        self.annotation.on_event(event)
 
     @on_event.register
     def _(self, event: AnnotationDefaults) -> None:
@@ -150,19 +146,6 @@ class PlanPage(TranslatedWidget, Page):
     @on_event.register
     def _(self, event: PlanMemoryFailed) -> None:
         self.refused.emit(Refused.PLAN, event.reason)
-
-    @on_event.register
-    def _(self, event: AnnotationRead) -> None:
-        self.annotation.show_annotation(event.survey, event.annotation)
-
-    @on_event.register
-    def _(self, event: AnnotationStored) -> None:
-        if event.survey == self.annotation.survey:
-            self.annotation.hide()
-
-    @on_event.register
-    def _(self, event: AnnotationFailed) -> None:
-        self.refused.emit(Refused.NOTES, event.reason)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
@@ -306,22 +289,9 @@ class PlanPage(TranslatedWidget, Page):
             )
             self.summary.ask(question, self.summary.hide)
 
-    def _on_saved(self, survey: str, before: Annotation, after: Annotation) -> None:
-        """Take the records of the next survey; ask before those of another one are changed."""
-        if not survey:
-            self.next_annotation.take(after)
-            self._show_tiles()
-            self.annotation.hide()
-            return
-
-        def store() -> None:
-            # The sheet stays open until the storage has it.
-            self._traces.source.annotate(survey, after)
-
-        if survey == self._survey.snapshot.running_survey and not replaces_text(before, after):
-            store()
-        else:
-            self.confirm.ask(change_records_question(before.name or survey, before, after), store)
+    def _on_saved(self, annotation: Annotation) -> None:
+        self.next_annotation.take(annotation)
+        self._show_tiles()
 
     def _connect(self) -> None:
         for tile, button in self.tiles.items():
@@ -332,6 +302,7 @@ class PlanPage(TranslatedWidget, Page):
         self.saved.clicked.connect(lambda: self.profiles.show_profiles(self.parameters))
         self.values.changed.connect(self.show_plan)
         self.annotation.saved.connect(self._on_saved)
+        self.annotation.failed.connect(lambda reason: self.refused.emit(Refused.NOTES, reason))
         self.profiles.loaded.connect(self.show_parameters)
         self.profiles.failed.connect(lambda reason: self.refused.emit(Refused.PROFILE, reason))
 
