@@ -24,9 +24,8 @@ from gpr20_operator.ground.records import Colours, RadarSettings
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.look.shade_colours import NOT_MEASURED
+from gpr20_user_interface.widgets.cells import TILES, Cell
 from gpr20_user_interface.widgets.ground_picture import (
-    TILES,
-    Cell,
     Frame,
     GroundMark,
     GroundPicture,

@@ -16,7 +16,7 @@ from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.ground.model import GroundModel, Layer
 from gpr20_user_interface.pages.ground.texts import STATE_NAMES
-from gpr20_user_interface.widgets.ground_picture import Cell, pattern_image
+from gpr20_user_interface.widgets.cells import Cell, pattern_image
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import Stepper, new_button
 
