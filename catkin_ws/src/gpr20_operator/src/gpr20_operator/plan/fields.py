@@ -214,12 +214,20 @@ PLAN: Specs = (
 )
 
 
+def _annotation(values: Mapping[str, Any]) -> Annotation:
+    return Annotation(**values)
+
+
 def _people(name: str, title: Message, most: int = MAX_NAME_CHARACTERS, **more: Any) -> FieldSpec:
     """Return a text that people add to a survey."""
+
+    def read(text: str) -> Any:
+        values: Dict[str, Any] = {name: text}
+        return getattr(Annotation(**values), name)
+
     keys = Keys.LETTERS if most == MAX_NAME_CHARACTERS else Keys.LINES
     return FieldSpec(
-        *(name, title, Tile.NAME),
-        Kind(keys, lambda text: getattr(Annotation(**{name: text}), name), metavar="TEXT"),
+        *(name, title, Tile.NAME, Kind(keys, read, metavar="TEXT")),
         allowed=_always(Message("at most {most} characters", most=most)),
         **more,
     )
