@@ -29,5 +29,5 @@ def make(folder: Path) -> None:
         ) as shown, running("rosrun", "gpr20_analysis", "replay", "--ns", "/", str(survey)):
             live = shown.window.traces.live
             wait(lambda: live.radar.count >= SHOWN, "traces are shown")
-            shown.window.show_tab(TabName.STATUS)
+            shown.window.show_tab(TabName.ROBOT)
             shown.take(folder, "replay")

@@ -158,7 +158,9 @@ class Window(WindowCase):
         self.assertEqual(self.title(), "IDLE")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
         self.click("start")
-        wait_until(lambda: "SURVEYING" in self.window.top_bar.band.title.whole, "a survey runs again")
+        wait_until(
+            lambda: "SURVEYING" in self.window.top_bar.band.title.whole, "a survey runs again"
+        )
 
     def test_survey_of_somebody_else_is_shown(self) -> None:
         self.start()
@@ -166,9 +168,7 @@ class Window(WindowCase):
         second.begin()
         self.addCleanup(lambda: sip.delete(second.window))
         self.addCleanup(second.end)
-        wait_until(
-            lambda: second.window.job.percent.text() == "38 %", "the second window follows"
-        )
+        wait_until(lambda: second.window.job.percent.text() == "38 %", "the second window follows")
         mine, other = self.window.control, second.window.control
         wait_until(lambda: not other.tiles[Tile.AREA].isEnabled(), "its parameters are locked")
         wait_until(lambda: other.parameters == mine.parameters, "it shows the parameters")

@@ -118,8 +118,8 @@ def _finer(processed: xr.Dataset, image: xr.Dataset, options: ImageOptions) -> x
         return image
     permittivity = float(image.attrs["permittivity"])
     # However it is known, it is that of the image now.
-    known = {"permittivity": permittivity, "soil": None, "buried": None}
-    finer = replace(options, grid_step_m=FINE_STEP_M, **known)
+    known = replace(options, permittivity=permittivity, soil=None, buried=None)
+    finer = replace(known, grid_step_m=FINE_STEP_M)
     # What is said about the estimate and the data is that of the image with the candidates.
     return image_survey(processed, finer, with_echoes=False).assign_attrs(image.attrs)
 

@@ -201,7 +201,7 @@ def _planned_traces(parameters: Any) -> int:
     return min(planned, (1 << 32) - 1)
 
 
-def _people(annotation: Any) -> Dict[str, str]:
+def _people(annotation: Any) -> Dict[str, Any]:
     """Return what people wrote that a list is searched for."""
     written = annotation if isinstance(annotation, dict) else {}
     return {name: _text(written.get(name)) for name in ("name", "site", "operator")}

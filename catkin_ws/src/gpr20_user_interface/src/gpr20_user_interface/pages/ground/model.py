@@ -6,7 +6,7 @@ import dataclasses
 import enum
 import math
 from dataclasses import dataclass
-from typing import FrozenSet, Optional, Tuple, Union
+from typing import Any, FrozenSet, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -329,7 +329,7 @@ class GroundModel:
         else:
             self.layers = (self.layers - IMAGES if layer in IMAGES else self.layers) | {layer}
 
-    def change(self, **changes: object) -> None:
+    def change(self, **changes: Any) -> None:
         """Change some of the settings, by their names."""
         self.settings = dataclasses.replace(self.settings, **changes)
         if "permittivity" in changes:
@@ -414,7 +414,8 @@ class GroundModel:
 
     def _marked(self) -> Tuple[Found, ...]:
         """Return candidates and markers, those that must not be overlooked last."""
-        additions, found = self.additions, []
+        additions = self.additions
+        found: List[Found] = []
         if Layer.MARKERS in self.layers:
             found.extend(additions.markers)
         if Layer.CANDIDATES in self.layers:
