@@ -461,6 +461,16 @@ def test_a_place_is_shown_from_another_page(filled, view):
     assert filled.ground.model.settings.depth_m == pytest.approx(0.12)
 
 
+def test_a_place_that_is_shown_before_the_page_is_seen_stays(window, view):
+    window.traces.live.begin(make_grid())
+    cover(window, 40)
+    window.show_tab(TabName.SURVEY)
+    window.ground.show_place(150.0, 70.0, 120.0)
+    window.show_tab(TabName.GROUND)
+    window.draw()
+    assert view.pictures.above.crosshair == (150.0, 70.0)
+
+
 def choose_place(window):
     window.ground.view.next.click()
     assert window.ground.model.mark == SURE

@@ -262,6 +262,8 @@ class GroundModel:
 
     def choose_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
         """Move the crosshair to a place; depth None: as deep as it is."""
+        # A survey that is noticed later would take the place away again.
+        self.notice_survey()
         self.mark = None
         place = Place(x_mm, y_mm)
         self._chosen = self._source.nearest(place) or place
