@@ -75,13 +75,13 @@ class TouchedWindow:
 
     def tap(self, name: str) -> None:
         """Touch a part of the window when it takes touches."""
-        wait_until(lambda: self._takes_touches(name), f"{name} takes touches")
+        wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
         time.sleep(QUIET_S)
         self.tap_at(*self.centre(name))
 
     def hold(self, name: str, for_s: float = HOLD_S) -> None:
         """Touch a part of the window for long."""
-        wait_until(lambda: self._takes_touches(name), f"{name} takes touches")
+        wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
         time.sleep(QUIET_S)
         self.tap_at(*self.centre(name), for_s)
 
@@ -120,7 +120,8 @@ class TouchedWindow:
             self._manager.close()
         self.screen.close()
 
-    def _takes_touches(self, name: str) -> bool:
+    def takes_touches(self, name: str) -> bool:
+        """Return whether a part of the window is seen and can be touched."""
         found = self.find(name)
         return bool(found["visible"] and found["enabled"])
 
