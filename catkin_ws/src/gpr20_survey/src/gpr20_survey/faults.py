@@ -70,10 +70,10 @@ MARKERS_DAMAGED = Fault("marker.damaged", remedies.KEEP_SURVEY, replaces=True)
 REQUEST_REFUSED = Fault("storage.request_refused", remedies.CORRECT_VALUE)
 WRONG_NAME = Fault("survey.wrong_name", remedies.OTHER_NAME)
 UNKNOWN_SURVEY = Fault("survey.unknown", remedies.OTHER_NAME)
-MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on MAP, then try again."))
+MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on Ground, then try again."))
 TOO_MANY_MARKERS = Fault(
     "marker.too_many",
-    Message("Look at the markers on MAP. Write further places into the notes of the survey."),
+    Message("Look at the markers on Ground. Write further places into the notes of the survey."),
 )
 
 # Files and the disk.
