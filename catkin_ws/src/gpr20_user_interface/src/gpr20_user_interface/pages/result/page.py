@@ -50,7 +50,7 @@ from gpr20_user_interface.widgets.widgets import new_button, set_look
 
 PANEL_PX = 280
 RANK_PX = 36
-RIM = 0.06
+RIM = 0.1
 
 
 class PlaceRow(QPushButton):
