@@ -1,1 +1,1 @@
-"""What takes a while: focused images, the search for candidates, exports."""
+"""What takes a while: focused images, the result of a survey, exports."""
