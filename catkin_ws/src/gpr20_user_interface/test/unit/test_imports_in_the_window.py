@@ -7,7 +7,7 @@ from window_helpers import click
 
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.grid import Stop, grid_from_description
-from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed, TracesRead
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -50,7 +50,7 @@ def test_it_is_listed_as_imported_and_resume_is_not_offered(window, tmp_path):
     assert not window.past.resume.isEnabled()
     surveys = PastSurveys()
     surveys.take("", (survey,), False)
-    assert surveys.verdict(survey) is Verdict.IMPORTED
+    assert surveys.ending_of(survey) is Ending.IMPORTED
     assert surveys.can_open(survey) and not surveys.can_resume(survey)
 
 

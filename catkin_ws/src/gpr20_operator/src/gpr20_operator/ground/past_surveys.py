@@ -20,7 +20,7 @@ ALL_STORED = {
 }
 
 
-class Verdict(enum.Enum):
+class Ending(enum.Enum):
     """How a survey ended."""
 
     COMPLETE = "complete"
@@ -38,11 +38,11 @@ class Listed(enum.Enum):
     NOT_COMPLETE = "not complete"
     IMPORTED = "imported"
 
-    def holds(self, verdict: Verdict) -> bool:
+    def holds(self, ending: Ending) -> bool:
         """Return whether a survey that ended so is among them."""
         if self is Listed.NOT_COMPLETE:
-            return verdict not in (Verdict.COMPLETE, Verdict.IMPORTED)
-        return self is Listed.ALL or verdict is Verdict.IMPORTED
+            return ending not in (Ending.COMPLETE, Ending.IMPORTED)
+        return self is Listed.ALL or ending is Ending.IMPORTED
 
 
 def searchable(text: str) -> str:
@@ -100,7 +100,7 @@ class PastSurveys:
         return tuple(
             survey
             for survey, written in zip(self._surveys, self._texts)
-            if all(word in written for word in words) and listed.holds(self.verdict(survey))
+            if all(word in written for word in words) and listed.holds(self.ending_of(survey))
         )
 
     def take(self, before: str, surveys: Tuple[SurveySummary, ...], more: bool) -> None:
@@ -136,26 +136,26 @@ class PastSurveys:
         """Note why the list or a survey cannot be read."""
         self._change(problem=reason)
 
-    def verdict(self, survey: SurveySummary) -> Verdict:
+    def ending_of(self, survey: SurveySummary) -> Ending:
         """Return how a survey ended; only one with every trace stored is complete."""
         if survey.problem is not None:
-            return Verdict.UNREADABLE
+            return Ending.UNREADABLE
         if self._running_id and survey.survey_id == self._running_id:
-            return Verdict.RUNNING
+            return Ending.RUNNING
         if survey.outcome == IMPORTED:
-            return Verdict.IMPORTED
-        return Verdict.COMPLETE if survey.complete else Verdict.INCOMPLETE
+            return Ending.IMPORTED
+        return Ending.COMPLETE if survey.complete else Ending.INCOMPLETE
 
     def ending(self, survey: SurveySummary) -> Message:
         """Return in a few words how a survey ended; of an incomplete one, what is wrong with it."""
-        verdict, planned = self.verdict(survey), survey.planned_traces
-        if verdict is not Verdict.INCOMPLETE:
+        ending, planned = self.ending_of(survey), survey.planned_traces
+        if ending is not Ending.INCOMPLETE:
             return {
-                Verdict.COMPLETE: Message("complete"),
-                Verdict.RUNNING: Message("running"),
-                Verdict.UNREADABLE: Message("cannot be read"),
-                Verdict.IMPORTED: Message("imported"),
-            }[verdict]
+                Ending.COMPLETE: Message("complete"),
+                Ending.RUNNING: Message("running"),
+                Ending.UNREADABLE: Message("cannot be read"),
+                Ending.IMPORTED: Message("imported"),
+            }[ending]
         if not planned:
             return Message("its plan cannot be read")
         missing = planned - survey.stored_traces
@@ -167,7 +167,7 @@ class PastSurveys:
 
     def can_resume(self, survey: SurveySummary) -> bool:
         """Whether a survey could be measured to its end now."""
-        incomplete = self.verdict(survey) is Verdict.INCOMPLETE
+        incomplete = self.ending_of(survey) is Ending.INCOMPLETE
         return incomplete and not self.replay and not self._running_id
 
     def can_open(self, survey: SurveySummary) -> bool:

@@ -7,7 +7,7 @@ from typing import Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.plan.annotation import shortened
 from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
 from gpr20_operator.plan.form import PlanCheck, problem_of
@@ -164,7 +164,7 @@ def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[Surve
     """
     if snapshot is None or not snapshot.can_start:
         return None
-    measured = (one for one in past.surveys if past.verdict(one) is not Verdict.IMPORTED)
+    measured = (one for one in past.surveys if past.ending_of(one) is not Ending.IMPORTED)
     last = next(measured, None)
     return last if last is not None and past.can_resume(last) else None
 

@@ -198,7 +198,7 @@ class CardWatch:
             found.append((key, fault_notice(state)))
         gone = lost(snapshot)
         if gone is not None and (snapshot.running or snapshot.interrupted or snapshot.moving):
-            found.insert(0, (gone.title.template, _notice_of(gone)))
+            found.insert(0, (gone.message.fault_code, _notice_of(gone)))
         return found
 
 

@@ -9,7 +9,7 @@ from PyQt5.QtGui import QBrush, QColor, QFont, QPainter, QPixmap, QPixmapCache
 from PyQt5.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import PastSurveys, Verdict
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.look.icons import sign
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, look_of
@@ -22,12 +22,12 @@ LEFT = int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft)
 RIGHT = int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight)
 SIMULATED = Message("SIMULATED")
 SURVEY = int(Qt.ItemDataRole.UserRole)
-SIGNS: Dict[Verdict, str] = {
-    Verdict.COMPLETE: "check",
-    Verdict.INCOMPLETE: "warning",
-    Verdict.RUNNING: "resume",
-    Verdict.UNREADABLE: "warning",
-    Verdict.IMPORTED: "surveys",
+SIGNS: Dict[Ending, str] = {
+    Ending.COMPLETE: "check",
+    Ending.INCOMPLETE: "warning",
+    Ending.RUNNING: "resume",
+    Ending.UNREADABLE: "warning",
+    Ending.IMPORTED: "surveys",
 }
 
 
@@ -132,7 +132,7 @@ class SurveyRow(QStyledItemDelegate):
             line.translate(0.0, line.height())
             indent = 0
             if number == 0:
-                picture = sign(SIGNS[self._surveys.verdict(survey)], ink, size)
+                picture = sign(SIGNS[self._surveys.ending_of(survey)], ink, size)
                 painter.drawPixmap(
                     round(line.left()), round(line.center().y() - size / 2.0), picture
                 )
