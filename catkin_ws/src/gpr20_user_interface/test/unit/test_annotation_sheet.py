@@ -19,7 +19,7 @@ from gpr20_operator.ground.trace_events import (
     AnnotationRead,
     AnnotationStored,
 )
-from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.spec import Keys, Tile
 from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_state import SurveyState
@@ -126,6 +126,17 @@ def test_a_text_that_is_too_long_cannot_be_accepted(window, sheet):
     assert not pad.accept_button.isEnabled()
     click(pad.erase)
     assert pad.accept_button.isEnabled()
+
+
+@pytest.mark.parametrize("keys", [Keys.NUMBER, Keys.WHOLE, Keys.LIST])
+def test_every_key_of_a_pad_with_digits_writes_or_erases(sheet, keys):
+    pad = sheet.pad
+    for key in pad.digits.keys:
+        pad.ask(lambda _text: None, "title", "hint", "12", lambda _text: "", keys)
+        if key.isEnabled():
+            click(key)
+            assert pad.edit.toPlainText() != "12", key.text()
+        pad.hide()
 
 
 def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):

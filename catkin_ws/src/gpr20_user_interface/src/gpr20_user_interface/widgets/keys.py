@@ -261,7 +261,8 @@ class Pad(Overlay):
         if with_letters:
             self.letters.show_page(PLAIN if text else SHIFTED)
         else:
-            self.digits.use(keys)
+            # Here are no arrows: nothing says how far they may change a number.
+            self.digits.use(Keys.LIST)
         self.edit.setPlainText(text)
         cursor = self.edit.textCursor()
         cursor.movePosition(cursor.MoveOperation.End)
