@@ -32,9 +32,12 @@ def number_from_text(text: str) -> float:
     """Return the number of a text such as "12.5" or "12,5".
 
     Raises:
-        InvalidValueError: The text is not a number.
+        InvalidValueError: The text is not a number, or one beyond all numbers of a computer.
     """
-    return float(decimal_from_text(text))
+    value = float(decimal_from_text(text))
+    if not math.isfinite(value):
+        raise InvalidValueError(Message("'{text}' is not a number", text=text[:SHOWN_CHARACTERS]))
+    return value
 
 
 def plain_text(value: Decimal) -> str:

@@ -10,7 +10,6 @@ from gpr20_operator.plan import presets
 from gpr20_operator.plan.spec import MAX_GRID_POINTS, FieldSpec, Keys, Kind, Limits, Tile
 from gpr20_operator.plan.texts import (
     HERTZ_PER_MEGAHERTZ,
-    finite_from_text,
     hertz_from_megahertz,
     megahertz_text,
     number_text,
@@ -18,6 +17,7 @@ from gpr20_operator.plan.texts import (
     rotations_text,
     whole_from_text,
 )
+from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import (
     MAX_NAME_CHARACTERS,
     MAX_NOTES_CHARACTERS,
@@ -50,26 +50,26 @@ _ABOVE_0 = Message("above 0")
 
 
 def _spacing(text: str) -> float:
-    value = finite_from_text(text)
+    value = number_from_text(text)
     if value <= 0.0:
         raise InvalidValueError(_ABOVE_0)
     return value
 
 
 def _permittivity(text: str) -> float:
-    value = finite_from_text(text)
+    value = number_from_text(text)
     if not MIN_PERMITTIVITY <= value <= MAX_PERMITTIVITY:
         raise InvalidValueError(Message("'{text}' is no permittivity of a soil", text=text))
     return value
 
 
-MILLIMETRES = Kind(Keys.NUMBER, finite_from_text, number_text, "MM")
+MILLIMETRES = Kind(Keys.NUMBER, number_from_text, number_text, "MM")
 SPACING = Kind(Keys.NUMBER, _spacing, number_text)
 WHOLE = Kind(Keys.WHOLE, whole_from_text)
 MEGAHERTZ = Kind(Keys.NUMBER, hertz_from_megahertz, megahertz_text, "MHZ")
 ROTATIONS = Kind(Keys.LIST, rotations_from_text, rotations_text, "DEG,DEG")
 ADDRESS = Kind(Keys.ADDRESS, str.strip, metavar="A.B.C.D")
-HERTZ = Kind(Keys.CHOICE, finite_from_text, number_text, "HZ").or_empty()
+HERTZ = Kind(Keys.CHOICE, number_from_text, number_text, "HZ").or_empty()
 WORD = Kind(Keys.CHOICE, str.strip, metavar="POWER")
 POSITION = Kind(
     Keys.LIST,

@@ -10,7 +10,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.plan.fields import PARAMETERS, PLAN, SPECS, default_parameters, texts_of
 from gpr20_operator.plan.spec import MAX_GRID_POINTS, FieldSpec, Keys
-from gpr20_operator.plan.texts import finite_from_text
+from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.survey_parameters import (
     MAX_TRACES,
     MIN_GRID_POINTS,
@@ -87,7 +87,7 @@ def check_plan(
 
 def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
     allowed = spec.allows(travel)
-    if spec.kind.keys is not Keys.NUMBER or _is_number(text):
+    if spec.kind.keys is not Keys.NUMBER or _finite(text) is not None:
         return allowed
     # Many a keyboard and country writes 12,5.
     number = Message("a number such as 12.5")
@@ -96,14 +96,6 @@ def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
         if spec.allowed
         else Message("{a_number}, {allowed}", a_number=number, allowed=allowed)
     )
-
-
-def _is_number(text: str) -> bool:
-    try:
-        finite_from_text(text)
-    except InvalidValueError:
-        return False
-    return True
 
 
 def _correction(spec: FieldSpec, rule: Rule, travel: RobotTravel) -> Message:
@@ -229,6 +221,6 @@ def points_for(length_mm: float, spacing_mm: float) -> int:
 
 def _finite(text: str) -> Optional[float]:
     try:
-        return finite_from_text(text)
+        return number_from_text(text)
     except InvalidValueError:
         return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from decimal import Decimal
 from typing import Iterable, Tuple
 
@@ -73,18 +72,6 @@ def whole_from_text(text: str) -> int:
             Message("'{text}' is not a whole number of 0 or more", text=text[:64])
         )
     return int(digits)
-
-
-def finite_from_text(text: str) -> float:
-    """Return a number that is not too large for a computer.
-
-    Raises:
-        InvalidValueError: The text is none.
-    """
-    value = number_from_text(text)
-    if not math.isfinite(value):  # an exponent beyond all floats
-        raise InvalidValueError(Message("'{text}' is not a number", text=text))
-    return value
 
 
 def number_text(value: float) -> str:
