@@ -108,7 +108,7 @@ class Window(WindowCase):
         self.fake.describe_robot()
         self.enter("x_stop_mm", "700")
         wait_until(lambda: self.enabled() == "", "START is locked")
-        self.assertIn("from 0 to 650", self.window.control.start.problem.whole)
+        self.assertIn("from 0 to 650", self.window.control.tiles[Tile.AREA].sentence.whole)
         self.enter("x_stop_mm", "650")
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
 
