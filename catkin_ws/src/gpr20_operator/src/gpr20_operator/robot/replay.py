@@ -28,8 +28,6 @@ class ReplayMark:
         folder: Name of its folder; empty if it is not known.
         phase: What the replay does.
         rate: How many times faster than it was recorded; 0: its player does not report it.
-        position_s: From the start of the recording [s].
-        length_s: Of the recording [s]; 0 if it is not known.
     """
 
     survey_id: str = ""
@@ -37,8 +35,6 @@ class ReplayMark:
     folder: str = ""
     phase: ReplayPhase = ReplayPhase.PLAYING
     rate: float = 0.0
-    position_s: float = 0.0
-    length_s: float = 0.0
 
     @property
     def survey(self) -> Message:

@@ -23,10 +23,14 @@ class StoppedClock(Clock):
 
 
 class ReplayModel:
-    """Takes what a player sends, gives snapshots of a replay. Belongs to one thread."""
+    """Takes what a player sends, gives snapshots of a replay. Belongs to one thread.
+
+    Attributes:
+        survey_id: The recorded survey; empty while it is not known.
+    """
 
     def __init__(self) -> None:
-        self._survey_id = ""
+        self.survey_id = ""
         self._recorded = SurveyModel(StoppedClock())
         self._mark = ReplayMark()
         self._connected: Optional[bool] = None
@@ -54,9 +58,9 @@ class ReplayModel:
         return replace(shown, replay=view, health=HealthReport(nodes))
 
     def _note_survey(self, survey_id: str) -> None:
-        if survey_id and self._survey_id not in ("", survey_id):
+        if survey_id and self.survey_id not in ("", survey_id):
             self._recorded, self._mark = SurveyModel(StoppedClock()), ReplayMark()
             self._connected = True
-        self._survey_id = survey_id or self._survey_id
+        self.survey_id = survey_id or self.survey_id
         # What was in flight when the player ended does not begin its replay again.
         self._connected = self._connected is not False

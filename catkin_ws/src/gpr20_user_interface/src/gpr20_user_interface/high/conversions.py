@@ -62,8 +62,6 @@ def replay_mark(message: Replay) -> ReplayMark:
         folder=message.folder,
         phase=ReplayPhase(message.state),
         rate=message.rate,
-        position_s=message.position_s,
-        length_s=message.length_s,
     )
 
 

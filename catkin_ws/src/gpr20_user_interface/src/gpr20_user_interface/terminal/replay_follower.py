@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from functools import singledispatchmethod
 from typing import List, Optional
 
 from gpr20_common.message import Message
-from gpr20_operator.robot.events import ControlState, Progress, Request, StopRequested
-from gpr20_operator.robot.replay import PlayerLink, ReplayMark, ReplayPhase
+from gpr20_operator.robot.events import ControlState, Request, StopRequested
+from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_survey.plan.survey_state import ENDED
 from gpr20_user_interface.terminal.follower import ExitStatus, Outcome
 
@@ -17,13 +16,16 @@ class ReplayFollower:
 
     Attributes:
         outcome: How it ended; None while it has not.
-        survey_id: The recorded survey; empty while it is not known.
     """
 
     def __init__(self) -> None:
         self.outcome: Optional[Outcome] = None
-        self.survey_id = ""
-        self._state: Optional[ControlState] = None
+        self._model = ReplayModel()
+
+    @property
+    def survey_id(self) -> str:
+        """The recorded survey; empty while it is not known."""
+        return self._model.survey_id
 
     def concerns(self, event: object) -> bool:
         """Return whether an event is to be shown."""
@@ -31,47 +33,25 @@ class ReplayFollower:
 
     def handle(self, event: object) -> List[Request]:
         """Take an event; there is never a request to send."""
-        self._take(event)
+        self._model.handle(event)
+        shown = self._model.snapshot()
+        if isinstance(event, StopRequested):
+            message = Message("The replay is no longer followed.")
+            self.outcome = Outcome(ExitStatus.STOPPED, message)
+        elif shown.replay is not None and shown.replay.ended:
+            self.outcome = Outcome(ExitStatus.REPLAY, _end(shown.state))
         return []
 
     def tick(self) -> List[Request]:
         """Nothing is due: a replay may pause for any time."""
         return []
 
-    @singledispatchmethod
-    def _take(self, _event: object) -> None:
-        """Take no notice of other events."""
 
-    @_take.register
-    def _(self, state: ControlState) -> None:
-        self._state = state
-        self.survey_id = state.survey_id or self.survey_id
-
-    @_take.register
-    def _(self, progress: Progress) -> None:
-        self.survey_id = progress.survey_id or self.survey_id
-
-    @_take.register
-    def _(self, _request: StopRequested) -> None:
-        message = Message("The replay is no longer followed.")
-        self.outcome = Outcome(ExitStatus.STOPPED, message)
-
-    @_take.register
-    def _(self, link: PlayerLink) -> None:
-        if not link.connected:
-            self._end()
-
-    @_take.register
-    def _(self, mark: ReplayMark) -> None:
-        if mark.phase is ReplayPhase.ENDED:
-            self._end()
-
-    def _end(self) -> None:
-        message = Message("The recording does not contain the survey's end.")
-        if self._state is not None and self._state.code in ENDED:
-            message = Message(
-                "The recorded survey ended {state}: {message}",
-                state=self._state.code.label,
-                message=self._state.message,
-            )
-        self.outcome = Outcome(ExitStatus.REPLAY, message)
+def _end(state: Optional[ControlState]) -> Message:
+    if state is None or state.code not in ENDED:
+        return Message("The recording does not contain the survey's end.")
+    return Message(
+        "The recorded survey ended {state}: {message}",
+        state=state.code.label,
+        message=state.message,
+    )

@@ -54,8 +54,10 @@ class Follower(Protocol):
 
     outcome: Optional[Outcome]
     """How it ended; None while it has not."""
-    survey_id: str
-    """The survey that is followed; empty while it is not known."""
+
+    @property
+    def survey_id(self) -> str:
+        """The survey that is followed; empty while it is not known."""
 
     def concerns(self, event: Event) -> bool:
         """Return whether an event is to be shown."""
