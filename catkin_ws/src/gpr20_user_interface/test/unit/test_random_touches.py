@@ -82,6 +82,8 @@ class Field:
             window.show_tab(self.random.choice(list(TabName)))
         elif chance < 0.5:
             window.past.choose(window.traces.past.surveys[0])
+        elif chance < 0.55 and window.survey.snapshot.can_start:
+            self.open_start()
         elif chance < 0.6 and not window.survey.snapshot.fields_locked:
             window.profiles.show_profiles(default_parameters())
             window.profiles.names.setCurrentRow(self.random.randrange(3))
@@ -97,6 +99,19 @@ class Field:
             window.touch_binding.set_locked(False)
         else:
             window.draw()
+
+    def open_start(self):
+        """Let somebody mean it: random touches seldom find a plan that can be started."""
+        window = self.window
+        for overlay in self.overlays:
+            overlay.hide()
+        window.touch_binding.set_locked(False)
+        window.control.show_parameters(default_parameters())
+        window.show_tab(TabName.SURVEY)
+        window.survey_tab.show_plan(window.survey.snapshot)
+        QApplication.processEvents()
+        self.finger.wait(AFTER_S)
+        self.finger.tap(window.control.start)
 
     def touch(self):
         """Touch somewhere for a moment, or wipe over the screen."""
