@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
-from picture_kit import drag, touch
+from picture_kit import colours, drag, touch
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from test_ground_model import image_of
@@ -322,6 +322,15 @@ def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, 
     assert view.pictures.above.notice == ""
     assert "loading 25/40" in view.note.text()
     assert all(one.notice == "" for one in view.pictures.sections)
+    window.ground.model.choose_place(150.0, 110.0)
+    refreshed(view)
+    # Of the uppermost line nothing has come: its section is patterned as loading.
+    section = view.pictures.sections[0]
+    found = colours(section, 150.0, 200.0, reach=8)
+    window.traces.live.map.set_coverage(CoverageRuns(SURVEY, 40, (0, 25), (1, 0)))
+    refreshed(view)
+    assert colours(section, 150.0, 200.0, reach=8) != found
+    cover(window, 40)
     grid = window.traces.live.map.grid
     for index, s21 in enumerate(noise(grid)):
         if index >= 25:

@@ -129,11 +129,12 @@ class Lattice:
         return image.copy()  # its own memory
 
 
-def pattern_image(cell: Cell, size_px: int, look: Look) -> QImage:
-    """Return a square of a pattern, for a legend."""
+def pattern_image(cell: Cell, size_px: int, look: Look, framed: bool = True) -> QImage:
+    """Return a square of a pattern, for a legend with a frame."""
     at = np.arange(size_px) % TILE_PX
     pixels = _inks(look)[TILES[cell][at][:, at]]
-    pixels[[0, -1]] = pixels[:, [0, -1]] = QColor(look.colour(Mark.BORDER)).rgba()
+    if framed:
+        pixels[[0, -1]] = pixels[:, [0, -1]] = QColor(look.colour(Mark.BORDER)).rgba()
     image = QImage(pixels.tobytes(), size_px, size_px, 4 * size_px, QImage.Format.Format_ARGB32)
     return image.copy()  # its own memory
 

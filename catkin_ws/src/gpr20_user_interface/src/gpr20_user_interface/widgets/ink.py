@@ -164,7 +164,8 @@ def _with_box(
 def paint_notice(painter: QPainter, look: Look, room: QRectF, notice: str) -> None:
     """Write a sentence over a picture, in smaller letters where it would be cut off."""
     padding = look.px(PADDING_PX)
-    inside = room.adjusted(padding, 2 * padding, -padding, -padding)
+    # Below the title of the axis.
+    inside = room.adjusted(padding, 4 * padding, -padding, -padding)
     flags = int(Qt.AlignmentFlag.AlignHCenter | Qt.TextFlag.TextWordWrap)
     for size_px in range(look.px(TEXT_PX), SMALLEST_TEXT_PX - 1, -1):
         painter.setFont(_sized(painter.font(), size_px))

@@ -153,6 +153,17 @@ class GroundModel:
         number = self.settings.polarization
         return not self.shows_focused and bool(waiting[number : number + 1].any())
 
+    def loading_along(self, along: Axis) -> np.ndarray:
+        """Return which traces of the section are not here yet, in the order of its places."""
+        grid, stop = self.survey.map.grid, self.stop
+        if grid is None or stop is None or not self.is_loading:
+            return np.zeros(0, bool)
+        waiting = self.survey.loading.waiting[self.settings.polarization]
+        along_x = along is Axis.X_MM
+        places_mm = grid.xs_mm if along_x else grid.ys_mm
+        found = waiting[stop.row] if along_x else waiting[:, stop.column]
+        return found[:: 1 if places_mm[0] <= places_mm[-1] else -1]
+
     @property
     def is_partial(self) -> bool:
         """Whether a part of the survey is not measured."""

@@ -11,6 +11,7 @@ from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 from gpr20_operator.ground.records import Axis, Colours, Curve, Picture
 from gpr20_user_interface.look.look import Look, Mark, look_of
 from gpr20_user_interface.pages.ground.model import Grip
+from gpr20_user_interface.widgets.cells import TILE_PX, Cell, pattern_image
 from gpr20_user_interface.widgets.ink import LINE_PX, Ticks, stroke
 from gpr20_user_interface.widgets.plot import Plot
 
@@ -38,9 +39,20 @@ class SectionPlot(Plot):
         self._curve: Tuple[np.ndarray, np.ndarray] = (np.zeros(0), np.zeros(0))
         self.grip: Optional[Tuple[float, float]] = None
         self.gripped = Grip.FLANK
+        self._loading = np.zeros(0, bool)
 
-    def show_section(self, picture: Optional[Picture], colours: Colours) -> None:
-        """Draw a section; None: nothing."""
+    def show_section(
+        self, picture: Optional[Picture], colours: Colours, loading: np.ndarray
+    ) -> None:
+        """Draw a section; None: nothing.
+
+        Args:
+            picture: The section.
+            colours: Its colours.
+            loading: Which of its traces are stored but not here yet (bool); empty: none.
+        """
+        self._loading = loading
+        self.resetCachedContent()
         if picture is None:
             self.set_extent(None)
         else:
@@ -68,6 +80,15 @@ class SectionPlot(Plot):
             return
         ink = QColor(look.colour(Mark.NOT_MEASURED))
         painter.fillRect(self.viewport().rect(), QBrush(ink, Qt.BrushStyle.Dense6Pattern))
+        dashes = QBrush(pattern_image(Cell.LOADING, TILE_PX, look, framed=False))
+        paper = QColor(look.colour(Mark.PAPER))
+        wide = self.extent.width() / max(1, len(self._loading))
+        for number in np.flatnonzero(self._loading).tolist():
+            left = self.to_screen(self.extent.left() + number * wide, 0.0).x()
+            right = self.to_screen(self.extent.left() + (number + 1) * wide, 0.0).x()
+            column = QRectF(left, 0.0, right - left, self.viewport().height())
+            painter.fillRect(column, paper)
+            painter.fillRect(column, dashes)
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
         if self.axis is Axis.DEPTH_MM:

@@ -198,7 +198,7 @@ class GroundView(TranslatedWidget):
 
     def _draw_section(self, plot: SectionPlot, along: Axis, picture: Optional[Picture]) -> None:
         model, place = self.model, self.model.place
-        plot.show_section(picture, model.settings.colours)
+        plot.show_section(picture, model.settings.colours, model.loading_along(along))
         in_time = plot.axis is Axis.DELAY_NS
         across, second = texts.section_title(model, along, in_time)
         plot.labels = (across, shown_text(second))
