@@ -42,7 +42,7 @@ INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 # The program ssh-keygen, which signs surveys.
 INDIRECT_KEYS |= {"openssh-client"}
 # Needed by the window, which a machine without a screen does not start, and by the viewer.
-NOT_EVERYWHERE = {"PyQt5"}
+NOT_EVERYWHERE = {"PyQt5", "pyqtgraph"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
 # in noetic/distribution.yaml). Look a key up there before you add it here.
 OFFICIAL_ROS_KEYS = {

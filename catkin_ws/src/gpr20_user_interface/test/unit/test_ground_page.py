@@ -235,7 +235,7 @@ def test_what_is_not_done_is_found_one_after_the_other_and_says_why(window, view
         assert window.ground.model.place == Place(x_mm, 70.0)
     touch(view.pictures.above, 200.0, 70.0)
     refreshed(view)
-    assert view.text.text().splitlines()[2:] == ["Failed", "ADC: no answer", "No trace to show"]
+    assert view.text.text().splitlines()[1:] == ["Failed", "ADC: no answer", "No trace to show"]
 
 
 def test_layers_are_switched_by_name_in_one_sheet(filled, view):

@@ -47,7 +47,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
         return (Message("Touch the ground to see what is below it."),)
     return (
         place_text(place.x_mm, place.y_mm, model.settings.depth_m * 1000.0),
-        _level(model, shown),
+        *_level(model, shown),
         *_state(model, cell),
         *(summary_lines(model) if model.follows else ()),
     )
@@ -101,16 +101,17 @@ def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
     )
 
 
-def _level(model: GroundModel, shown: Shown) -> Message:
+def _level(model: GroundModel, shown: Shown) -> Lines:
+    """Return the level at the crosshair; empty if it is not known."""
     picture = shown.above or next((one for one in shown.sections if one is not None), None)
-    focused = model.shows_focused
-    if shown.level_db is None or picture is None:
-        return UNKNOWN
-    if shown.level_db <= picture.scale.threshold_db:
-        return Message("not above the clutter") if focused else Message("not above the noise")
+    focused, level_db = model.shows_focused, shown.level_db
+    if level_db is None or picture is None:
+        return ()
+    if level_db <= picture.scale.threshold_db:
+        return (Message("not above the clutter") if focused else Message("not above the noise"),)
     if focused:
-        return Message("{level_db:.0f} dB above the clutter", level_db=shown.level_db)
-    return Message("{level_db:.0f} dB above the noise", level_db=shown.level_db)
+        return (Message("{level_db:.0f} dB above the clutter", level_db=level_db),)
+    return (Message("{level_db:.0f} dB above the noise", level_db=level_db),)
 
 
 def _state(model: GroundModel, cell: Cell) -> Lines:
