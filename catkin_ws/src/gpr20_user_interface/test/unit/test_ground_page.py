@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from picture_kit import colours, drag, touch
-from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
 from test_ground_model import image_of
 from view_kit import PAST, SURVEY, description, make_grid, snapshot, state_of, trace_at
@@ -153,6 +153,35 @@ def test_a_touch_shows_section_and_trace_of_that_place_and_says_what_is_there(fi
     assert view.pictures.sections[0].labels == ("X mm", "Depth mm, at Y 90 mm")
     assert view.text.text().splitlines()[0] == "X 150, Y 90, depth 50 mm"
     assert "above the noise" in view.text.text()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_touches_of_random_surveys_choose_the_cell_below_the_finger(window, view, seed):
+    rng = np.random.default_rng(seed)
+    columns, rows = rng.integers(2, 40, 2).tolist()
+    left, low = rng.uniform(0.0, 200.0, 2)
+    right, high = left + rng.uniform(20.0, 400.0), low + rng.uniform(20.0, 500.0)
+    xs, ys = ((left, right)[:: rng.choice((1, -1))], (low, high)[:: rng.choice((1, -1))])
+    grid = make_grid(
+        columns, rows, (0.0,),
+        x_start_mm=xs[0], x_stop_mm=xs[1], y_start_mm=ys[0], y_stop_mm=ys[1],
+    )  # fmt: skip
+    fill(window, 0, grid=grid)
+    above, model = view.pictures.above, window.ground.model
+    for _ in range(20):
+        above.zoom_by(float(rng.uniform(0.5, 2.0)), above.area.center())
+        area = above.area
+        at = QPoint(*(int(rng.uniform(a + 1, b - 1)) for a, b in (
+            (area.left(), area.right()), (area.top(), area.bottom()),
+        )))  # fmt: skip
+        touched = above.to_data(QPointF(at))
+        QTest.mouseClick(above.viewport(), Qt.LeftButton, pos=at)
+        place = model.place
+        for found, wanted, axis in zip((place.x_mm, place.y_mm), touched, (grid.xs_mm, grid.ys_mm)):
+            # A motor step more: places of the plan lie on motor steps.
+            half = abs(axis[1] - axis[0]) / 2.0 + 0.02
+            nearest = min(max(wanted, axis.min()), axis.max())
+            assert abs(found - nearest) <= half
 
 
 def test_dragging_in_the_section_changes_the_depth(filled, view):
