@@ -159,6 +159,7 @@ class Window(WindowCase):
             lambda: "INTERRUPTED" in self.window.top_bar.band.title.whole, "the return is reported"
         )
         self.assertEqual(self.title(), "IDLE")
+        self.touch(self.window.notice.close_button)
         wait_until(lambda: self.enabled() == "start", "START is unlocked")
         self.click("start")
         wait_until(
@@ -249,7 +250,7 @@ class Window(WindowCase):
 
     def test_language_changes_at_once(self) -> None:
         self.start()
-        sheet = self.window.settings.sheet
+        sheet = self.window.settings
         self.touch(self.window.rail.settings)
         self.touch(sheet.languages[Language.SPANISH])
         wait_until(lambda: self.window.top_bar.pause.text() == "PAUSAR", "it speaks Spanish")

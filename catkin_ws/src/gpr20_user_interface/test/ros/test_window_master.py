@@ -17,7 +17,7 @@ from PyQt5.QtTest import QTest
 from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
-from gpr20_operator.robot.job import JobLevel
+from gpr20_operator.robot.condition import JobLevel
 
 # Long before any request to the robot has failed, on a computer that stalls.
 WARNING_LIMIT_S = 1.5
@@ -94,21 +94,20 @@ class WindowAndMaster(WindowCase):
         self.click("start")
         wait_until(lambda: self.title() == "SURVEYING", "a survey starts")
         master.kill("master")
-        bar = self.window.top_bar
+        band = self.window.top_bar.band
         wait_until(
-            lambda: "ROS master does not answer" in bar.message.whole, "the loss is reported"
+            lambda: "ROS master does not answer" in band.message.whole, "the loss is reported"
         )
-        self.assertEqual(bar.sign.level, JobLevel.FAULT)
+        self.assertEqual(band.level, JobLevel.FAULT)
         self.keep_picture("master_gone")
         self.click("stop")
         wait_until(lambda: self.title() == "STOPPED", "STOP needs no master")
-        self.assertFalse(self.window.notice.isVisible())
         master.kill("control")
         master.start()
         master.start_control()
         # The old one has said STOPPED; without it the window soon says NO CONTACT, if it lasts.
         wait_until(lambda: self.title() == "IDLE", "the new main control is heard")
-        wait_until(lambda: "NO CONTACT" not in bar.title.text(), "the return is reported")
+        wait_until(lambda: "NO CONTACT" not in band.title.whole, "the return is reported")
         wait_until(lambda: self.window.control.start.isEnabled(), "START is unlocked")
         self.assertEqual(self.window.control.parameters.x_points, 7)
         self.click("start")

@@ -83,8 +83,9 @@ class WindowCase(unittest.TestCase):
         sip.delete(self.window)
 
     def title(self) -> str:
-        """Return the state that the window shows, without the percentage."""
-        return self.window.top_bar.band.title.whole.split(" ")[0]
+        """Return the last state of the main control; "—": there was none."""
+        state = self.window.survey.snapshot.state
+        return "—" if state is None else str(state.title)
 
     def enter(self, name: str, text: str) -> None:
         self.open_field(name)

@@ -35,7 +35,7 @@ def shown(interface: UserInterface) -> str:
     snapshot, bar = interface.window.survey.snapshot, interface.window.top_bar
     return json.dumps(
         {
-            "title": bar.band.title.whole.split(" ")[0],
+            "title": "—" if snapshot.state is None else str(snapshot.state.title),
             "visited": 0 if progress is None else progress.visited_points,
             "area_traces": 0 if progress is None else progress.total_points,
             "nodes": len(snapshot.health.nodes),
