@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from functools import partial
-from typing import Dict, List, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtWidgets import (
@@ -117,7 +117,7 @@ class Overview(TranslatedWidget):
     def __init__(self) -> None:
         super().__init__()
         self._findings: Tuple[Finding, ...] = ()
-        self._examining = False
+        self._state: Optional[ServiceState] = None
         self._folded = True
         self._headline = QLabel()
         self._headline.setObjectName("title")
@@ -149,12 +149,12 @@ class Overview(TranslatedWidget):
 
     def show_state(self, state: ServiceState) -> None:
         """Show whether the robot can be serviced now."""
+        self._state = state
         self.enter_button.setEnabled(state.obstacle is None)
         hint = self.tr(
             "Service moves single axes and tests the instruments: keep hands and cables clear."
         )
         self.hint.setText(hint if state.obstacle is None else shown_text(state.obstacle))
-        self._examining = state.examining
         self.check_button.setEnabled(not state.examining)
         self._write_counts()
 
@@ -163,6 +163,8 @@ class Overview(TranslatedWidget):
         self._parts_title.setText(self.tr("Parts"))
         self.enter_button.setText(self.tr("HOLD FOR SERVICE"))
         self._write_findings()
+        if self._state is not None:
+            self.show_state(self._state)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -204,7 +206,8 @@ class Overview(TranslatedWidget):
         if others:
             good += "\n" + self.tr("{count} open").format(count=others)
         self.fold_button.setText(good if self._folded else self.tr("Only what is wrong"))
-        self.check_button.setText(self.tr("CHECKING") if self._examining else self.tr("CHECK ALL"))
+        examining = self._state is not None and self._state.examining
+        self.check_button.setText(self.tr("CHECKING") if examining else self.tr("CHECK ALL"))
 
     def _on_fold(self) -> None:
         self._folded = not self._folded
