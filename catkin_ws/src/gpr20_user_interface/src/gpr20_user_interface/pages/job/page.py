@@ -99,15 +99,16 @@ class JobPage(TranslatedWidget, Page):
         self.remedy.setVisible(asks)
         self.card.setVisible(asks)
         self.notes.setVisible(snapshot.running and snapshot.replay is None)
-        self.map.set_carriage(self._traces.carriage_mm)
 
     def draw(self) -> None:
         """Draw the small map, if it is seen and something has changed."""
         model = self._traces.running.map
         state = model, model.revision, model.current
-        if self.isVisible() and state != self._drawn:
-            self._drawn = state
-            self.map.show_coverage(model)
+        if self.isVisible():
+            self.map.set_carriage(self._traces.carriage_mm)
+            if state != self._drawn:
+                self._drawn = state
+                self.map.show_coverage(model)
 
     def _lay_out(self) -> None:
         self.percent.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignLeft)
