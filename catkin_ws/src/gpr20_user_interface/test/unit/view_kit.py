@@ -8,7 +8,7 @@ import numpy as np
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid, planned_places
 from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
-from gpr20_operator.robot.survey_model import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
