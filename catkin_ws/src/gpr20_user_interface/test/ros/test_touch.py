@@ -95,12 +95,12 @@ class Touch(unittest.TestCase):
         window = self.open()
         for _ in range(3):
             window.tap("rail.settings")
-            place = window.centre("settings.sheet.close_button")
-            window.tap("settings.sheet.close_button")
+            place = window.centre("settings.close_button")
+            window.tap("settings.close_button")
             for _ in range(3):
                 window.tap_at(*place)
             self.assertFalse(window.is_shown("start_sheet"))
-            self.assertFalse(window.is_shown("settings.sheet"))
+            self.assertFalse(window.is_shown("settings"))
             time.sleep(QUIET_S)
         self.assertEqual(self.fake.asked, 0)
 
