@@ -19,6 +19,7 @@ from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_user_interface.pages.ground.marks import marks_above, marks_in_section
 from gpr20_user_interface.pages.ground.model import Grip, GroundModel, Layer
 
 TARGET = Place(150.0, 90.0)
@@ -248,20 +249,20 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
     model.additions.pictures.add_image(image)
     model.additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
     model.set_depth(0.06)
-    above = model.marks_above()
+    above = marks_above(model)
     assert [one.about for one in above] == [MARKER, marks[2], marks[1], marks[0]]
     assert [one.near for one in above] == [True, False, True, True]
     model.choose_mark(marks[2])
-    above = model.marks_above()
+    above = marks_above(model)
     assert above[-1].about == marks[2]
     assert (above[-1].chosen, above[-1].near, above[-1].doubtful) == (True, True, True)
     model.choose_place(150.0, 90.0)
-    assert {one.text for one in model.marks_in_section(Axis.X_MM)} == {"", "1", "2", "3"}
+    assert {one.text for one in marks_in_section(model, Axis.X_MM)} == {"", "1", "2", "3"}
     model.choose_place(100.0, 50.0)
-    assert [one.about for one in model.marks_in_section(Axis.X_MM)] == [MARKER]
+    assert [one.about for one in marks_in_section(model, Axis.X_MM)] == [MARKER]
     for layer in (Layer.CANDIDATES, Layer.MARKERS):
         model.switch(layer)
-    assert model.marks_above() == ()
+    assert marks_above(model) == ()
 
 
 def test_a_ring_on_ground_that_was_not_measured_says_so(model):
@@ -273,7 +274,7 @@ def test_a_ring_on_ground_that_was_not_measured_says_so(model):
     )
     found = candidate_list([inside, beside, outside], survey_id=SURVEY)
     model.additions.pictures.add_image(image_of(model.survey.map.grid, found=found))
-    measured = {one.about.number: one.measured for one in model.marks_above()}
+    measured = {one.about.number: one.measured for one in marks_above(model)}
     assert measured == {1: True, 2: False, 3: False}
 
 
@@ -313,10 +314,10 @@ def test_the_focused_image_is_shown_only_with_its_survey(model):
     assert not model.shows_focused
     model.additions.pictures.add_image(image_of(make_grid(survey_id=PAST)))
     assert not model.shows_focused
-    assert model.marks_above() == ()
+    assert marks_above(model) == ()
     model.additions.pictures.add_image(image_of(model.survey.map.grid))
     assert model.shows_focused
-    assert [one.text for one in model.marks_above()] == ["1"]
+    assert [one.text for one in marks_above(model)] == ["1"]
     # It begins at its first candidate.
     assert model.place == TARGET
 

@@ -6,7 +6,7 @@ import dataclasses
 import enum
 import math
 from dataclasses import dataclass
-from typing import Any, FrozenSet, List, Optional, Tuple, Union
+from typing import Any, FrozenSet, Optional, Tuple, Union
 
 import numpy as np
 
@@ -27,10 +27,7 @@ from gpr20_survey.radar.depth import (
 from gpr20_survey.radar.hyperbola import Hyperbola
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_user_interface.widgets.ground_picture import GroundMark, MarkKind
 
-# What is nearer than this to a slice or section lies in it.
-NEAR_MM = 25.0
 # Points of the hyperbola that are drawn.
 HYPERBOLA_POINTS = 81
 
@@ -397,56 +394,6 @@ class GroundModel:
         if not math.isfinite(height_m):
             return None
         return float(delay_of_depth(depth_m, height_m, self.settings.permittivity)) * 1e9
-
-    def marks_above(self) -> Tuple[GroundMark, ...]:
-        """Return what is marked from above; what must not be overlooked comes last."""
-        depth_mm = self.settings.depth_m * 1000.0
-        images = bool(self.layers & IMAGES)
-        found = []
-        for one in self._marked():
-            near = not images or one.depth_mm is None or abs(one.depth_mm - depth_mm) <= NEAR_MM
-            # A candidate that is not doubtful has its number at every depth.
-            sure = isinstance(one, Candidate) and not one.is_doubtful
-            found.append(self._mark(one, one.x_mm, one.y_mm, near or sure or one == self.mark))
-        return tuple(found)
-
-    def marks_in_section(self, along: Axis) -> Tuple[GroundMark, ...]:
-        """Return what is marked in the section along an axis; what is far from it is left out."""
-        place = self.place
-        if place is None or self.hyperbola is not None:
-            # Nothing lies over the hyperbola while it is fitted.
-            return ()
-        found = []
-        for one in self._marked():
-            away_mm, across_mm = one.y_mm - place.y_mm, one.x_mm
-            if along is Axis.Y_MM:
-                away_mm, across_mm = one.x_mm - place.x_mm, one.y_mm
-            if abs(away_mm) <= NEAR_MM and one.depth_mm is not None:
-                found.append(self._mark(one, across_mm, one.depth_mm, True))
-        return tuple(found)
-
-    def _marked(self) -> Tuple[Found, ...]:
-        """Return candidates and markers, those that must not be overlooked last."""
-        additions = self.additions
-        found: List[Found] = []
-        if Layer.MARKERS in self.layers:
-            found.extend(additions.markers)
-        if Layer.CANDIDATES in self.layers:
-            found.extend(reversed(additions.candidates))
-        found.sort(key=lambda one: (one == self.mark, getattr(one, "is_doubtful", True) is False))
-        return tuple(found)
-
-    def _mark(self, one: Found, across_mm: float, second_mm: float, near: bool) -> GroundMark:
-        if isinstance(one, Marker):
-            return GroundMark(
-                *(across_mm, second_mm, "", MarkKind.MARKER),
-                chosen=one == self.mark, near=near, about=one,
-            )  # fmt: skip
-        return GroundMark(
-            *(across_mm, second_mm, str(one.number), MarkKind.CANDIDATE),
-            doubtful=one.is_doubtful, chosen=one == self.mark, near=near, about=one,
-            measured=self.is_measured(one.x_mm, one.y_mm),
-        )  # fmt: skip
 
     def is_measured(self, x_mm: float, y_mm: float) -> bool:
         """Return whether something is stored of the ground at a place."""

@@ -13,6 +13,7 @@ from gpr20_operator.ground.records import Axis, Colours, Picture
 from gpr20_user_interface.look.look import TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.pages.ground import texts
+from gpr20_user_interface.pages.ground.marks import marks_above, marks_in_section
 from gpr20_user_interface.pages.ground.model import Found, GroundModel, Layer, Shown
 from gpr20_user_interface.pages.ground.pictures import GAP_PX, ColourBar, Pictures
 from gpr20_user_interface.pages.ground.section import SectionPlot
@@ -167,7 +168,7 @@ class GroundView(TranslatedWidget):
         )
         above.show_picture(shown.above, colours)
         above.set_hiding(model.additions.hiding if Layer.HIDING in model.layers else None)
-        above.set_marks(model.marks_above())
+        above.set_marks(marks_above(model))
         place, point = model.place, model.point
         above.set_crosshair(*((None, None) if point is None else point[:2]))
         above.set_notice(_sentences(texts.above_notice(model, shown, self.problem)))
@@ -205,7 +206,7 @@ class GroundView(TranslatedWidget):
         if picture is None or place is None:
             return
         plot.set_crosshair(place.along(along), model.second_of(model.settings.depth_m, plot.axis))
-        plot.set_marks(() if in_time else model.marks_in_section(along))
+        plot.set_marks(() if in_time else marks_in_section(model, along))
         notice = texts.section_notice(model, picture.measured, picture.above_noise)
         plot.set_notice("" if self.is_fitting else _sentences(notice))
         hyperbola = model.hyperbola

@@ -1,0 +1,70 @@
+"""What is marked on the pictures of the ground: candidates and markers."""
+
+from __future__ import annotations
+
+from typing import List, Tuple
+
+from gpr20_operator.ground.records import Axis
+from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.candidates import Candidate
+from gpr20_user_interface.pages.ground.model import IMAGES, Found, GroundModel, Layer
+from gpr20_user_interface.widgets.ink import GroundMark, MarkKind
+
+# What is nearer than this to a slice or section lies in it.
+NEAR_MM = 25.0
+
+
+def marks_above(model: GroundModel) -> Tuple[GroundMark, ...]:
+    """Return what is marked from above; what must not be overlooked comes last."""
+    depth_mm = model.settings.depth_m * 1000.0
+    images = bool(model.layers & IMAGES)
+    found = []
+    for one in _marked(model):
+        near = not images or one.depth_mm is None or abs(one.depth_mm - depth_mm) <= NEAR_MM
+        # A candidate that is not doubtful has its number at every depth.
+        sure = isinstance(one, Candidate) and not one.is_doubtful
+        found.append(_mark(model, one, one.x_mm, one.y_mm, near or sure or one == model.mark))
+    return tuple(found)
+
+
+def marks_in_section(model: GroundModel, along: Axis) -> Tuple[GroundMark, ...]:
+    """Return what is marked in the section along an axis; what is far from it is left out."""
+    place = model.place
+    if place is None or model.hyperbola is not None:
+        # Nothing lies over the hyperbola while it is fitted.
+        return ()
+    found = []
+    for one in _marked(model):
+        away_mm, across_mm = one.y_mm - place.y_mm, one.x_mm
+        if along is Axis.Y_MM:
+            away_mm, across_mm = one.x_mm - place.x_mm, one.y_mm
+        if abs(away_mm) <= NEAR_MM and one.depth_mm is not None:
+            found.append(_mark(model, one, across_mm, one.depth_mm, True))
+    return tuple(found)
+
+
+def _marked(model: GroundModel) -> Tuple[Found, ...]:
+    """Return candidates and markers, those that must not be overlooked last."""
+    additions = model.additions
+    found: List[Found] = []
+    if Layer.MARKERS in model.layers:
+        found.extend(additions.markers)
+    if Layer.CANDIDATES in model.layers:
+        found.extend(reversed(additions.candidates))
+    found.sort(key=lambda one: (one == model.mark, getattr(one, "is_doubtful", True) is False))
+    return tuple(found)
+
+
+def _mark(
+    model: GroundModel, one: Found, across_mm: float, second_mm: float, near: bool
+) -> GroundMark:
+    if isinstance(one, Marker):
+        return GroundMark(
+            *(across_mm, second_mm, "", MarkKind.MARKER),
+            chosen=one == model.mark, near=near, about=one,
+        )  # fmt: skip
+    return GroundMark(
+        *(across_mm, second_mm, str(one.number), MarkKind.CANDIDATE),
+        doubtful=one.is_doubtful, chosen=one == model.mark, near=near, about=one,
+        measured=model.is_measured(one.x_mm, one.y_mm),
+    )  # fmt: skip
