@@ -44,6 +44,7 @@ PART_LOOKS: Dict[HealthLevel, Tuple[str, str, TextColours]] = {
 COLUMNS = 4
 SIGN_PX = 22
 LEVEL_PX = 100
+ENTER_PX = 220
 
 
 class PartTiles(TranslatedWidget):
@@ -121,6 +122,7 @@ class Overview(TranslatedWidget):
         self._folded = True
         self._headline = QLabel()
         self._headline.setObjectName("title")
+        self._headline.setWordWrap(True)
         self.findings, self.parts = QLabel(), PartTiles()
         self.findings.setTextFormat(Qt.TextFormat.RichText)
         self.findings.setWordWrap(True)
@@ -169,6 +171,7 @@ class Overview(TranslatedWidget):
     def restyle(self) -> None:
         """Take the sizes of the look."""
         gap_px = look_of(self).px(GAP_PX)
+        self.enter_button.setMinimumWidth(look_of(self).px(ENTER_PX))
         self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
         for layout in (self._layout, self._top, self._bottom, self._content):
             layout.setSpacing(gap_px)
