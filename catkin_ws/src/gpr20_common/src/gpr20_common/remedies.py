@@ -49,7 +49,7 @@ NEW_SURVEY = Message("Plan a new survey: this one cannot be continued.")
 KEEP_SURVEY = Message(
     "Keep the survey's folder as it is and let an analyst check it with gpr20 verify."
 )
-OTHER_NAME = Message("Check the name, and choose what the list on SURVEYS shows.")
+OTHER_NAME = Message("Check the name, and choose what the list in ARCHIVE shows.")
 CORRECT_PLAN = Message("Correct the value in the plan.")
 CORRECT_VALUE = Message("Correct the value that the message names.")
 CHECK_CONFIGURATION = Message("Ask the person who maintains the robot to check its configuration.")

@@ -60,18 +60,18 @@ NONE_MEASURING = Fault(
     Message("Nothing to do: no survey is measuring. STOP ends a survey at any time."),
     Severity.NOTE,
 )
-NONE_PAUSED = Fault("survey.none_paused", Message("Choose the survey to resume on SURVEYS."))
+NONE_PAUSED = Fault("survey.none_paused", Message("Choose the survey to resume in ARCHIVE."))
 PAUSED_ON_REQUEST = Fault(
     "survey.paused_on_request", Message("Resume the survey, or stop it."), Severity.NOTE
 )
 STOPPED_ON_REQUEST = Fault(
     "survey.stopped_on_request",
-    Message("Nothing to do. The survey can be resumed on SURVEYS."),
+    Message("Nothing to do. The survey can be resumed in ARCHIVE."),
     Severity.NOTE,
 )
 ROBOT_SHUT_DOWN = Fault(
     "survey.robot_shut_down",
-    Message("Start the robot again, then resume the survey on SURVEYS."),
+    Message("Start the robot again, then resume the survey in ARCHIVE."),
     Severity.NOTE,
 )
 
