@@ -41,9 +41,7 @@ class Window(WindowCase):
         known = self.window.survey
         wait_until(lambda: known.snapshot.current is not None, "the position is known")
         # The message has single precision.
-        wait_until(
-            lambda: round(known.snapshot.height_m or 0.0, 6) == 0.312, "the height is known"
-        )
+        wait_until(lambda: round(known.snapshot.height_m or 0.0, 6) == 0.312, "the height is known")
         wait_until(lambda: self.title() == "SURVEYING", "the status is shown")
 
     def test_start_progress_stop(self) -> None:
