@@ -48,21 +48,19 @@ MEANINGS: Dict[Flag, Message] = {
 
 
 def headline(found: CandidateList, first: int = 0) -> Message:
-    """Return how many places there are, and what of them is not shown now.
+    """Return how many places there are, and how many of them are shown now.
 
     Args:
         found: The list.
         first: Number of the first place that is shown, from 0.
     """
     shown = len(found.candidates[first : first + PLACES_SHOWN])
-    more = len(found.candidates) - shown
     if not found.total:
         return NOTHING_FOUND
     doubtful = found.total - found.primary
     parts = [
         Message("{shown} of {total} places", shown=shown, total=found.total),
         *([Message("doubtful: {count}", count=doubtful)] if doubtful else []),
-        *([Message("{count} more in the list", count=more)] if more else []),
     ]
     return in_a_row(parts)
 

@@ -48,7 +48,7 @@ from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
-PANEL_PX = 280
+PANEL_PX = 304
 RANK_PX = 36
 RIM = 0.1
 
@@ -154,7 +154,7 @@ class ResultPage(TranslatedWidget, Page):
         self.soil = new_button(self.soil_sheet.ask)
         self.more = new_button(self._on_more)
         self.plan = new_button(self.plan_wanted.emit)
-        self.keys = (self.stick, self.hiding, self.soil, self.more, self.plan)
+        self.keys = (self.stick, self.hiding, self.soil, self.plan)
         self.picture.mark_touched.connect(self.place_sheet.ask)
         self._lay_out()
         self.retranslate()
@@ -197,7 +197,6 @@ class ResultPage(TranslatedWidget, Page):
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
         self.stick.setText(self.tr("Report\nto stick"))
         self.hiding.setText(self.tr("Where could\na mine hide?"))
-        self.more.setText(self.tr("More\nplaces"))
         self.plan.setText(self.tr("Plan the\nnext survey"))
         self._drawn = None
         self._show()
@@ -207,11 +206,10 @@ class ResultPage(TranslatedWidget, Page):
         look = look_of(self)
         gap_px = look.px(GAP_PX)
         self._panel.setFixedWidth(look.px(PANEL_PX))
-        self._page.setContentsMargins(gap_px // 2, gap_px // 2, gap_px // 2, gap_px // 2)
-        self._page.setSpacing(gap_px // 2)
-        for layout in (self._keys, self._places):
-            layout.setSpacing(gap_px)
-        self._list.setSpacing(look.px(2))
+        self._page.setContentsMargins(gap_px // 2, gap_px // 4, gap_px // 2, gap_px // 4)
+        for layout in (self._page, self._left, self._beside, self._keys):
+            layout.setSpacing(gap_px // 2)
+        self._list.setSpacing(look.px(1))
         self._drawn_image = self._drawn = None
 
     def _show(self) -> None:
@@ -224,7 +222,9 @@ class ResultPage(TranslatedWidget, Page):
         self.hiding.setEnabled(done)
         self.soil.setEnabled(record is not None)
         self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
-        self.more.setVisible(len(result.places) > PLACES_SHOWN)
+        more = len(result.places) - len(result.shown)
+        self.more.setVisible(more > 0)
+        self.more.setText(self.tr("{count}\nmore").format(count=more))
         if done:
             self._show_places()
         else:
@@ -308,27 +308,35 @@ class ResultPage(TranslatedWidget, Page):
         self._right = QStackedWidget()
         self._right.addWidget(_holding(self._list))
         self._right.addWidget(self.nothing)
-        self._panel = self._right
-        # Five rows in the height of an image; each is as high as a finger needs.
-        self._panel.setStyleSheet("QPushButton#tile { min-height: 1px; }")
-        self._places = QHBoxLayout()
-        self._places.setContentsMargins(0, 0, 0, 0)
-        self._places.addWidget(self.picture, 1)
-        self._places.addWidget(self._panel)
+        # Five rows beside the image; each is as high as a finger needs.
+        self._right.setStyleSheet("QPushButton#tile { min-height: 1px; }")
         self._stack = QStackedWidget()
         self._stack.addWidget(_holding(card))
-        self._stack.addWidget(_holding(self._places))
+        self._stack.addWidget(self.picture)
         top = QHBoxLayout()
         top.addWidget(self.title, 1)
-        top.addWidget(self.simulated)
-        self._keys = QHBoxLayout()
-        for key in self.keys:
-            self._keys.addWidget(key)
-        self._page = QVBoxLayout(self)
-        self._page.addLayout(top)
-        self._page.addWidget(self._stack, 1)
-        self._page.addLayout(self._keys)
-        self._page.addWidget(self.no_clearance)
+        top.addWidget(self.more)
+        for key in (*self.keys, self.more):
+            set_look(key, "compact", True)
+        self._keys = QGridLayout()
+        for number, key in enumerate(self.keys):
+            self._keys.addWidget(key, *divmod(number, 2))
+        self._left, self._beside = QVBoxLayout(), QVBoxLayout()
+        self._beside.setContentsMargins(0, 0, 0, 0)
+        # In a corner of the image, where it takes no room from it.
+        corner = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop
+        over = QGridLayout()
+        over.addWidget(self._stack, 0, 0)
+        over.addWidget(self.simulated, 0, 0, corner)
+        self._left.addLayout(over, 1)
+        self._left.addWidget(self.no_clearance)
+        for part in (top, self._keys):
+            self._beside.addLayout(part)
+        self._beside.insertWidget(1, self._right, 1)
+        self._page = QHBoxLayout(self)
+        self._page.addLayout(self._left, 1)
+        self._panel = _holding(self._beside)
+        self._page.addWidget(self._panel)
 
     def _on_finer(self, place: Candidate) -> None:
         if self.result.record is not None:
