@@ -51,7 +51,7 @@ CHOSEN = {
     ],
     "gpr20_user_interface": [
         *("test_display_probe", "test_main_window", "test_own_language", "test_settings_file"),
-        *("test_stop_signals", "test_survey_arguments", "test_trace_events", "test_translations"),
+        *("test_stop_signals", "test_survey_arguments", "test_translations"),
     ],
     "gpr20_vna_processing": [
         *("test_bag_file", "test_data_processing", "test_mcap_file"),

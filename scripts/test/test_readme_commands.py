@@ -101,7 +101,7 @@ def test_the_first_command_runs_a_survey_to_its_end_in_a_clean_clone(clean_surve
     assert "SIMULATED" in printed
     for path in (folder / "traces", folder / "survey.bag", folder / "survey.mcap"):
         assert str(path) in printed
-    assert f"rosbag play {folder}/survey.bag" in printed
+    assert f"rosbag play --prefix=/replay {folder}/survey.bag" in printed
 
 
 def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
