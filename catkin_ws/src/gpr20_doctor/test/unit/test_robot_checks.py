@@ -197,7 +197,7 @@ def test_what_a_survey_does_by_itself_has_the_remedy_of_its_fault():
     remedies = {one.check: one.remedy for one in found}
     assert remedies[X_AXIS] == survey_faults.NOT_HOMED.remedy
     assert remedies["height"] == survey_faults.HEIGHT_NOT_MEASURED.remedy
-    assert "SERVICE" in str(remedies["height"])
+    assert "ROBOT" in str(remedies["height"])
 
 
 def test_a_sensor_that_reports_a_fault_is_not_also_said_to_have_no_height():

@@ -1,6 +1,7 @@
 """What is said before the robot moves or something is changed."""
 
 from dataclasses import replace
+from decimal import Decimal
 
 import pytest
 from hypothesis import given
@@ -59,7 +60,7 @@ def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotat
     bandwidth = {10.0: "10 Hz", 12345.5: "12.3455 kHz"}.get(measured.if_bandwidth_hz)
     people = (annotation.name, annotation.operator, annotation.site)
     named = [
-        *(f"{round(end, 2):.2f}".rstrip("0").rstrip(".") for end in ends),
+        *(f"{round(Decimal(str(end)), 2):.2f}".rstrip("0").rstrip(".") for end in ends),
         f"{measured.x_points} x {measured.y_points}",
         f"{measured.start_frequency_hz / 1e6:.12g}",
         f"{measured.stop_frequency_hz / 1e6:.12g}",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Callable, List, Tuple
 
+from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from gpr20_common.low.clock import Clock
@@ -130,6 +131,7 @@ class RobotsPage(Overlay, Page):
         content = QWidget()
         self._grid = QGridLayout(content)
         self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignTop)
         for column in range(COLUMNS):
             self._grid.setColumnStretch(column, 1)
         self._layout = QVBoxLayout(self)
