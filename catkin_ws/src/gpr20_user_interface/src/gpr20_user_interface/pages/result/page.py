@@ -324,7 +324,7 @@ class ResultPage(TranslatedWidget, Page):
         self._left, self._beside = QVBoxLayout(), QVBoxLayout()
         self._beside.setContentsMargins(0, 0, 0, 0)
         # In a corner of the image, where it takes no room from it.
-        corner = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop
+        corner = Qt.Alignment() | Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop
         over = QGridLayout()
         over.addWidget(self._stack, 0, 0)
         over.addWidget(self.simulated, 0, 0, corner)
