@@ -118,6 +118,13 @@ def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):
     assert view.rows[0].rank.text() == "1"
 
 
+def test_no_place_of_another_survey_is_seen_while_one_is_read(done):
+    assert done.rows[0].isVisible()
+    done.result.open("another")
+    done.show_now()
+    assert not any(row.isVisible() for row in done.rows)
+
+
 def test_nothing_found_says_what_that_does_not_mean(ended, node):
     search(ended.result, node, [])
     view = refreshed(ended)

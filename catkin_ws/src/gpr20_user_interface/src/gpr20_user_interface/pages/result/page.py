@@ -240,6 +240,10 @@ class ResultPage(TranslatedWidget, Page):
             "" if record is None else record.name if part is None else shown_text(part)
         )
         self.progress.setVisible(running)
+        # Nothing of another survey, nor of the search before.
+        self._right.setCurrentIndex(0)
+        for row in self.rows:
+            row.hide()
         if result.waits:
             self.card.show_state("pause", shown_text(SURVEY_RUNS))
         elif running:
