@@ -37,7 +37,9 @@ class Walk(unittest.TestCase):
 
         first_screens = ("control.start", "result.plan")
         wait_until(lambda: any(map(window.takes_touches, first_screens)), "there is contact")
-        if window.is_shown("result"):
+        if before:
+            # Its state may come a moment later than the contact.
+            wait_until(lambda: window.is_shown("result"), "the survey before is known")
             window.tap("result.plan")  # that of the survey before
         others = window.touches
         window.tap("control.start")
