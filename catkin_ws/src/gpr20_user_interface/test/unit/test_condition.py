@@ -65,7 +65,7 @@ TABLE = (
         "CHECKING",
         "",
     ),
-    # The state is told before the axis says that it rests; later, it moves.
+    # The state comes before the axis says that it rests; later, it moves.
     (
         {"code": S.FINISHED, "axes": moving(AxisId.X, owner="/main_control"), "state_s": 0.4},
         *(L.DONE, "FINISHED", ""),

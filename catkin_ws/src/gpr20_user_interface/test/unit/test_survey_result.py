@@ -142,6 +142,16 @@ def test_the_permittivity_of_the_plan_is_noted_at_the_start_and_again_if_that_fa
     assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0, 4.0]
 
 
+def test_a_permittivity_that_another_screen_has_entered_since_is_kept(result, requests):
+    result.note_plan(SURVEY, 4.0)
+    result.store_soil(SURVEY)
+    requests.ticket("note").done(None)
+    search(result, requests, record=stored(log=[noted("decision", soil_values(9.0, TIME_US))]))
+    assert result.permittivity == 9.0
+    assert requests.of("focus") == [(SURVEY, 9.0)]
+    assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0]
+
+
 def test_without_a_permittivity_the_assumed_one_is_said_to_be_assumed(result, requests):
     search(result, requests, permittivity=ANY_SOIL.permittivity)
     assert [str(one) for one in soil_lines(result)] == ["Permittivity 5", "ASSUMED"]

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from dataclasses import dataclass
-from typing import Callable, Optional, Tuple
+from typing import Callable, Optional, Set, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
@@ -127,7 +127,10 @@ class SurveyResult:
         self.search: Job[FocusedImage] = imaging.job(Service.FOCUS, self._take_image)
         self.hiding: Job[HidingMap] = imaging.job(Service.HIDE, self._take_hiding)
         self.noting: Job[None] = imaging.job(Service.NOTE, lambda _none: self._read_again())
-        self._soil: Job[None] = imaging.job(Service.NOTE)
+        self._soil: Job[None] = imaging.job(Service.NOTE, lambda _none: self._soil_is_stored())
+        # Surveys whose permittivity was entered here and is not stored yet.
+        self._unstored: Set[str] = set()
+        self._storing = ""
         self.export = StickExport(imaging)
         self._list_sum = ""
         self.target = Targets.TYPE_72.value
@@ -235,10 +238,12 @@ class SurveyResult:
     def note_plan(self, survey_id: str, permittivity: Optional[float]) -> None:
         """Note the permittivity of the plan of a survey that begins."""
         self._imaging.permittivities[survey_id] = permittivity
+        self._unstored.add(survey_id)
 
     def store_soil(self, survey_id: str) -> None:
         """Store the permittivity that was entered for a survey with it, durably; if one was."""
-        if survey_id in self._imaging.permittivities:
+        if survey_id in self._unstored:
+            self._storing = survey_id
             permittivity = self._imaging.permittivities[survey_id]
             values = soil_values(permittivity, self._time_us())
             self._soil.ask(survey=survey_id, kind=SOIL_KIND.value, values_json=json.dumps(values))
@@ -309,10 +314,16 @@ class SurveyResult:
         except (SurveyNotReadableError, InvalidValueError) as error:
             self.reading.refuse(error.message)
             return
-        known = self.permittivity
-        if known != self.record.permittivity and not self._soil.running:
+        survey_id, noted = self.record.survey_id, self.record.permittivity
+        if survey_id not in self._unstored and noted is not None:
+            # Somebody at another screen may have entered it since.
+            self._imaging.permittivities[survey_id] = noted
+        elif not self._soil.running:
             # The storage could not keep it when the survey began.
-            self.store_soil(self.record.survey_id)
+            self.store_soil(survey_id)
+
+    def _soil_is_stored(self) -> None:
+        self._unstored.discard(self._storing)
 
     def _take_image(self, image: FocusedImage) -> None:
         if self._is_other(image.survey_id):
