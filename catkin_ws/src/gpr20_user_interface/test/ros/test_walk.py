@@ -38,10 +38,16 @@ class Walk(unittest.TestCase):
         first_screens = ("control.start", "result.plan")
         wait_until(lambda: any(map(window.takes_touches, first_screens)), "there is contact")
         if before:
-            # Its state may come a moment later than the contact.
-            wait_until(lambda: window.is_shown("result"), "the survey before is known")
+            # Its state comes a moment later than the contact, its places after a search; while
+            # something changes, no touch counts.
+            wait_until(
+                lambda: window.is_shown("result.rows.0.place"),
+                "the places of the survey before are shown",
+                limit_s=SURVEY_LIMIT_S,
+            )
             window.tap("result.plan")  # that of the survey before
         others = window.touches
+        self.keep_picture(window, language, "plan")
         window.tap("control.start")
         self.keep_picture(window, language, "start")
         window.hold("start_sheet.hold")
