@@ -19,10 +19,10 @@ from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import Thumbnail
+from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.look.translation import Languages, shown_text
-from gpr20_user_interface.pages.surveys.survey_list import thumbnail_picture
+from gpr20_user_interface.pages.surveys.survey_list import thumbnail_picture, title_of
 from gpr20_user_interface.window.rail import TabName
 
 RUNS, ENDED = (
@@ -302,3 +302,8 @@ def test_each_action_names_the_chosen_survey(window, listed):
         for sheet in (window.start_sheet, window.annotation):
             sheet.hide()
     assert asked == {("open", FOLDER): 1, ("notes", FOLDER): 1, ("resume", FOLDER): 1}
+
+
+@pytest.mark.parametrize("name", ["a\nb\tc", " a  b c\n"])
+def test_a_name_of_several_lines_is_one_line_in_the_list(name):
+    assert title_of(SurveySummary(folder="20261120T000000_1", name=name)) == "a b c"

@@ -327,12 +327,9 @@ class ResultPage(TranslatedWidget, Page):
             self._keys.addWidget(key, *divmod(number, 2))
         self._left, self._beside = QVBoxLayout(), QVBoxLayout()
         self._beside.setContentsMargins(0, 0, 0, 0)
-        # In a corner of the image, where it takes no room from it.
-        corner = Qt.Alignment() | Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop
-        over = QGridLayout()
-        over.addWidget(self._stack, 0, 0)
-        over.addWidget(self.simulated, 0, 0, corner)
-        self._left.addLayout(over, 1)
+        # Not over the image, where it could cover a ring.
+        self._left.addWidget(self.simulated, 0, Qt.Alignment() | Qt.AlignmentFlag.AlignRight)
+        self._left.addWidget(self._stack, 1)
         self._left.addWidget(self.no_clearance)
         for part in (top, self._keys):
             self._beside.addLayout(part)

@@ -69,7 +69,8 @@ class SurveysModel(QAbstractListModel):
 
 def title_of(survey: SurveySummary) -> str:
     """Return what people call a survey: its name, or when it was measured."""
-    return survey.name or survey.local_time()
+    # That of a folder of others may have several lines.
+    return " ".join(survey.name.split()) or survey.local_time()
 
 
 class SurveyRow(QStyledItemDelegate):
@@ -118,7 +119,7 @@ class SurveyRow(QStyledItemDelegate):
         lines = [ending, people] if people else [ending]
         line = QRectF(area.topLeft(), area.topRight())
         line.setHeight(area.height() / (1 + len(lines)))
-        when = survey.local_time() if survey.name else ""
+        when = survey.local_time() if survey.name.strip() else ""
         painter.drawText(line, RIGHT, when)
         taken = painter.fontMetrics().horizontalAdvance(when) + look.px(GAP_PX) if when else 0
         bold = QFont(painter.font())
