@@ -9,15 +9,19 @@ this process, so its own counters are those of the window.
 
 A heartbeat of 10 ms measures how long the window's thread was busy with something else: beyond
 50 ms it could not have drawn 20 frames a second. While GROUND is shown, the time from the arrival
-of a trace to its first drawing from above is measured. `--rest` starts no survey.
+of a trace to its first drawing from above is measured. `--rest` starts no survey. `--plain` leaves
+the heartbeat and these delays out, so that the processor time is the window's own. OpenBLAS gets
+one thread, as in the launch files: its idle threads would be counted as the window's.
 """
 
 from __future__ import annotations
 
 import argparse
 import gc
+import os
 import resource
 import statistics
+import sys
 import time
 from typing import Dict, List
 
@@ -58,6 +62,9 @@ class Heartbeat:
         self.gaps_s: List[float] = []
         self._last_s = time.monotonic()
         self._timer = QTimer()
+
+    def start(self) -> None:
+        self._last_s = time.monotonic()
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
         self._timer.timeout.connect(self._beat)
         self._timer.start(HEARTBEAT_MS)
@@ -71,7 +78,7 @@ class Heartbeat:
 class Delays(QObject):
     """Notes when a trace arrives and when GROUND is first painted with it."""
 
-    def __init__(self, interface: UserInterface) -> None:
+    def __init__(self, interface: UserInterface, plain: bool) -> None:
         super().__init__()
         self.delays_s: List[float] = []
         self.traces = 0
@@ -79,8 +86,13 @@ class Delays(QObject):
         self._above = self._ground.view.pictures.above
         self._arrived_s: Dict[int, float] = {}
         # As the window receives them: the subscriptions of one process are of one type.
-        self._subscriber = rospy.Subscriber("trace", rospy.AnyMsg, self._note)
-        self._above.viewport().installEventFilter(self)
+        note = self._count if plain else self._note
+        self._subscriber = rospy.Subscriber("trace", rospy.AnyMsg, note)
+        if not plain:
+            self._above.viewport().installEventFilter(self)
+
+    def _count(self, _message: rospy.AnyMsg) -> None:
+        self.traces += 1
 
     def _note(self, message: rospy.AnyMsg) -> None:
         self._arrived_s[deserialized(Trace, message._buff).index] = time.monotonic()
@@ -151,7 +163,11 @@ def main() -> None:
     parser.add_argument("--time-scale", type=float, default=50.0)
     parser.add_argument("--tab", choices=[tab.value for tab in TabName], help="show only this one")
     parser.add_argument("--rest", action="store_true", help="start no survey")
+    parser.add_argument("--plain", action="store_true", help="measure the processor time only")
     arguments = parser.parse_args()
+    if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
+        os.environ["OPENBLAS_NUM_THREADS"] = "1"
+        os.execv(sys.executable, [sys.executable, *sys.argv])
     tabs = list(TabName) if arguments.tab is None else [TabName(arguments.tab)]
     with virtual_screen(), simulated_robot(f"time_scale:={arguments.time_scale}") as robot:
         application = QApplication([])
@@ -161,21 +177,26 @@ def main() -> None:
         interface.begin()
         operator = Operator()
         run_until(lambda: operator.code >= 0, "main_control is there", START_LIMIT_S)
-        watch(interface, operator, arguments.minutes, tabs, arguments.rest)
+        watch(interface, operator, tabs, arguments)
         interface.end()
         rospy.signal_shutdown("measured")
 
 
 def watch(
-    interface: UserInterface, operator: Operator, minutes: int, tabs: List[TabName], rest: bool
+    interface: UserInterface,
+    operator: Operator,
+    tabs: List[TabName],
+    arguments: argparse.Namespace,
 ) -> None:
     print("minute  memory MB  objects  core %  away > 50 ms  longest ms  traces/s  surveys")
-    heartbeat, delays, surveys = Heartbeat(), Delays(interface), 0
+    heartbeat, delays, surveys = Heartbeat(), Delays(interface, arguments.plain), 0
+    if not arguments.plain:
+        heartbeat.start()
     at, memory_mb, cores = [], [], []
-    for minute in range(1, minutes + 1):
+    for minute in range(1, arguments.minutes + 1):
         heartbeat.gaps_s.clear()
         begin_s, used_s, traces = time.monotonic(), processor_s(), delays.traces
-        surveys += one_minute(interface, operator, tabs, rest)
+        surveys += one_minute(interface, operator, tabs, arguments.rest)
         core = (processor_s() - used_s) / (time.monotonic() - begin_s)
         late = sum(1 for gap in heartbeat.gaps_s if gap > FRAME_S)
         at.append(float(minute))
@@ -184,7 +205,7 @@ def watch(
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
             f"{100 * core:7.1f} {late:13d} "
-            f"{1e3 * max(heartbeat.gaps_s):11.1f} {(delays.traces - traces) / 60.0:9.1f} "
+            f"{1e3 * max(heartbeat.gaps_s, default=0.0):11.1f} {(delays.traces - traces) / 60.0:9.1f} "
             f"{surveys:8d}",
             flush=True,
         )
@@ -199,7 +220,7 @@ def watch(
         interface.window.show_tab(tab)
         run_events(0.5)
         print(f"{tab.value:8s} drawn whole {frames_per_s(interface.window):6.0f} times a second")
-    if minutes > WARM_UP_MINUTES + 1:
+    if arguments.minutes > WARM_UP_MINUTES + 1:
         growth = growth_mb_per_h(at[WARM_UP_MINUTES:], memory_mb[WARM_UP_MINUTES:])
         print(f"memory from minute {WARM_UP_MINUTES + 1} on: {growth:+.1f} MB per hour")
 

@@ -32,6 +32,7 @@ from gpr20_user_interface.window.rail import TabName
 TEXT = "text:"
 TAB = "tab:"
 WINDOW = "window"
+KEYS = "keys"
 PICTURE = "picture:"
 
 
@@ -47,10 +48,12 @@ class Describer:
         Args:
             name: Attributes of the window separated by dots, such as `top_bar.stop`; keys of
                 dictionaries by their name or text; `text:STOP` a visible button with that text;
-                `tab:MAP` a tab; `window` all of it; `picture:FILE` writes a picture.
+                `tab:MAP` a tab; `window` all of it; `keys` the places of all keys that are seen; `picture:FILE` writes a picture.
         """
         if name == WINDOW:
             return self._whole()
+        if name == KEYS:
+            return {"keys": self._keys()}
         if name.startswith(PICTURE):
             return {"written": self._window.grab().save(name[len(PICTURE) :])}
         if name.startswith(TAB):
@@ -76,6 +79,15 @@ class Describer:
             "outside": outside,
             "scale": window.look.scale,
         }
+
+    def _keys(self) -> List[List[int]]:
+        found = []
+        for key in self._window.findChildren(QAbstractButton):
+            seen = key.visibleRegion().boundingRect()
+            if key.isVisible() and key.isEnabled() and not seen.isEmpty():
+                centre = key.mapToGlobal(seen.center())
+                found.append([centre.x(), centre.y()])
+        return found
 
     def _with_text(self, text: str) -> Optional[QWidget]:
         for button in self._window.findChildren(QAbstractButton):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Dict, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, Optional, Sequence, Tuple
 
 from virtual_screen import VirtualScreen, WindowManager, program_path
 from waiting import wait_until
@@ -100,6 +102,17 @@ class TouchedWindow:
             *("mousemove", str(start[0]), str(start[1]), "mousedown", "1"),
             *("mousemove", str(end[0]), str(end[1]), "mouseup", "1"),
         )
+
+    @contextmanager
+    def stalled(self, for_s: float) -> Iterator[None]:
+        """Let the window do nothing for a time; touches meanwhile wait for it."""
+        self._process.send_signal(signal.SIGSTOP)
+        begin_s = time.monotonic()
+        try:
+            yield
+            time.sleep(max(0.0, for_s - (time.monotonic() - begin_s)))
+        finally:
+            self._process.send_signal(signal.SIGCONT)
 
     def centre(self, name: str) -> Tuple[int, int]:
         """Return the middle of a part of the window."""
