@@ -12,7 +12,7 @@ from gpr20_operator.ground.finer_plan import (
     spacing_of,
 )
 from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.grid import SurveyGrid, planned_places
+from gpr20_operator.ground.grid import planned_grid
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check, coordinate_limits_mm
 
 
@@ -36,7 +36,7 @@ def test_any_plan_can_be_measured_and_reaches_its_place():
         travel = RobotTravel(
             Travel(lowest, highest, source.choice([0.01, 0.1, 0.0125])), TRAVEL.y, TRAVEL.z
         )
-        grid = SurveyGrid(SURVEY, planned_places(make_grid().plan[0], travel), True)
+        grid = planned_grid(SURVEY, True, make_grid().plan[0], travel)
         x_mm, y_mm = source.uniform(lowest, min(highest, 800)), source.uniform(0, 800)
         size_mm = source.choice([*SIZES_MM, 3.0])
         spacing_mm = source.choice([0.1, 1.0, 2.5, 7.3, 20.0, 90.0])
@@ -65,7 +65,7 @@ def test_a_place_at_the_edge_of_travel_gets_the_part_that_can_be_reached():
 
 def test_an_axis_without_travel_is_refused():
     travel = RobotTravel(Travel(0.0, 0.005, 0.01), TRAVEL.y, TRAVEL.z)
-    grid = SurveyGrid(SURVEY, planned_places(make_grid().plan[0], TRAVEL), True)
+    grid = planned_grid(SURVEY, True, make_grid().plan[0], TRAVEL)
     grid.plan = (grid.plan[0], travel)
     with pytest.raises(InvalidValueError):
         plan_finer(grid, 0.0, 0.0, 100.0, 5.0)

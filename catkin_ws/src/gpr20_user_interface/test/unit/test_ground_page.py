@@ -347,7 +347,7 @@ def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, 
     fill_with_noise(window, count=25)
     window.ground.model.set_depth(0.3)
     refreshed(view)
-    assert window.ground.model.is_loading
+    assert window.ground.model.waiting is not None
     assert view.pictures.above.notice == ""
     assert "loading 25/40" in view.note.text()
     assert all(one.notice == "" for one in view.pictures.sections)

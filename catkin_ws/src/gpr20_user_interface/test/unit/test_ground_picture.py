@@ -17,9 +17,8 @@ from test_ground_model import image_of
 from view_kit import make_grid
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.coverage import CoverageRuns, MapModel, StopState
 from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.map_model import MapModel
 from gpr20_operator.ground.records import Colours, RadarSettings
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_user_interface.look.look import Look, Mark

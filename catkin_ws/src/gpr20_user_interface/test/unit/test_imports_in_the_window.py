@@ -63,7 +63,7 @@ def test_it_opens_on_ground_without_a_fault(window, tmp_path, size):
     window.show_tab(TabName.GROUND)
     window.grab()
     window.ground.show_place(0.0, 0.0)
-    assert window.ground.model.cell.stop == Stop(0, 0)
+    assert window.ground.model.stop == Stop(0, 0)
     assert not window.ground.view.finer.isEnabled()
     assert window.traces.past.problem is None
     assert str(window.traces.band).startswith("IMPORTED SURVEY: ")

@@ -6,13 +6,13 @@ import os
 
 import numpy as np
 import pytest
-from view_kit import depth_echo, make_grid, trace_at
+from view_kit import a_scan, b_scan, c_scan, depth_echo, make_grid, trace_at
 
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import Stop
-from gpr20_operator.ground.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale, top_db
-from gpr20_operator.ground.pictures import a_scan, b_scan, c_scan, depths_m, level_db
+from gpr20_operator.ground.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale
 from gpr20_operator.ground.records import Axis, Colours, RadarSettings
+from gpr20_operator.ground.sources import EchoSource, depths_m
 from gpr20_survey.radar.noise import noise_threshold_db
 
 # More draws: GPR20_SEEDS=500.
@@ -172,16 +172,16 @@ def test_a_level_without_noise_has_a_scale_too():
     scale = silent.scale(in_db=True)
     assert scale.top_db >= scale.threshold_db + MIN_SPAN_DB
     assert scale.shades(scale.levels_db(np.zeros(3)), np.zeros(3)).tolist() == [0.0, 0.0, 0.0]
-    assert scale.top_db == top_db(-300.0, scale.threshold_db)
 
 
 def test_the_level_of_the_crosshair_is_that_of_the_echo_above_the_noise():
     model = noisy(7, ground=target_ground(0.01))
     settings = RadarSettings(depth_m=0.1, remove_background=False, gain_db_per_ns=10.0)
     floor = model.scale(False, True).noise
+    source, place = EchoSource(model), model.grid.place_of(Stop(2, 2))
     expected = 20 * np.log10(0.01 / floor)
-    assert level_db(model, Stop(2, 2), settings) == pytest.approx(expected, abs=0.6)
-    assert level_db(RadarModel(), Stop(2, 2), settings) is None
+    assert source.level_db(place, settings) == pytest.approx(expected, abs=0.6)
+    assert EchoSource(RadarModel()).level_db(place, settings) is None
 
 
 def test_a_signed_curve_has_both_signs_and_the_same_envelope():

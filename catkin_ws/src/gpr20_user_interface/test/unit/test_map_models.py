@@ -10,6 +10,7 @@ from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.coverage import (
     CoverageRuns,
+    MapModel,
     StopState,
     coverage_of_stored,
 )
@@ -22,7 +23,6 @@ from gpr20_operator.ground.geometry import (
     survey_area,
 )
 from gpr20_operator.ground.grid import Stop, grid_from_description
-from gpr20_operator.ground.map_model import MapModel
 from gpr20_survey.plan.coverage import Coverage, SampleState
 from gpr20_survey.plan.survey_plan import survey_points
 
@@ -176,10 +176,10 @@ def test_what_describes_no_survey_is_refused():
     st.floats(1.0, 900.0), st.floats(1.0, 900.0), st.integers(200, 1200), st.integers(100, 700)
 )  # fmt: skip
 def test_the_pictures_share_a_room_so_that_none_is_too_small(width_mm, height_mm, width, height):
-    division = divided(width_mm, height_mm, width, height)
-    along_px = width if division.beside else height
-    assert LEAST_ABOVE * along_px - 1 <= division.above_px <= MOST_ABOVE * along_px + 1
-    room = (division.above_px, height) if division.beside else (width, division.above_px)
+    beside, above_px = divided(width_mm, height_mm, width, height)
+    along_px = width if beside else height
+    assert LEAST_ABOVE * along_px - 1 <= above_px <= MOST_ABOVE * along_px + 1
+    room = (above_px, height) if beside else (width, above_px)
     scale = min(room[0] / width_mm, room[1] / height_mm)
     assert scale * width_mm <= room[0] + 1e-6 and scale * height_mm <= room[1] + 1e-6
 

@@ -1,12 +1,14 @@
 """Plans of surveys and sweeps over a ground that is known, for the tests of map and radar."""
 
+import dataclasses
 import json
 import math
 
 import numpy as np
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid, planned_places
+from gpr20_operator.ground.grid import Cell, Stop, planned_grid
+from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
@@ -48,7 +50,7 @@ def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVE
         "polarizations_deg": tuple(rotations_deg),
     }
     parameters = SurveyParameters(**{**values, **changes})
-    return SurveyGrid(survey_id, planned_places(parameters, TRAVEL), True)
+    return planned_grid(survey_id, True, parameters, TRAVEL)
 
 
 def description(**changes):
@@ -103,6 +105,22 @@ def trace_at(grid, index, s21=None, height_m=0.2, **changes):
 
 def cell(row, column, polarization=0):
     return Cell(Stop(row, column), polarization)
+
+
+def a_scan(model, cell, settings):
+    """Return the trace of a cell: its own polarization counts, not that of the settings."""
+    settings = dataclasses.replace(settings, polarization=cell.polarization)
+    return EchoSource(model).curve(model.grid.place_of(cell.stop), settings)
+
+
+def b_scan(model, stop, settings):
+    """Return the line through a stop."""
+    return EchoSource(model).line(model.grid.place_of(stop), settings)
+
+
+def c_scan(model, settings):
+    """Return the slice at the depth of the settings."""
+    return EchoSource(model).slice(settings)
 
 
 def state_of(code, message="as it is", survey_id="id", simulated=True):

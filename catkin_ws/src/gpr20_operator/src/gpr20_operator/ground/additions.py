@@ -17,6 +17,9 @@ from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 
+# How often a survey is asked for again after a failure, in refreshes of 100 ms.
+RETRY_REFRESHES = 100
+
 
 @dataclass(frozen=True)
 class RelatedSurvey:
@@ -86,10 +89,6 @@ class AdditionsSource(Protocol):
         """Ask to remove a marker of a survey, by its id."""
 
 
-# How often a survey is asked for again after a failure, in refreshes of 100 ms.
-RETRY_REFRESHES = 100
-
-
 class AdditionsPresenter:
     """Knows what belongs to the survey that GROUND shows. Belongs to one thread.
 
@@ -114,10 +113,8 @@ class AdditionsPresenter:
         pictures: Optional[Pictures] = None,
         focus: Callable[[str, float], object] = lambda _survey, _permittivity: True,
     ) -> None:
-        self._source = source
-        self._author = author
+        self._source, self._author, self._focus = source, author, focus
         self.pictures = pictures or Pictures()
-        self._focus = focus
         self.survey_id = ""
         self.markers: Tuple[Marker, ...] = ()
         self.related: Tuple[RelatedSurvey, ...] = ()
@@ -127,7 +124,8 @@ class AdditionsPresenter:
         self._asked_images: Set[str] = set()
         self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
         self._can_read = False
-        self._due: Optional[int] = None
+        # After so many refreshes it is read again; 0: not at all.
+        self._due = 0
 
     @property
     def revision(self) -> Tuple[int, int]:
@@ -147,7 +145,8 @@ class AdditionsPresenter:
     @property
     def candidates(self) -> Tuple[Candidate, ...]:
         """The candidates of the survey that is shown."""
-        return () if self.image is None else self.image.found.shown()
+        image = self.image
+        return () if image is None else image.found.shown()
 
     @property
     def finer_images(self) -> Tuple[FocusedImage, ...]:
@@ -158,12 +157,13 @@ class AdditionsPresenter:
     @property
     def laid_image(self) -> Optional[FocusedImage]:
         """The image of the survey that is shown, with those of finer surveys laid over it."""
-        if self.image is None:
+        image = self.image
+        if image is None:
             return None
-        images = (self.image, *self.finer_images)
+        images = (image, *self.finer_images)
         # Compared by what they are, not by their content.
         if [id(one) for one in images] != [id(one) for one in self._laid[0]]:
-            self._laid = images, laid_over(self.image, self.finer_images)
+            self._laid = images, laid_over(image, images[1:])
         return self._laid[1]
 
     @property
@@ -178,17 +178,15 @@ class AdditionsPresenter:
             survey_id: The survey that GROUND shows; empty: none.
             can_read: Whether the storage holds it; it has none of a replay.
         """
-        if (survey_id, can_read) == (self.survey_id, self._can_read):
-            return
-        self.survey_id, self._can_read = survey_id, can_read
-        self.markers, self.related = (), ()
-        self._asked_images.clear()
-        self._revision += 1
-        self.read_again()
+        if (survey_id, can_read) != (self.survey_id, self._can_read):
+            self.survey_id, self._can_read = survey_id, can_read
+            self._asked_images.clear()
+            self._take((), ())
+            self.read_again()
 
     def read_again(self) -> None:
         """Read what belongs to the survey again: others may have added to it."""
-        self._due = None
+        self._due = 0
         if self.can_mark:
             self._source.read_additions(self.survey_id)
 
@@ -206,9 +204,9 @@ class AdditionsPresenter:
 
     def refresh(self) -> None:
         """Ask again some time after a failure."""
-        if self._due is not None:
+        if self._due:
             self._due -= 1
-            if self._due <= 0:
+            if not self._due:
                 self.read_again()
 
     @singledispatchmethod
@@ -218,14 +216,12 @@ class AdditionsPresenter:
     @on_event.register
     def _(self, event: AdditionsRead) -> None:
         if event.survey_id == self.survey_id:
-            self.markers, self.related = event.markers, event.related
-            self._revision += 1
+            self._take(event.markers, event.related)
 
     @on_event.register
     def _(self, event: MarkersStored) -> None:
         if event.survey_id == self.survey_id:
-            self.markers = event.markers
-            self._revision += 1
+            self._take(event.markers, self.related)
 
     @on_event.register
     def _(self, event: AdditionsFailed) -> None:
@@ -244,14 +240,14 @@ class AdditionsPresenter:
     def add_marker(
         self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str
     ) -> None:
-        """Ask the storage to add a marker.
+        """Ask the storage to add a marker with one line of text.
 
         Args:
             survey: Id of the survey; another one may be shown since its place was touched.
             x_mm: Where it is.
             y_mm: Where it is.
             depth_mm: Below the surface; None: not known.
-            text: One line.
+            text: What it says.
 
         Raises:
             InvalidValueError: The text or the place is not allowed.
@@ -266,4 +262,8 @@ class AdditionsPresenter:
     def keep_plan(self, plan: Optional[FinerPlan]) -> None:
         """Keep a finer survey for later; None: it has begun, or is not wanted."""
         self.plan = plan
+        self._revision += 1
+
+    def _take(self, markers: Tuple[Marker, ...], related: Tuple[RelatedSurvey, ...]) -> None:
+        self.markers, self.related = markers, related
         self._revision += 1

@@ -1,17 +1,17 @@
-"""The states of the planned traces, from the run-length coded `survey_coverage`."""
+"""What is measured of a plan, from the run-length coded `survey_coverage`."""
 
 from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Iterable, Mapping, Optional, Tuple
+from typing import Dict, Iterable, Mapping, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.grid import SurveyGrid
+from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
 
@@ -108,3 +108,99 @@ def stop_states(grid: SurveyGrid, trace_states: np.ndarray) -> np.ndarray:
     states[stored.all(axis=2)] = StopState.DONE
     states[failed.any(axis=2)] = StopState.FAILED
     return states
+
+
+class MapModel:
+    """Joins the plan of a survey and its coverage, whichever comes first.
+
+    Attributes:
+        grid: The plan; None before it is known.
+        trace_states: State of every planned trace; None while it is not known.
+        stop_states: StopState of every stop (rows x columns); None while it is not known.
+        verdict: The coverage in one sentence; None if there is none.
+        current: The stop that is being visited.
+    """
+
+    def __init__(self) -> None:
+        self._coverage: Optional[Tuple[CoverageRuns, np.ndarray]] = None
+        self.revision = 0
+        self.set_grid(None)
+
+    def set_grid(self, grid: Optional[SurveyGrid]) -> None:
+        """Take another plan."""
+        self.grid = grid
+        self.current: Optional[Stop] = None
+        self._combine()
+
+    def set_coverage(self, coverage: CoverageRuns) -> None:
+        """Take what has been measured.
+
+        Raises:
+            SurveyNotReadableError: It contradicts itself or the plan.
+        """
+        self._coverage = coverage, coverage.trace_states()
+        self._combine()
+
+    def set_target(self, place_mm: Optional[Tuple[float, float]]) -> None:
+        """Note where the antennas move to (X, Y); None: nowhere."""
+        self.current = None
+        if self.grid is not None and place_mm is not None:
+            self.current = self.grid.nearest_stop(*place_mm)
+
+    def counts(self) -> Optional[Dict[StopState, int]]:
+        """Return how many stops are in which state; None while that is not known."""
+        if self.stop_states is None:
+            return None
+        numbers = np.bincount(self.stop_states.ravel(), minlength=len(StopState))
+        return {state: int(numbers[state]) for state in StopState}
+
+    def state_at(self, stop: Stop) -> Optional[StopState]:
+        """Return the state of a stop; None while it is not known."""
+        states = self.stop_states
+        return None if states is None else StopState(int(states[stop.row, stop.column]))
+
+    def reasons_at(self, stop: Stop) -> Tuple[Message, ...]:
+        """Return why traces of a stop failed."""
+        if self.grid is None:
+            return ()
+        count = len(self.grid.rotations_deg)
+        indices = [self.grid.index(Cell(stop, number)) for number in range(count)]
+        return tuple(self._reasons[index] for index in indices if index in self._reasons)
+
+    def next_problem(self, after: Optional[Stop]) -> Optional[Stop]:
+        """Return the next unfinished stop, row by row; None if all are done."""
+        if self.stop_states is None:
+            return None
+        problems = np.flatnonzero(self.stop_states.ravel() != StopState.DONE)
+        if not problems.size:
+            return None
+        columns = self.stop_states.shape[1]
+        place = -1 if after is None else after.row * columns + after.column
+        later = problems[problems > place]
+        row, column = divmod(int(later[0] if later.size else problems[0]), columns)
+        return Stop(row, column)
+
+    def _combine(self) -> None:
+        """Work out the states, once plan and coverage are those of the same survey."""
+        self.revision += 1
+        self.trace_states: Optional[np.ndarray] = None
+        self.stop_states: Optional[np.ndarray] = None
+        self.verdict: Optional[Message] = None
+        self._reasons: Mapping[int, Message] = {}
+        if self.grid is None or self._coverage is None:
+            return
+        coverage, traces = self._coverage
+        if coverage.survey_id != self.grid.survey_id:
+            return
+        if coverage.planned != self.grid.planned:
+            self._coverage = None
+            raise SurveyNotReadableError(
+                Message(
+                    "the coverage has {found} traces; the plan of the survey has {planned}",
+                    found=coverage.planned,
+                    planned=self.grid.planned,
+                ),
+                fault=faults.COVERAGE_WRONG,
+            )
+        self.trace_states, self.stop_states = traces, stop_states(self.grid, traces)
+        self.verdict, self._reasons = coverage.verdict, coverage.failures

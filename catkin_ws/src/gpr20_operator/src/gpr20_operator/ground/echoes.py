@@ -41,6 +41,8 @@ class RadarModel:
 
     Attributes:
         grid: The plan of the survey that is shown.
+        transform: How sweeps become echoes; None before the first trace.
+        count: How many traces are here.
         latest: Where the trace that came last belongs.
         latest_of: The same for each polarization that has a trace.
         given_up: Traces that cannot be shown, and why, by their place in the plan.
@@ -55,6 +57,7 @@ class RadarModel:
         """Forget everything and wait for the traces of another survey."""
         self.grid = grid
         self._transforms: Optional[Tuple[FrequencyToDelay, LateDelays]] = None
+        self.transform: Optional[FrequencyToDelay] = None
         shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
         self._present = np.zeros(shape, bool)
         self._heights_m = np.full(shape, np.nan, np.float32)
@@ -63,22 +66,12 @@ class RadarModel:
         self._noises = np.full(shape, np.nan, np.float32)
         self._scales: Dict[bool, SteadyScale] = {}
         self._scaled_counts: Dict[bool, int] = {}
-        self._count = 0
+        self.count = 0
         self._median_height: Tuple[int, float] = (-1, float("nan"))
         self.latest: Optional[Cell] = None
         self.latest_of: Dict[int, Cell] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
-
-    @property
-    def transform(self) -> Optional[FrequencyToDelay]:
-        """How sweeps become echoes; None before the first trace."""
-        return None if self._transforms is None else self._transforms[0]
-
-    @property
-    def count(self) -> int:
-        """How many traces are here."""
-        return self._count
 
     def add(self, trace: Trace) -> None:
         """Take a trace.
@@ -113,7 +106,7 @@ class RadarModel:
         fits = self.transform is None or self.transform.fits(block.frequency_hz)
         right = in_place & fits
         wrong = {
-            int(block.indices[one]): self._misfit(self.grid, block, one, in_place[one]).message
+            int(block.indices[one]): _misfit(self.grid, block, one, in_place[one])
             for one in np.flatnonzero(~right)
         }
         self.given_up.update(wrong)
@@ -136,7 +129,7 @@ class RadarModel:
             self._sums[number] += changes[of_number].sum(axis=0, dtype=np.complex128)
             last = Stop(int(row[of_number][-1]), int(column[of_number][-1]))
             self.latest_of[int(number)] = Cell(last, int(number))
-        self._count += int(np.count_nonzero(~self._present[place]))
+        self.count += int(np.count_nonzero(~self._present[place]))
         self._echoes[place] = echoes
         self._heights_m[place] = block.heights_m[right]
         self._noises[place] = noise_of_traces(late.samples(s21))
@@ -162,11 +155,6 @@ class RadarModel:
         absent = stored[~self._present[polarization, row, column]]
         given_up = np.fromiter(self.given_up, np.intp, len(self.given_up))
         return absent[~np.isin(absent, given_up)]
-
-    def has(self, cell: Cell) -> bool:
-        """Return whether the trace of a cell is here."""
-        place = (cell.polarization, cell.stop.row, cell.stop.column)
-        return bool(self._present[place])
 
     def present(self, polarization: int) -> np.ndarray:
         """Return which stops have a trace of a polarization (bool, rows x columns)."""
@@ -208,16 +196,16 @@ class RadarModel:
                 traces to know it.
             in_db: Whether shades follow the level in dB.
         """
-        if self.transform is None or not self._count:
+        if self.transform is None or not self.count:
             return None
         removed = remove_background and self._has_background()
         steady = self._scales.setdefault(
             removed, SteadyScale(self._present.size * self.transform.samples)
         )
         before = self._scaled_counts.get(removed, 0)
-        complete = self._count == self._present.size
-        if self._count >= SCALE_GROWTH * before + 1 or (complete and before < self._count):
-            self._scaled_counts[removed] = self._count
+        complete = self.count == self._present.size
+        if self.count >= SCALE_GROWTH * before + 1 or (complete and before < self.count):
+            self._scaled_counts[removed] = self.count
             steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
         return steady.scale(in_db)
 
@@ -245,40 +233,34 @@ class RadarModel:
                 strongest = max(strongest, float(np.quantile(peaks, STRONG_PART)))
         return strongest
 
-    @staticmethod
-    def _misfit(
-        grid: SurveyGrid, block: TraceBlock, number: int, in_place: bool
-    ) -> SurveyNotReadableError:
-        index = int(block.indices[number])
-        try:
-            grid.cell(index)
-        except SurveyNotReadableError as error:
-            return error
-        if in_place:
-            return SurveyNotReadableError(
-                Message(
-                    "the frequencies of trace {index} differ from those of the first trace",
-                    index=index,
-                )
-            )
-        x_mm, y_mm, z_deg = block.positions[number].tolist()
-        return SurveyNotReadableError(
-            Message(
-                "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this is "
-                "not its place in the plan",
-                index=index,
-                x_mm=x_mm,
-                y_mm=y_mm,
-                z_deg=z_deg,
-            )
-        )
-
     def _begin_volume(self, frequency_hz: np.ndarray) -> Tuple[FrequencyToDelay, LateDelays]:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
         transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
-        self._transforms = (transform, LateDelays(frequency_hz))
+        self.transform, self._transforms = transform, (transform, LateDelays(frequency_hz))
         samples = transform.samples
         # Zeros are given by the system page by page when they are written.
         self._echoes = np.zeros((*self._present.shape, samples), np.complex64)
         self._sums = np.zeros((len(self._present), samples), np.complex128)
         return self._transforms
+
+
+def _misfit(grid: SurveyGrid, block: TraceBlock, number: int, in_place: bool) -> Message:
+    """Return why a trace of a block is not shown."""
+    index = int(block.indices[number])
+    if in_place:
+        return Message(
+            "the frequencies of trace {index} differ from those of the first trace", index=index
+        )
+    try:
+        grid.cell(index)
+    except SurveyNotReadableError as error:
+        return error.message
+    x_mm, y_mm, z_deg = block.positions[number].tolist()
+    return Message(
+        "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this is "
+        "not its place in the plan",
+        index=index,
+        x_mm=x_mm,
+        y_mm=y_mm,
+        z_deg=z_deg,
+    )

@@ -57,11 +57,8 @@ class FinerPlan:
         Spacing and sweep may have been changed meanwhile, the area may have been made smaller.
         """
         p, area = parameters, self.area.grown(1e-6)
-        inside = all(
-            area.holds(x_mm, y_mm)
-            for x_mm, y_mm in ((p.x_start_mm, p.y_start_mm), (p.x_stop_mm, p.y_stop_mm))
-        )
-        return self.refines if inside else ""
+        first, last = area.holds(p.x_start_mm, p.y_start_mm), area.holds(p.x_stop_mm, p.y_stop_mm)
+        return self.refines if first and last else ""
 
 
 def spacing_of(grid: SurveyGrid) -> float:

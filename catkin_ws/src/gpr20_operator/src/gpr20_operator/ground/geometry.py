@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Iterable
+from typing import Iterable, Optional, Tuple
 
 import numpy as np
 
@@ -45,13 +45,11 @@ class Area:
             max(self.high_mm, other.high_mm),
         )
 
-    def grown(self, margin_mm: float) -> Area:
-        """Return a rectangle that is larger on each side."""
+    def grown(self, x_mm: float, y_mm: Optional[float] = None) -> Area:
+        """Return a rectangle that is larger on each side; along Y as along X if that is None."""
+        y_mm = x_mm if y_mm is None else y_mm
         return Area(
-            self.left_mm - margin_mm,
-            self.right_mm + margin_mm,
-            self.low_mm - margin_mm,
-            self.high_mm + margin_mm,
+            self.left_mm - x_mm, self.right_mm + x_mm, self.low_mm - y_mm, self.high_mm + y_mm
         )
 
     def holds(self, x_mm: float, y_mm: float) -> bool:
@@ -59,20 +57,21 @@ class Area:
         return self.left_mm <= x_mm <= self.right_mm and self.low_mm <= y_mm <= self.high_mm
 
 
-def survey_area(xs_mm: np.ndarray, ys_mm: np.ndarray) -> Area:
-    """Return the stops of a survey, each with its share of the ground around it.
+def share_mm(places_mm: np.ndarray, others_mm: np.ndarray) -> float:
+    """Return the size of a stop's share of the ground along one axis, given those of both [mm].
 
-    Args:
-        xs_mm: Columns, evenly spaced.
-        ys_mm: Rows, evenly spaced.
+    Places are evenly spaced. That of a single line, which was imported, is a part of its length.
     """
-    half_x_mm, half_y_mm = share_mm(xs_mm, ys_mm) / 2.0, share_mm(ys_mm, xs_mm) / 2.0
-    return Area(
-        float(xs_mm.min()) - half_x_mm,
-        float(xs_mm.max()) + half_x_mm,
-        float(ys_mm.min()) - half_y_mm,
-        float(ys_mm.max()) + half_y_mm,
-    )
+    if len(places_mm) > 1:
+        return float(abs(places_mm[1] - places_mm[0]))
+    return max(LINE_PART * float(np.ptp(others_mm)), 1.0)
+
+
+def survey_area(xs_mm: np.ndarray, ys_mm: np.ndarray) -> Area:
+    """Return the stops of a survey, each with its share of the ground around it."""
+    ends = xs_mm.min(), xs_mm.max(), ys_mm.min(), ys_mm.max()
+    stops = Area(*map(float, ends))
+    return stops.grown(share_mm(xs_mm, ys_mm) / 2.0, share_mm(ys_mm, xs_mm) / 2.0)
 
 
 def shown_area(own: Area, around: Iterable[Area] = ()) -> Area:
@@ -93,31 +92,11 @@ def shown_area(own: Area, around: Iterable[Area] = ()) -> Area:
     return own.grown(GROUND_AROUND * max(own.width_mm, own.height_mm))
 
 
-def share_mm(places_mm: np.ndarray, others_mm: np.ndarray) -> float:
-    """Return the size of a stop's share of the ground along one axis, given those of both [mm].
+def divided(width_mm: float, height_mm: float, width_px: int, height_px: int) -> Tuple[bool, int]:
+    """Return how the view from above, true to scale, and the sections share a room.
 
-    That of a single line, which was imported, is a part of its length.
-    """
-    if len(places_mm) > 1:
-        return float(abs(places_mm[1] - places_mm[0]))
-    return max(LINE_PART * float(np.ptp(others_mm)), 1.0)
-
-
-@dataclass(frozen=True)
-class Division:
-    """How the view from above and the sections share a room.
-
-    Attributes:
-        beside: Whether the sections are beside the view from above; else below it.
-        above_px: Width of the view from above if they are beside it, else its height.
-    """
-
-    beside: bool
-    above_px: int
-
-
-def divided(width_mm: float, height_mm: float, width_px: int, height_px: int) -> Division:
-    """Return the division in which the view from above, true to scale, leaves the least unused.
+    It is the division that leaves the least unused: whether the sections are beside the view from
+    above, else below it; and its width if they are beside it, else its height [px].
 
     Args:
         width_mm: Width of what the view from above shows.
@@ -137,4 +116,4 @@ def divided(width_mm: float, height_mm: float, width_px: int, height_px: int) ->
         unused = 1.0 - min(wanted_px, above_px) / max(wanted_px, above_px)
         found.append((unused * above_px * across_px, not beside, round(above_px)))
     _unused, below, above_px = min(found)
-    return Division(not below, above_px)
+    return not below, above_px

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.records import Place, ascending
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
@@ -40,11 +41,13 @@ Cells = Tuple[np.ndarray, np.ndarray, np.ndarray]
 """Row, column and polarization of many cells (whole numbers, each of shape n)."""
 
 
-@dataclass(frozen=True)
-class Places:
-    """Where the traces of a survey lie.
+@dataclass(eq=False)
+class SurveyGrid:
+    """The places of one survey: those that were planned, or those of an import.
 
     Attributes:
+        survey_id: UUID.
+        simulated: The data show no real ground.
         xs_mm: Columns.
         ys_mm: Rows.
         rotations_deg: Polarizations.
@@ -52,41 +55,13 @@ class Places:
         plan: What the survey measures, and the limits of the axes; None: it was imported.
     """
 
+    survey_id: str
+    simulated: bool
     xs_mm: np.ndarray
     ys_mm: np.ndarray
     rotations_deg: Tuple[float, ...]
     tolerances: Tuple[float, float, float]
     plan: Optional[Tuple[SurveyParameters, RobotTravel]] = None
-
-
-def planned_places(parameters: SurveyParameters, travel: RobotTravel) -> Places:
-    """Return the places of a plan, which lie on motor steps."""
-    p = parameters
-    return Places(
-        np.array(grid(p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
-        np.array(grid(p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
-        tuple(on_step(one, travel.z) for one in p.polarizations_deg),
-        (travel.x.step / 2, travel.y.step / 2, travel.z.step / 2),
-        (parameters, travel),
-    )
-
-
-class SurveyGrid:
-    """The places of one survey: those that were planned, or those of an import.
-
-    Args:
-        survey_id: UUID.
-        places: Where its traces lie.
-        simulated: The data show no real ground.
-    """
-
-    def __init__(self, survey_id: str, places: Places, simulated: bool) -> None:
-        self.survey_id = survey_id
-        self.simulated = simulated
-        self.plan = places.plan
-        self.xs_mm, self.ys_mm = places.xs_mm, places.ys_mm
-        self.rotations_deg = places.rotations_deg
-        self._tolerances = places.tolerances
 
     @property
     def shape(self) -> Tuple[int, int]:
@@ -136,16 +111,31 @@ class SurveyGrid:
         polarization = cell.polarization if stop % 2 == 0 else polarizations - 1 - cell.polarization
         return stop * polarizations + polarization
 
-    def nearest_stop(self, x_mm: float, y_mm: float) -> Optional[Stop]:
-        """Return the stop nearest to a place, or None if it lies off the grid."""
-        column = _nearest(self.xs_mm, x_mm)
-        row = _nearest(self.ys_mm, y_mm)
-        return None if row is None or column is None else Stop(row, column)
+    @property
+    def ascending(self) -> Tuple[slice, slice]:
+        """Rows and columns in the order in which Y and X ascend; twice, it is undone."""
+        return ascending(self.ys_mm)[0], ascending(self.xs_mm)[0]
+
+    def place_of(self, stop: Stop) -> Place:
+        """Return where a stop is."""
+        return Place(float(self.xs_mm[stop.column]), float(self.ys_mm[stop.row]))
 
     def closest_stop(self, x_mm: float, y_mm: float) -> Stop:
         """Return the stop that is closest to a place, wherever that is."""
         column = int(np.argmin(np.abs(self.xs_mm - x_mm)))
         return Stop(int(np.argmin(np.abs(self.ys_mm - y_mm))), column)
+
+    def nearest_stop(self, x_mm: float, y_mm: float) -> Optional[Stop]:
+        """Return the stop in whose share of the ground a place lies; None: it lies off the grid."""
+        stop = self.closest_stop(x_mm, y_mm)
+        own = self.place_of(stop)
+        for places_mm, away_mm in ((self.xs_mm, own.x_mm - x_mm), (self.ys_mm, own.y_mm - y_mm)):
+            # A line that was imported is near to every place beside it.
+            spacing_mm = abs(places_mm[1] - places_mm[0]) if len(places_mm) > 1 else math.inf
+            # Written so that NaN, which fails every comparison, is off the grid too.
+            if not abs(away_mm) <= spacing_mm / 2 + 1e-9:
+                return None
+        return stop
 
     def holds(self, cells: Cells, positions: np.ndarray) -> np.ndarray:
         """Return which positions are those of their cells, to half a motor step (bool, shape n).
@@ -157,8 +147,24 @@ class SurveyGrid:
         row, column, polarization = cells
         rotations_deg = np.array(self.rotations_deg)
         own = np.stack((self.xs_mm[column], self.ys_mm[row], rotations_deg[polarization]), axis=1)
-        near: np.ndarray = (np.abs(own - positions) <= self._tolerances).all(axis=1)
+        near: np.ndarray = (np.abs(own - positions) <= self.tolerances).all(axis=1)
         return near
+
+
+def planned_grid(
+    survey_id: str, simulated: bool, parameters: SurveyParameters, travel: RobotTravel
+) -> SurveyGrid:
+    """Return the places of a plan, which lie on motor steps."""
+    p = parameters
+    return SurveyGrid(
+        survey_id,
+        simulated,
+        np.array(grid(p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
+        np.array(grid(p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
+        tuple(on_step(one, travel.z) for one in p.polarizations_deg),
+        (travel.x.step / 2, travel.y.step / 2, travel.z.step / 2),
+        (parameters, travel),
+    )
 
 
 def grid_from_description(text: str) -> SurveyGrid:
@@ -169,33 +175,20 @@ def grid_from_description(text: str) -> SurveyGrid:
     """
     try:
         values = parse_object(text, "survey.json", MAX_FILE_BYTES)
-        if not isinstance(values.get("survey_id"), str):
+        survey_id = values.get("survey_id")
+        if not isinstance(survey_id, str):
             raise InvalidValueError(
                 Message("survey.json has no survey id"), fault=faults.PLAN_UNREADABLE
             )
-        places = _places(values)
+        # Data of unknown origin are never shown as those of real ground.
+        simulated = values.get("simulated") is not False
+        if not is_imported(values):
+            return planned_grid(survey_id, simulated, *recorded_plan(values))
+        found = imported_grid(values)
     except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(
             Message("the survey's plan cannot be read: {reason}", reason=error.message),
             fault=faults.PLAN_UNREADABLE,
         ) from error
-    # Data of unknown origin are never shown as those of real ground.
-    simulated = values.get("simulated") is not False
-    return SurveyGrid(values["survey_id"], places, simulated)
-
-
-def _places(description: Mapping[str, Any]) -> Places:
-    if not is_imported(description):
-        return planned_places(*recorded_plan(description))
-    found = imported_grid(description)
-    xs_mm, ys_mm = np.array(found.x_mm), np.array(found.y_mm)
-    return Places(xs_mm, ys_mm, found.polarization_deg, 3 * (TOLERANCE,))
-
-
-def _nearest(places_mm: np.ndarray, place_mm: float) -> Optional[int]:
-    distances_mm = np.abs(places_mm - place_mm)
-    number = int(np.argmin(distances_mm))
-    # A line that was imported is near to every place beside it.
-    spacing_mm = abs(places_mm[1] - places_mm[0]) if len(places_mm) > 1 else math.inf
-    # Written so that NaN, which fails every comparison, is off the grid too.
-    return number if distances_mm[number] <= spacing_mm / 2 + 1e-9 else None
+    places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
+    return SurveyGrid(survey_id, simulated, *places, 3 * (TOLERANCE,))

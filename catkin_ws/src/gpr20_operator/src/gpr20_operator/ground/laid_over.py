@@ -39,12 +39,14 @@ def _with(coarse: FocusedImage, fine: FocusedImage) -> FocusedImage:
     x_mm, y_mm = _divided(coarse.x_mm, x_parts), _divided(coarse.y_mm, y_parts)
     levels_db = coarse.levels_db.repeat(y_parts, axis=1).repeat(x_parts, axis=2)
     columns, rows = _inside(x_mm, fine.x_mm), _inside(y_mm, fine.y_mm)
-    if not (columns.any() and rows.any()):
+    if not (columns.size and rows.size):
         return coarse
-    layers = _nearest(coarse.depth_mm, fine.depth_mm)
-    part = fine.levels_db[layers][:, _nearest(y_mm[rows], fine.y_mm)]
-    part = part[:, :, _nearest(x_mm[columns], fine.x_mm)]
-    covered = np.ix_(np.arange(len(layers)), np.flatnonzero(rows), np.flatnonzero(columns))
+    nearest = np.ix_(
+        _nearest(coarse.depth_mm, fine.depth_mm),
+        _nearest(y_mm[rows], fine.y_mm),
+        _nearest(x_mm[columns], fine.x_mm),
+    )
+    part, covered = fine.levels_db[nearest], np.ix_(np.arange(len(levels_db)), rows, columns)
     # Where the finer survey measured nothing, the coarse one stays.
     levels_db[covered] = np.where(np.isfinite(part), part, levels_db[covered])
     return replace(coarse, x_mm=x_mm, y_mm=y_mm, levels_db=levels_db)
@@ -66,17 +68,12 @@ def _divided(places_mm: np.ndarray, parts: int) -> np.ndarray:
 
 
 def _inside(places_mm: np.ndarray, fine_mm: np.ndarray) -> np.ndarray:
+    """Return which places lie in the area of a finer image (whole numbers)."""
     half_mm = _spacing(fine_mm) / 2.0
-    low_mm, high_mm = float(fine_mm.min()), float(fine_mm.max())
-    found: np.ndarray = (places_mm >= low_mm - half_mm) & (places_mm <= high_mm + half_mm)
-    return found
+    low_mm, high_mm = fine_mm.min() - half_mm, fine_mm.max() + half_mm
+    return np.flatnonzero((places_mm >= low_mm) & (places_mm <= high_mm))
 
 
 def _nearest(places_mm: np.ndarray, among_mm: np.ndarray) -> np.ndarray:
-    """Return the index of the nearest of some ascending places for each place."""
-    right = np.clip(np.searchsorted(among_mm, places_mm), 1, max(len(among_mm) - 1, 1))
-    if len(among_mm) < 2:
-        return np.zeros(len(places_mm), np.intp)
-    left_mm, right_mm = among_mm[right - 1], among_mm[right]
-    nearest: np.ndarray = right - (places_mm - left_mm < right_mm - places_mm)
-    return nearest
+    """Return the index of the nearest of some places for each place."""
+    return np.abs(places_mm[:, None] - among_mm).argmin(axis=1)

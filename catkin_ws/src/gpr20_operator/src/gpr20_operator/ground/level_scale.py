@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Union
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class LevelScale:
         """Return levels of amplitudes [dB above noise]; NaN stays NaN."""
         return decibels(amplitudes) - float(decibels(self.noise))
 
-    def shades(self, levels_db: np.ndarray, gain_db: np.ndarray) -> np.ndarray:
+    def shades(self, levels_db: np.ndarray, gain_db: Union[float, np.ndarray] = 0.0) -> np.ndarray:
         """Return shades from 0, noise, to 1 (float32); NaN stays NaN.
 
         Args:
@@ -67,7 +68,7 @@ class LevelScale:
 
     def shade_of(self, level_db: float) -> float:
         """Return the shade of a level without gain [dB above noise]."""
-        return float(self.shades(np.array(level_db), np.array(0.0)))
+        return float(self.shades(np.array(level_db)))
 
     def ticks_db(self) -> np.ndarray:
         """Return round levels between the ends of the scale [dB above noise]."""
@@ -103,17 +104,6 @@ class SteadyScale:
         """Return the scale now."""
         noise = max(self._noise, SMALLEST_LEVEL)
         strongest_db = float(decibels(max(self._strongest, SMALLEST_LEVEL) / noise))
-        return LevelScale(
-            noise, self._threshold_db, top_db(strongest_db, self._threshold_db), in_db
-        )
-
-
-def top_db(strongest_db: float, threshold_db: float) -> float:
-    """Return the level of the brightest shade [dB above noise].
-
-    Args:
-        strongest_db: Level of the strong echoes [dB above noise].
-        threshold_db: Level that noise alone does not exceed [dB above noise].
-    """
-    lowest_db = threshold_db + MIN_SPAN_DB
-    return math.ceil(max(strongest_db, lowest_db) / TOP_STEP_DB) * TOP_STEP_DB
+        top_db = max(strongest_db, self._threshold_db + MIN_SPAN_DB)
+        top_db = math.ceil(top_db / TOP_STEP_DB) * TOP_STEP_DB
+        return LevelScale(noise, self._threshold_db, top_db, in_db)

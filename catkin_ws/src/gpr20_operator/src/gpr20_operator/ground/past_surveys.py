@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import unicodedata
-from typing import List, Optional, Tuple
+from typing import Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.imported import IMPORTED
@@ -51,16 +51,12 @@ def searchable(text: str) -> str:
     return "".join(one for one in letters if not unicodedata.combining(one))
 
 
-def searched_text(survey: SurveySummary) -> str:
-    """Return what a survey is searched by: name, site, operator and local time."""
-    return searchable("\n".join((survey.name, survey.site, survey.operator, survey.local_time())))
-
-
 class PastSurveys:
     """Collects the pages of the list; knows which survey is running.
 
     Attributes:
         revision: Changes with everything that a view shows of this.
+        surveys: The surveys of the pages so far, the newest first.
         outdated: Whether the list should be requested again when it is visible.
         problem: Why the list or a survey cannot be read; None if it can.
         read: Whether a page has come.
@@ -70,48 +66,37 @@ class PastSurveys:
 
     def __init__(self) -> None:
         self.revision = 0
-        self.outdated = False
+        self.surveys: Tuple[SurveySummary, ...] = ()
+        self.outdated = self.read = self.more = self.replay = False
         self.problem: Optional[Message] = None
-        self.read = False
-        self.more = False
-        self.replay = False
-        self._surveys: List[SurveySummary] = []
-        # As in the list of surveys.
-        self._texts: List[str] = []
         self._running_id = ""
-
-    @property
-    def surveys(self) -> Tuple[SurveySummary, ...]:
-        """The surveys of the pages so far, the newest first."""
-        return tuple(self._surveys)
 
     @property
     def next_before(self) -> str:
         """Folder before which the next page begins; empty: the first page."""
-        return self._surveys[-1].folder if self._surveys else ""
+        return self.surveys[-1].folder if self.surveys else ""
 
     def find(self, folder: str) -> Optional[SurveySummary]:
         """Return a survey of the pages so far; None if it is not among them."""
-        return next((one for one in self._surveys if one.folder == folder), None)
+        return next((one for one in self.surveys if one.folder == folder), None)
 
     def found(self, listed: Listed, text: str) -> Tuple[SurveySummary, ...]:
-        """Return the surveys of the pages so far that hold every word of a text."""
+        """Return those of which name, site, operator and local time hold every word of a text."""
         words = searchable(text).split()
-        return tuple(
-            survey
-            for survey, written in zip(self._surveys, self._texts)
-            if all(word in written for word in words) and listed.holds(self.ending_of(survey))
-        )
+
+        def has_words(one: SurveySummary) -> bool:
+            written = searchable("\n".join((one.name, one.site, one.operator, one.local_time())))
+            return all(word in written for word in words)
+
+        chosen = (one for one in self.surveys if listed.holds(self.ending_of(one)))
+        return tuple(one for one in chosen if not words or has_words(one))
 
     def take(self, before: str, surveys: Tuple[SurveySummary, ...], more: bool) -> None:
         """Add a page; the first one replaces the list."""
-        self._change(problem=None)
-        if not before:
-            self._surveys, self._texts = [], []
-        elif before != self.next_before:
+        self.set_problem(None)
+        if before and before != self.next_before:
             return  # the list was replaced meanwhile
-        self._surveys.extend(surveys)
-        self._texts.extend(map(searched_text, surveys))
+        self.surveys = (*self.surveys, *surveys) if before else surveys
         self.more, self.read = more, True
 
     def set_running(self, survey_id: str) -> None:
@@ -122,19 +107,19 @@ class PastSurveys:
 
     def set_replay(self, replay: bool) -> None:
         """Note whether a replay is shown, beside which nothing can be resumed."""
-        self.replay = replay
-        self.outdated = not replay
-        self._change(problem=NO_LIST if replay else None)
+        self.replay, self.outdated = replay, not replay
+        self.set_problem(NO_LIST if replay else None)
 
     def set_outdated(self) -> None:
         """Note that the surveys have changed."""
         if not self.replay:
             self.outdated = True
-            self._change(problem=None)
+            self.set_problem(None)
 
-    def set_problem(self, reason: Message) -> None:
-        """Note why the list or a survey cannot be read."""
-        self._change(problem=reason)
+    def set_problem(self, problem: Optional[Message]) -> None:
+        """Note why the list or a survey cannot be read; None: it can."""
+        self.problem = problem
+        self.revision += 1
 
     def ending_of(self, survey: SurveySummary) -> Ending:
         """Return how a survey ended; only one with every trace stored is complete."""
@@ -177,7 +162,3 @@ class PastSurveys:
     def can_analyze(self, survey: SurveySummary) -> bool:
         """Whether it can be searched for candidates or exported: never during a survey."""
         return self.can_open(survey) and not self._running_id and not self.replay
-
-    def _change(self, problem: Optional[Message]) -> None:
-        self.problem = problem
-        self.revision += 1

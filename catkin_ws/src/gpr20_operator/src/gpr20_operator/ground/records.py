@@ -103,7 +103,6 @@ class Picture:
             else 0 to 1; NaN where nothing was measured.
         across_mm: Outer edges along the first axis [mm].
         range: Outer edges along the second axis.
-        across: What the first axis is.
         axis: What the second axis is.
         scale: The scale of the survey.
         above_noise: Whether any level is above all noise.
@@ -113,7 +112,6 @@ class Picture:
     shades: np.ndarray
     across_mm: Tuple[float, float]
     range: Tuple[float, float]
-    across: Axis
     axis: Axis
     scale: LevelScale
     above_noise: bool

@@ -9,9 +9,9 @@ from typing import Optional, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.coverage import MapModel
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import SurveyGrid
-from gpr20_operator.ground.map_model import MapModel
 from gpr20_operator.ground.trace_events import TracesRead
 from gpr20_survey.trace.trace import Trace
 
@@ -70,11 +70,11 @@ class ShownSurvey:
         Raises:
             SurveyNotReadableError: Its coverage contradicts the plan.
         """
-        if grid.survey_id == self.survey_id and grid.plan == self._plan():
-            return
-        self._lacking = NOTHING
-        self.radar.begin(grid)
-        self.map.set_grid(grid)
+        own = self.map.grid
+        if own is None or (own.survey_id, own.plan) != (grid.survey_id, grid.plan):
+            self._lacking = NOTHING
+            self.radar.begin(grid)
+            self.map.set_grid(grid)
 
     def take_trace(self, trace: Trace) -> None:
         """Take a trace, if it is one of this survey.
@@ -90,13 +90,14 @@ class ShownSurvey:
         if read.block.survey_id != self.survey_id:
             return ()
         unreadable = dict(read.unreadable)
-        problems = self.radar.add_block(read.block)
+        problems = [*self.radar.add_block(read.block)]
         # Whatever the answer was, the same place is not requested again and again.
         if read.first_index in self._absent() and read.first_index not in unreadable:
             unreadable[read.first_index] = Message("the storage has no file of this trace")
         for index, reason in unreadable.items():
             self.radar.give_up(index, reason)
-        return (*problems, *(_about(index, reason) for index, reason in unreadable.items()))
+            problems.append(Message("trace {index}: {reason}", index=index, reason=reason))
+        return tuple(problems)
 
     def due(self) -> Tuple[int, ...]:
         """Return the places in the plan whose traces to read now; empty: all are here.
@@ -136,14 +137,7 @@ class ShownSurvey:
         states = self.map.trace_states
         return NOTHING if states is None else self.radar.absent(states)
 
-    def _plan(self) -> object:
-        return None if self.map.grid is None else self.map.grid.plan
-
 
 def coarse_step(grid: SurveyGrid) -> int:
     """Return the distance of the rows and columns that are read before the others."""
     return max(1, round(math.sqrt(grid.shape[0] * grid.shape[1] / COARSE_STOPS)))
-
-
-def _about(index: int, reason: Message) -> Message:
-    return Message("trace {index}: {reason}", index=index, reason=reason)

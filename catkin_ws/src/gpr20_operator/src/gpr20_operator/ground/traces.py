@@ -1,4 +1,4 @@
-"""Between the storage and MAP, RADAR and the list of past surveys: which survey they show."""
+"""Between the storage and the pages: which survey they show, and what is known of it."""
 
 from __future__ import annotations
 
@@ -21,28 +21,7 @@ from gpr20_operator.ground.trace_events import (
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.imported import IMPORTED
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace import Trace
-
-
-def past_band(folder: str, survey: Optional[SurveySummary], another_runs: bool) -> Message:
-    """Return the band of a past survey.
-
-    Args:
-        folder: The survey's folder.
-        survey: What the list says about it; None if it is not in the list.
-        another_runs: Whether a survey is running meanwhile.
-    """
-    name = verbatim(folder)
-    if survey is not None:
-        called = survey.name or survey.survey_id[:8]
-        name = Message("{time}, {name}", time=survey.local_time(), name=called)
-    if another_runs:
-        return Message("NOT THE RUNNING SURVEY: {name}", name=name)
-    if survey is not None and survey.outcome == IMPORTED:
-        return Message("IMPORTED SURVEY: {name}", name=name)
-    return Message("PAST SURVEY: {name}", name=name)
-
 
 # How long to wait for traces, in refreshes, before it is requested again.
 RETRY_REFRESHES = 80
@@ -88,9 +67,6 @@ class TracePresenter:
         self.past = PastSurveys()
         self.carriage_mm: Optional[Tuple[float, float]] = None
         self._report = report
-        self._opened: Optional[ShownSurvey] = None
-        self.opened_folder = ""
-        self._wanted_folder = ""
         # Of a survey that has begun and whose plan has not come: nothing of the one before it.
         self._awaited = ShownSurvey()
         self._running_id = ""
@@ -98,7 +74,7 @@ class TracePresenter:
         # The survey that is replayed, empty if it is not known; None: there is a robot.
         self._replayed_id: Optional[str] = None
         self._coverage: Optional[CoverageRuns] = None
-        self._waiting = 0
+        self.show_live()
 
     @property
     def shown(self) -> ShownSurvey:
@@ -108,26 +84,49 @@ class TracePresenter:
     @property
     def running(self) -> ShownSurvey:
         """The survey that runs or ran last; empty while the plan of one that begins is awaited."""
-        waits = self._expected_id not in ("", self.live.survey_id)
-        return self._awaited if waits else self.live
-
-    @property
-    def _expected_id(self) -> str:
-        """The survey that runs or is replayed; empty: any."""
-        return self._running_id or self._replayed_id or ""
+        expected = self._running_id or self._replayed_id or self.live.survey_id
+        return self.live if expected == self.live.survey_id else self._awaited
 
     @property
     def band(self) -> Optional[Message]:
-        """What MAP and RADAR say if they show no survey of the robot as it runs; else None."""
-        if self._opened is not None:
-            opened = self.past.find(self.opened_folder)
-            return past_band(self.opened_folder, opened, bool(self._running_id))
-        return None
+        """What pages say of a past survey that they show; None: they show the one that runs."""
+        if self._opened is None:
+            return None
+        name, survey = verbatim(self.opened_folder), self.past.find(self.opened_folder)
+        if survey is not None:
+            called = survey.name or survey.survey_id[:8]
+            name = Message("{time}, {name}", time=survey.local_time(), name=called)
+        if self._running_id:
+            return Message("NOT THE RUNNING SURVEY: {name}", name=name)
+        if survey is not None and survey.outcome == IMPORTED:
+            return Message("IMPORTED SURVEY: {name}", name=name)
+        return Message("PAST SURVEY: {name}", name=name)
 
     def open_survey(self, folder: str) -> None:
         """Ask for a past survey; it is shown once it is read."""
         self._wanted_folder = folder
         self.source.read_survey(folder)
+
+    def show_live(self) -> None:
+        """Show the survey that runs, and drop the past one."""
+        self._opened: Optional[ShownSurvey] = None
+        self.opened_folder = self._wanted_folder = ""
+        self._waiting = 0
+
+    def note_state(self, snapshot: Snapshot) -> None:
+        """Note where the antennas are and which survey is running; show one that begins."""
+        if snapshot.replay is not None:
+            if self._replayed_id is None:
+                self.past.set_replay(True)
+            self._replayed_id = snapshot.replay.mark.survey_id
+        running_id, measuring = snapshot.running_survey, snapshot.running and not snapshot.paused
+        if measuring and (not self._measuring or running_id != self._running_id):
+            self.show_live()
+        self._running_id, self._measuring = running_id, measuring
+        target, current = snapshot.target, snapshot.current
+        self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
+        self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
+        self.past.set_running(running_id)
 
     def on_event(self, event: object) -> None:
         """Take an event about traces."""
@@ -136,34 +135,18 @@ class TracePresenter:
         except SurveyNotReadableError as error:
             self._report(error.message)
 
-    def note_state(self, snapshot: Snapshot) -> None:
-        """Note where the antennas are and which survey is running; show one that begins."""
-        if snapshot.replay is not None:
-            if self._replayed_id is None:
-                self.past.set_replay(True)
-            self._replayed_id = snapshot.replay.mark.survey_id
-        self._note_running(snapshot)
-        target, current = snapshot.target, snapshot.current
-        self.live.map.set_target(None if target is None else (target.x_mm, target.y_mm))
-        self.carriage_mm = None if current is None or self._opened else (current.x_mm, current.y_mm)
-        self.past.set_running(self._running_id)
-
-    def show_live(self) -> None:
-        """Show the survey that runs, and drop the past one."""
-        self._opened, self.opened_folder, self._wanted_folder = None, "", ""
-        self._waiting = 0
-
-    def _note_running(self, snapshot: Snapshot) -> None:
-        running_id = snapshot.running_survey
-        measuring = snapshot.running and not snapshot.paused
-        begins = measuring and (not self._measuring or running_id != self._running_id)
-        self._running_id, self._measuring = running_id, measuring
-        if begins:
-            self.show_live()
-
     def refresh(self) -> None:
         """Take the newest coverage and request the missing traces."""
-        self._take_newest_coverage()
+        # Here and not when it comes, once per trace: working out the states of all stops takes
+        # milliseconds. Coverage and plan come from two nodes: either may come first, and for
+        # a moment they belong to different surveys.
+        coverage = self._coverage
+        if coverage is not None and coverage.survey_id == self.live.survey_id:
+            self._coverage = None
+            try:
+                self.live.map.set_coverage(coverage)
+            except SurveyNotReadableError as error:
+                self._report(error.message)
         self._ask_for_traces()
 
     def _take(self, event: object) -> None:
@@ -186,24 +169,10 @@ class TracePresenter:
         elif isinstance(event, ReadingFailed):
             self.past.set_problem(event.reason)
 
-    def _take_newest_coverage(self) -> None:
-        # Here and not when it comes, once per trace: working out the states of all stops takes
-        # milliseconds. Coverage and plan come from two nodes: either may come first, and for
-        # a moment they belong to different surveys.
-        coverage = self._coverage
-        if coverage is None or coverage.survey_id != self.live.survey_id:
-            return
-        self._coverage = None
-        try:
-            self.live.map.set_coverage(coverage)
-        except SurveyNotReadableError as error:
-            self._report(error.message)
-
     def _open(self, survey: SurveyRead) -> None:
         if survey.folder != self._wanted_folder:
             return  # a survey has begun since it was asked for
-        grid = grid_from_description(survey.text)
-        opened = ShownSurvey()
+        grid, opened = grid_from_description(survey.text), ShownSurvey()
         opened.begin(grid)
         opened.map.set_coverage(
             coverage_of_stored(grid.survey_id, grid.planned, survey.stored_indices)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
-from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
+from PyQt5.QtCore import QPointF, QRectF, QSizeF, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QImage, QPainter
 
-from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.coverage import MapModel, StopState
 from gpr20_operator.ground.geometry import Area, share_mm, shown_area, survey_area
-from gpr20_operator.ground.grid import SurveyGrid
-from gpr20_operator.ground.map_model import MapModel
-from gpr20_operator.ground.records import Colours, Picture
+from gpr20_operator.ground.grid import Stop, SurveyGrid
+from gpr20_operator.ground.records import Colours, Picture, Place
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.cells import Cell, Lattice, hiding_cells
 from gpr20_user_interface.widgets.ink import GroundMark, MarkKind, rimmed
-from gpr20_user_interface.widgets.plot import Plot
+from gpr20_user_interface.widgets.plot import Plot, extent_of
 
 __all__ = ["Frame", "GroundMark", "GroundPicture", "MarkKind"]
 
@@ -53,8 +52,8 @@ class GroundPicture(Plot):
         self._grid: Optional[SurveyGrid] = None
         self._cells: Optional[np.ndarray] = None
         self._cells_of: object = None
-        self._current: Optional[Tuple[float, float]] = None
-        self._failed: List[Tuple[float, float]] = []
+        self._current: Optional[Place] = None
+        self._failed: Tuple[Place, ...] = ()
         self._frames: Tuple[Frame, ...] = ()
         self._carriage_mm: Optional[Tuple[float, float]] = None
         self._loading: Optional[np.ndarray] = None
@@ -66,8 +65,7 @@ class GroundPicture(Plot):
         """Draw an image; without a coverage it is all that is shown."""
         super().show_picture(picture, colours)
         if picture is not None and self._grid is None:
-            (left, right), (low, high) = picture.across_mm, picture.range
-            self.set_extent(QRectF(left, low, right - left, high - low))
+            self.set_extent(extent_of(picture))
 
     def show_coverage(
         self, model: MapModel, loading: Optional[np.ndarray] = None, states: bool = True
@@ -79,36 +77,32 @@ class GroundPicture(Plot):
             loading: Which stops are stored but not here yet (bool, rows x columns); None: none.
             states: Whether states are shown; else only what is not there.
         """
-        grid, found = model.grid, model.stop_states
+        grid, stop = model.grid, model.current
         if grid is not self._grid:
             self._grid = grid
             self._fit()
-        stop = model.current
-        self._current = None
-        if grid is not None and stop is not None:
-            self._current = float(grid.xs_mm[stop.column]), float(grid.ys_mm[stop.row])
+        self._current = None if grid is None or stop is None else grid.place_of(stop)
         self._loading = None
         if grid is not None and loading is not None:
-            order = ascending(grid)
-            self._loading = np.where(loading, Cell.LOADING, Cell.BLANK)[order].astype(np.uint8)
+            waiting = np.where(loading, Cell.LOADING, Cell.BLANK)
+            self._loading = waiting[grid.ascending].astype(np.uint8)
         shown = (model, model.revision, states)
         if shown != self._cells_of:
             self._cells_of = shown
-            self._take_states(grid, found, states)
+            self._take_states(model, states)
             self.resetCachedContent()
         self.scene().update()
 
-    def _take_states(
-        self, grid: Optional[SurveyGrid], found: Optional[np.ndarray], states: bool
-    ) -> None:
-        self._cells, self._failed = None, []
+    def _take_states(self, model: MapModel, states: bool) -> None:
+        grid, found = model.grid, model.stop_states
+        self._cells, self._failed = None, ()
         if grid is None or found is None:
             return
         cells = found if states else np.where(found == StopState.DONE, Cell.BLANK, found)
-        self._cells = cells[ascending(grid)].astype(np.uint8)
+        self._cells = cells[grid.ascending].astype(np.uint8)
         if states:
-            rings = np.argwhere(found == StopState.FAILED)[:MAX_RINGS]
-            self._failed = [(grid.xs_mm[column], grid.ys_mm[row]) for row, column in rings]
+            rings = np.argwhere(found == StopState.FAILED)[:MAX_RINGS].tolist()
+            self._failed = tuple(grid.place_of(Stop(*one)) for one in rings)
 
     def set_frames(self, frames: Sequence[Frame]) -> None:
         """Frame other surveys and those that are planned."""
@@ -130,10 +124,11 @@ class GroundPicture(Plot):
 
     def _fit(self) -> None:
         """Show the survey, with the others around it."""
-        area = shown_extent(self._grid, self._frames)
-        if area is not None:
+        if self._grid is not None:
+            around = [one.area for one in self._frames if not one.planned]
+            area = shown_area(survey_area(self._grid.xs_mm, self._grid.ys_mm), around)
             self.set_extent(QRectF(area.left_mm, area.low_mm, area.width_mm, area.height_mm))
-        elif self._grid is None and self.numbers is None:
+        elif self.numbers is None:
             self.set_extent(None)
 
     def _touch(self, place: QPointF) -> None:
@@ -156,7 +151,12 @@ class GroundPicture(Plot):
         painter.drawRect(self._pixels_of(area))
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
-        self._paint_patterns(painter, look)
+        # What is loading, and where a mine could hide, the more densely the shallower.
+        if self._loading is not None and self._grid is not None:
+            area = survey_area(self._grid.xs_mm, self._grid.ys_mm)
+            self._paint_over(painter, look, "loading", self._loading, area)
+        if self._hiding is not None:
+            self._paint_over(painter, look, "hiding", *hiding_cells(self._hiding))
         for one in self._frames:
             for pen in rimmed(look, Mark.CURRENT if one.planned else Mark.INK, 3):
                 if one.planned:
@@ -166,19 +166,11 @@ class GroundPicture(Plot):
         radius = look.px(FAILED_RING_PX)
         for pen in rimmed(look, Mark.STOP_FAILED, 3):
             painter.setPen(pen)
-            for place_mm in self._failed:
-                painter.drawEllipse(self.to_screen(*place_mm), radius, radius)
-        self._paint_stop(painter, look, self._current, Mark.CURRENT)
+            for place in self._failed:
+                painter.drawEllipse(self.to_screen(place.x_mm, place.y_mm), radius, radius)
+        self._paint_stop(painter, look)
         # Below the marks: it must not hide a candidate.
         self._paint_carriage(painter, look)
-
-    def _paint_patterns(self, painter: QPainter, look: Look) -> None:
-        """Hatch what is loading and where a mine could hide, the more densely the shallower."""
-        if self._loading is not None and self._grid is not None:
-            area = survey_area(self._grid.xs_mm, self._grid.ys_mm)
-            self._paint_over(painter, look, "loading", self._loading, area)
-        if self._hiding is not None:
-            self._paint_over(painter, look, "hiding", *hiding_cells(self._hiding))
 
     def _paint_over(
         self, painter: QPainter, look: Look, name: str, cells: np.ndarray, area: Area
@@ -199,23 +191,18 @@ class GroundPicture(Plot):
             self._lattices[name] = known
         return known[1]
 
-    def _paint_stop(
-        self, painter: QPainter, look: Look, place_mm: Optional[Tuple[float, float]], mark: Mark
-    ) -> None:
-        if place_mm is None or self._grid is None:
+    def _paint_stop(self, painter: QPainter, look: Look) -> None:
+        """Paint a frame around the stop that is visited."""
+        grid, place = self._grid, self._current
+        if place is None or grid is None:
             return
-        xs_mm, ys_mm = self._grid.xs_mm, self._grid.ys_mm
-        centre, corner = (
-            self.to_screen(*place_mm),
-            self.to_screen(
-                place_mm[0] + share_mm(xs_mm, ys_mm) / 2.0,
-                place_mm[1] + share_mm(ys_mm, xs_mm) / 2.0,
-            ),
-        )
-        half = look.px(SMALLEST_FRAME_PX) / 2.0
-        width, height = max(corner.x() - centre.x(), half), max(centre.y() - corner.y(), half)
-        frame = QRectF(centre.x() - width, centre.y() - height, 2 * width, 2 * height)
-        for pen in rimmed(look, mark, 3):
+        share = QRectF(0.0, 0.0, share_mm(grid.xs_mm, grid.ys_mm), share_mm(grid.ys_mm, grid.xs_mm))
+        share.moveCenter(QPointF(place.x_mm, place.y_mm))
+        frame, least_px = self._map.mapRect(share), look.px(SMALLEST_FRAME_PX)
+        centre = frame.center()
+        frame.setSize(frame.size().expandedTo(QSizeF(least_px, least_px)))
+        frame.moveCenter(centre)
+        for pen in rimmed(look, Mark.CURRENT, 3):
             painter.setPen(pen)
             painter.drawRect(frame)
 
@@ -235,22 +222,4 @@ class GroundPicture(Plot):
                     painter.drawLine(centre - step, centre + step)
 
     def _pixels_of(self, area: Area) -> QRectF:
-        return QRectF(
-            self.to_screen(area.left_mm, area.high_mm), self.to_screen(area.right_mm, area.low_mm)
-        )
-
-
-def shown_extent(grid: Optional[SurveyGrid], frames: Sequence[Frame] = ()) -> Optional[Area]:
-    """Return what the view from above shows of a survey and others; None without a plan."""
-    if grid is None:
-        return None
-    around = [one.area for one in frames if not one.planned]
-    return shown_area(survey_area(grid.xs_mm, grid.ys_mm), around)
-
-
-def ascending(grid: SurveyGrid) -> Tuple[slice, slice]:
-    """Return the order of rows and columns in which Y and X ascend."""
-    return (
-        slice(None, None, 1 if grid.ys_mm[0] <= grid.ys_mm[-1] else -1),
-        slice(None, None, 1 if grid.xs_mm[0] <= grid.xs_mm[-1] else -1),
-    )
+        return self._map.mapRect(QRectF(area.left_mm, area.low_mm, area.width_mm, area.height_mm))

@@ -131,34 +131,28 @@ def paint_axes(
         ticks: Numbers of both axes, with their pixels.
     """
     font = _sized(painter.font(), look.px(SMALL_TEXT_PX))
-    metrics, taken = QFontMetrics(font), []
+    metrics, inside = QFontMetrics(font), room.adjusted(-0.5, -0.5, 0.5, 0.5)
     line_px = metrics.height()
+    taken: List[Tuple[QRectF, str]] = []
 
-    def boxed(text: str, left_px: float, top_px: float) -> QRectF:
-        return QRectF(left_px, top_px, metrics.horizontalAdvance(text) + 4, line_px)
+    def put(text: str, x: float, y: float, part: float, always: bool = False) -> None:
+        """Take room for a text that has a part of its width before x, if the room is free."""
+        wide_px = metrics.horizontalAdvance(text) + 4
+        box = QRectF(x - part * wide_px, y, wide_px, line_px)
+        free = not any(one.adjusted(-2, 0, 2, 0).intersects(box) for one, _text in taken)
+        if text and (always or (free and inside.contains(box))):
+            taken.append((box, text))
 
     bottom_px = room.bottom() - line_px
-    wide_px = metrics.horizontalAdvance(labels[0]) + 4
-    taken.append((boxed(labels[0], room.right() - wide_px, bottom_px), labels[0]))
-    taken.append((boxed(labels[1], room.left(), room.top()), labels[1]))
+    put(labels[0], room.right(), bottom_px, 1.0, always=True)
+    put(labels[1], room.left(), room.top(), 0.0, always=True)
     for x, text in ticks[0]:
-        half_px = metrics.horizontalAdvance(text) / 2.0 + 2
-        taken = _with_box(taken, boxed(text, x - half_px, bottom_px), text, room)
+        put(text, x, bottom_px, 0.5)
     for y, text in ticks[1]:
-        taken = _with_box(taken, boxed(text, room.left(), y - line_px / 2.0), text, room)
+        put(text, room.left(), y - line_px / 2.0, 0.0)
     for box, text in taken:
-        if text:
-            painter.fillRect(box, QColor(look.colour(Mark.PAPER)))
-            _paint_text(painter, font, box, text, QColor(look.colour(Mark.INK)))
-
-
-def _with_box(
-    taken: List[Tuple[QRectF, str]], box: QRectF, text: str, room: QRectF
-) -> List[Tuple[QRectF, str]]:
-    """Return the texts with another one, if it lies inside and apart from the others."""
-    free = not any(one.adjusted(-2, 0, 2, 0).intersects(box) for one, own in taken if own)
-    inside = room.adjusted(-0.5, -0.5, 0.5, 0.5).contains(box)
-    return [*taken, (box, text)] if inside and free else taken
+        painter.fillRect(box, QColor(look.colour(Mark.PAPER)))
+        _paint_text(painter, font, box, text, QColor(look.colour(Mark.INK)))
 
 
 def paint_notice(painter: QPainter, look: Look, room: QRectF, notice: str) -> None:

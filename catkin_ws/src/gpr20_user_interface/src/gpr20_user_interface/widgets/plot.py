@@ -6,7 +6,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import pyqtgraph
-from PyQt5.QtCore import QEvent, QPointF, QRectF, Qt, pyqtSignal
+from PyQt5.QtCore import QEvent, QLineF, QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import (
     QColor,
     QImage,
@@ -46,6 +46,12 @@ FREE_PX = 14.0
 # Room of a number on each axis.
 TICK_PX = (80, 44)
 UNIT = QRectF(0.0, 0.0, 1.0, 1.0)
+
+
+def extent_of(picture: Picture) -> QRectF:
+    """Return the outer edges of a picture, in units of its axes."""
+    (left, right), (low, high) = picture.across_mm, picture.range
+    return QRectF(left, low, right - left, high - low)
 
 
 class ShadeItem(pyqtgraph.ImageItem):
@@ -137,8 +143,7 @@ class Plot(pyqtgraph.GraphicsView):
             self._image.setLookupTable(colour_table(used))
         self.numbers = shade_numbers(picture.shades, picture.signed)
         self._image.setImage(self.numbers, autoLevels=False)
-        (left, right), (low, high) = picture.across_mm, picture.range
-        self._image.setRect(QRectF(left, low, right - left, high - low))
+        self._image.setRect(extent_of(picture))
 
     def set_extent(self, extent: Optional[QRectF]) -> None:
         """Show all of another part of the axes; the same one stays zoomed as it is."""
@@ -263,7 +268,7 @@ class Plot(pyqtgraph.GraphicsView):
         slop_px = look_of(self).px(SLOP_PX)
         if before is None:
             return
-        if self._pressed is not None and _distance(place, self._pressed) < slop_px:
+        if self._pressed is not None and QLineF(place, self._pressed).length() < slop_px:
             return
         self._pressed, self._finger = None, place
         if self._scrubs:
@@ -305,7 +310,7 @@ class Plot(pyqtgraph.GraphicsView):
     def marks_near(self, place: QPointF) -> List[GroundMark]:
         """Return the marks within reach of a finger, the nearest first."""
         found = [
-            (_distance(self.to_screen(one.across_mm, one.second_mm), place), one)
+            (QLineF(self.to_screen(one.across_mm, one.second_mm), place).length(), one)
             for one in self.marks
         ]
         # Whichever of them is chosen, and with that painted last, the order is the same.
@@ -376,26 +381,18 @@ class Plot(pyqtgraph.GraphicsView):
 
     def _ticks(self, look: Look) -> Tuple[Ticks, Ticks]:
         """Return the numbers of both axes, with their pixels."""
-        area = self.area
+        area, (x_px, y_px) = self.area, TICK_PX
         (left, one), (right, other) = self.to_data(area.topLeft()), self.to_data(area.bottomRight())
-        most = [
-            max(2, int(length / look.px(px)))
-            for length, px in zip((area.width(), area.height()), TICK_PX)
-        ]
-        xs = round_ticks(left, right, most[0]).tolist()
-        ys = round_ticks(min(one, other), max(one, other), most[1]).tolist()
+        xs = round_ticks(left, right, max(2, int(area.width() / look.px(x_px))))
+        low, high = min(one, other), max(one, other)
+        ys = round_ticks(low, high, max(2, int(area.height() / look.px(y_px))))
         return (
-            [(self.to_screen(x, 0.0).x(), f"{x:g}") for x in xs],
-            [(self.to_screen(0.0, y).y(), f"{y:g}") for y in ys],
+            [(self.to_screen(x, 0.0).x(), f"{x:g}") for x in xs.tolist()],
+            [(self.to_screen(0.0, y).y(), f"{y:g}") for y in ys.tolist()],
         )
 
 
 def _within(centre: float, low: float, high: float, half: float) -> float:
     """Return the nearest centre from which nothing beyond both ends is seen."""
-    if 2.0 * half >= high - low:
-        return (low + high) / 2.0
+    half = min(half, (high - low) / 2.0)
     return min(max(centre, low + half), high - half)
-
-
-def _distance(one: QPointF, other: QPointF) -> float:
-    return float(np.hypot(one.x() - other.x(), one.y() - other.y()))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Callable, List, Optional, Tuple
+from functools import partial
+from typing import Callable, Optional, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_operator.ground.finer_plan import (
@@ -55,17 +56,10 @@ class FinerSheet(Overlay):
         self._running = False
         self.plan: Optional[FinerPlan] = None
         self.title, self.size_title, self.spacing_title = QLabel(), QLabel(), QLabel()
-        self.title.setObjectName("title")
-        self.sizes: List[QPushButton] = [self._size_key(one) for one in SIZES_MM]
-        self.closer = new_button(lambda: self._plan_again(-SPACING_STEP_MM), "-")
-        self.wider = new_button(lambda: self._plan_again(SPACING_STEP_MM), "+")
-        self.spacing = QLabel()
-        self.spacing.setObjectName("figure")
-        self.spacing.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.figures, self.note = QLabel(), QLabel()
-        self.figures.setObjectName("figure")
-        for label in (self.figures, self.note):
-            label.setWordWrap(True)
+        self.spacing, self.figures, self.note = QLabel(), QLabel(), QLabel()
+        self.sizes = [new_button(partial(self._choose, one), f"{one:g} mm") for one in SIZES_MM]
+        self.closer = new_button(lambda: self._choose(change_mm=-SPACING_STEP_MM), "-")
+        self.wider = new_button(lambda: self._choose(change_mm=SPACING_STEP_MM), "+")
         self.use, self.close_button = new_button(self._on_use), new_button(self.hide)
         self.drop = new_button(self.dropped.emit)
         self.drop.clicked.connect(self.hide)
@@ -75,10 +69,10 @@ class FinerSheet(Overlay):
     def show_place(self, grid: SurveyGrid, x_mm: float, y_mm: float) -> None:
         """Open with a plan around a place of a survey."""
         self._grid, self._place_mm = grid, (x_mm, y_mm)
-        self._size_mm, self._spacing_mm = SIZES_MM[0], proposed_spacing(grid)
+        self._spacing_mm = proposed_spacing(grid)
         self.drop.hide()
         self.open()
-        self._plan_again()
+        self._choose(SIZES_MM[0])
 
     def show_plan(self, grid: SurveyGrid, plan: FinerPlan) -> None:
         """Open with a plan that was kept.
@@ -108,39 +102,33 @@ class FinerSheet(Overlay):
         self.close_button.setText(self.tr("Close"))
         self._show()
 
-    def _size_key(self, size_mm: float) -> QPushButton:
-        key = new_button(lambda: self._choose_size(size_mm), f"{size_mm:g} mm")
-        key.setCheckable(True)
-        return key
-
-    def _choose_size(self, size_mm: float) -> None:
-        self._size_mm = size_mm
-        self._plan_again()
-
-    def _plan_again(self, change_mm: float = 0.0) -> None:
+    def _choose(self, size_mm: Optional[float] = None, change_mm: float = 0.0) -> None:
+        """Plan with another size, or another distance of the stops."""
         if self._grid is None:
             return
+        self._size_mm = self._size_mm if size_mm is None else size_mm
         self._spacing_mm = clipped_spacing(self._spacing_mm + change_mm)
         try:
             self.plan = plan_finer(self._grid, *self._place_mm, self._size_mm, self._spacing_mm)
-            self._problem = ""
         except InvalidValueError as error:
-            self.plan = None
-            self._problem = shown_text(error.message)
+            self.plan, self._problem = None, shown_text(error.message)
         self._show()
 
     def _show(self) -> None:
         x_mm, y_mm = self._place_mm
-        self.title.setText(
-            self.tr("Measure finer around X {x:.0f} mm, Y {y:.0f} mm").format(x=x_mm, y=y_mm)
-        )
+        title = self.tr("Measure finer around X {x:.0f} mm, Y {y:.0f} mm")
+        self.title.setText(title.format(x=x_mm, y=y_mm))
         for key, size_mm in zip(self.sizes, SIZES_MM):
             key.setChecked(size_mm == self._size_mm)
         self.spacing.setText(f"{self._spacing_mm:g} mm")
         self.use.setText(self.tr("Keep for later") if self._running else self.tr("To the plan"))
         self.use.setEnabled(self.plan is not None)
         self.figures.setText(self._problem if self.plan is None else self._figures(self.plan))
-        self.note.setText(self._note())
+        note = self.tr("Spacing of this survey: {spacing} mm. Nothing moves before START.")
+        if self._running:
+            note = self.tr("A survey is running. The plan is kept until it has ended.")
+        present = "" if self._grid is None else f"{spacing_of(self._grid):.4g}"
+        self.note.setText(note.format(spacing=present))
 
     def _figures(self, plan: FinerPlan) -> str:
         p = plan.parameters
@@ -154,32 +142,33 @@ class FinerSheet(Overlay):
         time = "—" if duration_s is None else shown_text(duration(duration_s))
         return "\n".join([area, count, self.tr("Time: {time}").format(time=time)])
 
-    def _note(self) -> str:
-        if self._running:
-            return self.tr("A survey is running. The plan is kept until it has ended.")
-        present = "" if self._grid is None else f"{spacing_of(self._grid):.4g}"
-        text = self.tr("Spacing of this survey: {spacing} mm. Nothing moves before START.")
-        return text.format(spacing=present)
-
     def _on_use(self) -> None:
         if self.plan is not None:
             self.hide()
             self.chosen.emit(self.plan)
 
     def _lay_out(self) -> None:
-        size, spacing, keys = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
+        self.title.setObjectName("title")
+        self.spacing.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        for label in (self.spacing, self.figures):
+            label.setObjectName("figure")
+        for label in (self.figures, self.note):
+            label.setWordWrap(True)
         for key in self.sizes:
-            size.addWidget(key, 1)
-        for widget in (self.closer, self.spacing, self.wider):
-            spacing.addWidget(widget, 1)
-        for key in (self.use, self.drop, self.close_button):
-            keys.addWidget(key, 1)
-        grid = QGridLayout()
-        for row, (title, line) in enumerate(
-            ((self.size_title, size), (self.spacing_title, spacing))
-        ):
+            key.setCheckable(True)
+        grid, keys = QGridLayout(), QHBoxLayout()
+        lines = (
+            (self.size_title, self.sizes),
+            (self.spacing_title, (self.closer, self.spacing, self.wider)),
+        )
+        for row, (title, widgets) in enumerate(lines):
+            line = QHBoxLayout()
+            for widget in widgets:
+                line.addWidget(widget, 1)
             grid.addWidget(title, row, 0)
             grid.addLayout(line, row, 1)
+        for key in (self.use, self.drop, self.close_button):
+            keys.addWidget(key, 1)
         grid.setColumnStretch(1, 1)
         column = QVBoxLayout(self)
         column.addWidget(self.title)

@@ -29,7 +29,6 @@ PERMITTIVITIES = [
 GAINS_DB_PER_NS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0)
 COLUMNS = 60
 SWATCH_PX = 24
-ORDER = (StopState.DONE, StopState.PARTLY, StopState.MISSING, StopState.FAILED)
 
 
 class LayersSheet(Overlay):
@@ -52,33 +51,35 @@ class LayersSheet(Overlay):
         super().__init__(window)
         self._model = model
         self._own = 9.0
-        self.layers = {
-            one: self._key(partial(self._do, partial(model.switch, one))) for one in Layer
-        }
-        self.counts: Dict[StopState, QLabel] = {one: QLabel() for one in ORDER}
-        self.swatches: Dict[StopState, QLabel] = {one: QLabel() for one in ORDER}
-        self.next_problem = self._key(lambda: self._close_with(self._on_next_problem))
-        self.markers = self._key(lambda: self._close_with(self.markers_wanted.emit))
+        self.layers = {one: self._key(partial(model.switch, one)) for one in Layer}
+        self.counts: Dict[StopState, QLabel] = {one: QLabel() for one in STATE_NAMES}
+        self.swatches: Dict[StopState, QLabel] = {one: QLabel() for one in STATE_NAMES}
+        self.next_problem = self._key(model.choose_next_problem, closes=True)
+        self.markers = self._key(self.markers_wanted.emit, closes=True)
         self.soils: Dict[Optional[Soils], QPushButton] = {
-            soil: self._key(partial(self._on_soil, soil)) for soil in (*Soils, None)
+            soil: self._key(partial(self._choose_soil, soil)) for soil in (*Soils, None)
         }
         self.permittivity = Stepper(PERMITTIVITIES, model.settings.permittivity)
-        self.fit = self._key(lambda: self._close_with(self.fit_wanted.emit))
+        self.fit = self._key(self.fit_wanted.emit, closes=True)
         self.gain = Stepper(GAINS_DB_PER_NS, model.settings.gain_db_per_ns)
         self.colours: Dict[Colours, QPushButton] = {
-            colours: self._key(partial(self._change, colours=colours)) for colours in Colours
+            colours: self._key(partial(model.change, colours=colours)) for colours in Colours
         }
-        self.scale = self._key(lambda: self._toggle("in_db"))
-        self.along = self._key(self._on_along)
-        self.polarization = self._key(lambda: self._do(model.next_polarization))
-        self.axis = self._key(lambda: self._toggle("in_depth"))
-        self.background = self._key(lambda: self._toggle("remove_background"))
-        self.follow = self._key(lambda: self._do(lambda: model.follow(not model.follows)))
-        self.done = self._key(self.hide)
+        self.scale = self._key(partial(self._toggle, "in_db"))
+        self.along = self._key(self._turn)
+        self.polarization = self._key(model.next_polarization)
+        self.axis = self._key(partial(self._toggle, "in_depth"))
+        self.background = self._key(partial(self._toggle, "remove_background"))
+        self.follow = self._key(lambda: model.follow(not model.follows))
+        self.done = self._key(lambda: None, closes=True)
         for key in (*self.layers.values(), *self.soils.values(), *self.colours.values()):
             key.setCheckable(True)
-        self.permittivity.changed.connect(lambda value: self._change(permittivity=value))
-        self.gain.changed.connect(lambda value: self._change(gain_db_per_ns=value))
+        self.permittivity.changed.connect(
+            lambda value: self._do(partial(model.change, permittivity=value))
+        )
+        self.gain.changed.connect(
+            lambda value: self._do(partial(model.change, gain_db_per_ns=value))
+        )
         self._grid = QGridLayout(self)
         self._lay_out()
         self.retranslate()
@@ -108,20 +109,19 @@ class LayersSheet(Overlay):
             swatch.setFixedSize(QSize(size, size))
 
     def _show(self) -> None:
-        model = self._model
-        settings, grid = model.settings, model.survey.radar.grid
         self._show_layers()
+        model, settings, grid = self._model, self._model.settings, self._model.survey.radar.grid
         chosen = soil_of(settings.permittivity)
         if chosen is None:
             self._own = settings.permittivity
         for soil, key in self.soils.items():
             name = self.tr("Your own") if soil is None else shown_text(soil.value.name)
-            value = self._own if soil is None else soil.value.permittivity
-            key.setText(f"{name}\n{value:g}")
+            key.setText(f"{name}\n{self._permittivity_of(soil):g}")
             key.setChecked(soil is chosen)
         self.permittivity.set_value(settings.permittivity)
         self.gain.set_value(settings.gain_db_per_ns)
-        self.fit.setEnabled(model.can_fit)
+        depth_ns = model.second_of(0.0, Axis.DELAY_NS)
+        self.fit.setEnabled(model.place is not None and depth_ns is not None)
         names = {
             Colours.ENVELOPE: self.tr("Strength"),
             Colours.GREY: self.tr("Wave,\ngrey"),
@@ -165,43 +165,38 @@ class LayersSheet(Overlay):
         self.markers.setText(f"{title}: {len(additions.markers)}")
         self.markers.setEnabled(bool(additions.markers))
 
-    def _key(self, act: Callable[[], None]) -> QPushButton:
-        key = new_button(act)
+    def _key(self, act: Callable[[], None], closes: bool = False) -> QPushButton:
+        """Return a key; one that leads to something that the sheet covers closes it first."""
+        key = new_button(lambda: self._do(act, closes))
         key.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
         key.setObjectName("ground_choice")
         return key
 
-    def _on_next_problem(self) -> None:
-        self._model.choose_next_problem()
-        self.changed.emit()
-
-    def _close_with(self, act: Callable[[], None]) -> None:
-        self.hide()
+    def _do(self, act: Callable[[], None], closes: bool = False) -> None:
+        if closes:
+            self.hide()
         act()
-
-    def _on_soil(self, soil: Optional[Soils]) -> None:
-        self._change(permittivity=self._own if soil is None else soil.value.permittivity)
-
-    def _on_along(self) -> None:
-        along_x = self._model.settings.along is Axis.X_MM
-        self._change(along=Axis.Y_MM if along_x else Axis.X_MM)
-
-    def _toggle(self, name: str) -> None:
-        self._change(**{name: not getattr(self._model.settings, name)})
-
-    def _change(self, **changes: object) -> None:
-        self._do(lambda: self._model.change(**changes))
-
-    def _do(self, change: Callable[[], None]) -> None:
-        change()
         self._show()
         self.changed.emit()
+
+    def _permittivity_of(self, soil: Optional[Soils]) -> float:
+        return self._own if soil is None else soil.value.permittivity
+
+    def _choose_soil(self, soil: Optional[Soils]) -> None:
+        self._model.change(permittivity=self._permittivity_of(soil))
+
+    def _turn(self) -> None:
+        along_x = self._model.settings.along is Axis.X_MM
+        self._model.change(along=Axis.Y_MM if along_x else Axis.X_MM)
+
+    def _toggle(self, name: str) -> None:
+        self._model.change(**{name: not getattr(self._model.settings, name)})
 
     def _lay_out(self) -> None:
         legend = QWidget()
         line = QHBoxLayout(legend)
         line.setContentsMargins(0, 0, 0, 0)
-        for state in ORDER:
+        for state in STATE_NAMES:
             line.addWidget(self.swatches[state])
             line.addWidget(self.counts[state], 1)
         rows: List[List[QWidget]] = [

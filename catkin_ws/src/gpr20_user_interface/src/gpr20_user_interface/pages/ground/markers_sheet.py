@@ -35,7 +35,18 @@ class MarkersSheet(Overlay):
         self.confirm = HoldSheet(window)
         self.show_button, self.remove = new_button(self._on_show), new_button(self._on_remove)
         self.close_button = new_button(self.hide)
-        self._lay_out()
+        keys = QHBoxLayout()
+        for button in (self.show_button, self.close_button):
+            keys.addWidget(button, 1)
+        # Far from where other sheets have OK and CLOSE: a bounced touch must not hold it.
+        top = QHBoxLayout()
+        top.addWidget(self.title, 1)
+        top.addWidget(self.remove)
+        column = QVBoxLayout(self)
+        column.addLayout(top)
+        column.addWidget(self.list, 1)
+        column.addWidget(self.details)
+        column.addLayout(keys)
         self.retranslate()
 
     @property
@@ -46,8 +57,8 @@ class MarkersSheet(Overlay):
 
     def show_markers(self, markers: Tuple[Marker, ...]) -> None:
         """Open with a list."""
-        self.open()
         self.set_markers(markers)
+        self.open()
 
     def set_markers(self, markers: Tuple[Marker, ...]) -> None:
         """Show another list, if it has changed."""
@@ -73,12 +84,11 @@ class MarkersSheet(Overlay):
         self._show_choice()
 
     def _show_choice(self) -> None:
-        chosen = self.chosen
-        self.show_button.setEnabled(chosen is not None)
-        self.remove.setEnabled(chosen is not None)
-        made = "" if chosen is None else f"{chosen.time[:16].replace('T', ' ')} UTC"
-        author = "" if chosen is None else chosen.author
-        self.details.setText(self.tr("Touch a marker.") if chosen is None else f"{made} {author}")
+        one = self.chosen
+        for key in (self.show_button, self.remove):
+            key.setEnabled(one is not None)
+        made = "" if one is None else f"{one.time[:16].replace('T', ' ')} UTC {one.author}"
+        self.details.setText(made or self.tr("Touch a marker."))
 
     def _on_show(self) -> None:
         if self.chosen is not None:
@@ -91,17 +101,3 @@ class MarkersSheet(Overlay):
             place = place_text(marker.x_mm, marker.y_mm, marker.depth_mm)
             question = remove_marker_question(place, marker.text)
             self.confirm.ask(question, lambda: self.remove_wanted.emit(marker))
-
-    def _lay_out(self) -> None:
-        keys = QHBoxLayout()
-        for button in (self.show_button, self.close_button):
-            keys.addWidget(button, 1)
-        # Far from where other sheets have OK and CLOSE: a bounced touch must not hold it.
-        top = QHBoxLayout()
-        top.addWidget(self.title, 1)
-        top.addWidget(self.remove)
-        column = QVBoxLayout(self)
-        column.addLayout(top)
-        column.addWidget(self.list, 1)
-        column.addWidget(self.details)
-        column.addLayout(keys)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import Tuple
 
 from gpr20_operator.ground.records import Axis
 from gpr20_survey.plan.markers import Marker
@@ -45,26 +45,24 @@ def marks_in_section(model: GroundModel, along: Axis) -> Tuple[GroundMark, ...]:
 
 def _marked(model: GroundModel) -> Tuple[Found, ...]:
     """Return candidates and markers, those that must not be overlooked last."""
-    additions = model.additions
-    found: List[Found] = []
-    if Layer.MARKERS in model.layers:
-        found.extend(additions.markers)
-    if Layer.CANDIDATES in model.layers:
-        found.extend(reversed(additions.candidates))
-    found.sort(key=lambda one: (one == model.mark, getattr(one, "is_doubtful", True) is False))
-    return tuple(found)
+    additions, layers = model.additions, model.layers
+    found: Tuple[Found, ...] = additions.markers if Layer.MARKERS in layers else ()
+    found += additions.candidates[::-1] if Layer.CANDIDATES in layers else ()
+    last = sorted(
+        found, key=lambda one: (one == model.mark, getattr(one, "is_doubtful", True) is False)
+    )
+    return tuple(last)
 
 
 def _mark(
     model: GroundModel, one: Found, across_mm: float, second_mm: float, near: bool
 ) -> GroundMark:
+    chosen = one == model.mark
     if isinstance(one, Marker):
-        return GroundMark(
-            *(across_mm, second_mm, "", MarkKind.MARKER),
-            chosen=one == model.mark, near=near, about=one,
-        )  # fmt: skip
+        kind = MarkKind.MARKER
+        return GroundMark(across_mm, second_mm, "", kind, chosen=chosen, near=near, about=one)
     return GroundMark(
         *(across_mm, second_mm, str(one.number), MarkKind.CANDIDATE),
-        doubtful=one.is_doubtful, chosen=one == model.mark, near=near, about=one,
+        doubtful=one.is_doubtful, chosen=chosen, near=near, about=one,
         measured=model.is_measured(one.x_mm, one.y_mm),
     )  # fmt: skip

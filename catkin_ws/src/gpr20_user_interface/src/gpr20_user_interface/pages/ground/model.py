@@ -12,11 +12,10 @@ import numpy as np
 
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.ground.grid import Cell, Stop
-from gpr20_operator.ground.pictures import DEPTH_STEP_M
+from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.records import Axis, Curve, Picture, Place, RadarSettings
 from gpr20_operator.ground.shown_survey import ShownSurvey
-from gpr20_operator.ground.sources import EchoSource, FocusedSource, RadarSource
+from gpr20_operator.ground.sources import DEPTH_STEP_M, EchoSource, FocusedSource, RadarSource
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.radar.depth import (
     delay_of_depth,
@@ -45,15 +44,7 @@ class Layer(enum.Enum):
     HIDING = "hiding"
 
 
-ALL_LAYERS = frozenset(Layer) - {Layer.FOCUSED}
 IMAGES = frozenset({Layer.ECHOES, Layer.FOCUSED})
-
-
-class Grip(enum.Enum):
-    """What of the hyperbola is dragged."""
-
-    APEX = "apex"
-    FLANK = "flank"
 
 
 @dataclass(frozen=True)
@@ -71,6 +62,11 @@ class Shown:
     curve: Optional[Curve]
     sections: Tuple[Optional[Picture], ...]
     above: Optional[Picture]
+
+    @property
+    def first(self) -> Optional[Picture]:
+        """One of the pictures, of which all have the same scale."""
+        return next((one for one in (self.above, *self.sections) if one is not None), None)
 
 
 class GroundModel:
@@ -93,7 +89,7 @@ class GroundModel:
     def __init__(self, survey: ShownSurvey, additions: AdditionsPresenter) -> None:
         self.additions = additions
         self.settings = RadarSettings()
-        self.layers: FrozenSet[Layer] = ALL_LAYERS
+        self.layers: FrozenSet[Layer] = frozenset(Layer) - {Layer.FOCUSED}
         self._focused: Optional[FocusedSource] = None
         self._planned_permittivity: Optional[float] = None
         self._placed: Tuple[object, Optional[Place]] = (None, None)
@@ -130,7 +126,7 @@ class GroundModel:
         return (
             *(shown, shown.map.revision, shown.map.current, shown.radar.revision),
             *(self.settings, self.layers, self._chosen, self.mark, self.hyperbola),
-            *(self.additions.revision, id(self.additions.laid_image)),
+            *(self.additions.revision, id(self.image)),
         )
 
     @property
@@ -144,41 +140,34 @@ class GroundModel:
         return Layer.FOCUSED in self.layers and self.image is not None
 
     @property
-    def is_loading(self) -> bool:
-        """Whether stored traces that would be drawn are not here yet."""
-        waiting = self.survey.loading.waiting
+    def waiting(self) -> Optional[np.ndarray]:
+        """Which stops are stored but not here yet (bool, rows x columns); None: none is drawn."""
         number = self.settings.polarization
-        return not self.shows_focused and bool(waiting[number : number + 1].any())
+        waiting = self.survey.loading.waiting[number : number + 1]
+        return waiting[0] if waiting.any() and not self.shows_focused else None
 
-    def loading_along(self, along: Axis) -> np.ndarray:
-        """Return which traces of the section are not here yet, in the order of its places."""
-        grid, stop = self.survey.map.grid, self.stop
-        if grid is None or stop is None or not self.is_loading:
+    def waiting_along(self, along: Axis) -> np.ndarray:
+        """Return which traces of a section wait, in the order of its places; empty: none."""
+        grid, stop, waiting = self.survey.map.grid, self.stop, self.waiting
+        if grid is None or stop is None or waiting is None:
             return np.zeros(0, bool)
-        waiting = self.survey.loading.waiting[self.settings.polarization]
-        along_x = along is Axis.X_MM
-        places_mm = grid.xs_mm if along_x else grid.ys_mm
-        found = waiting[stop.row] if along_x else waiting[:, stop.column]
-        return found[:: 1 if places_mm[0] <= places_mm[-1] else -1]
+        rows, columns = grid.ascending
+        return waiting[stop.row, columns] if along is Axis.X_MM else waiting[rows, stop.column]
 
     @property
     def is_partial(self) -> bool:
         """Whether a part of the survey is not measured."""
-        counts = self.survey.map.counts()
-        return counts is None or counts[StopState.DONE] < sum(counts.values())
+        states = self.survey.map.stop_states
+        return states is None or bool((states != StopState.DONE).any())
 
     @property
     def _source(self) -> RadarSource:
         image = self.image
-        if image is None or not self.shows_focused:
+        if image is None or Layer.FOCUSED not in self.layers:
             return self._echoes
-        before = self._focused
-        if before is not None and before.image is image:
-            return before
-        same = before is not None and before.image.survey_id == image.survey_id
-        focused = FocusedSource(image, before.steady if same and before is not None else None)
-        self._focused = focused
-        return focused
+        if self._focused is None or self._focused.image is not image:
+            self._focused = FocusedSource(image, self._focused)
+        return self._focused
 
     def pictures(self, alongs: Tuple[Axis, ...]) -> Shown:
         """Return what is shown now.
@@ -188,30 +177,26 @@ class GroundModel:
         """
         source, settings, place = self._source, self.settings, self.place
         above = source.slice(settings) if self.layers & IMAGES else None
-        if above is not None and self.is_loading:
+        if above is not None:
             above = self._coarse(above)
         if place is None:
             return Shown(None, None, (None,) * len(alongs), above)
-        sections = tuple(
-            source.line(place, dataclasses.replace(settings, along=one)) for one in alongs
+        each = (dataclasses.replace(settings, along=one) for one in alongs)
+        sections = tuple(source.line(place, one) for one in each)
+        return Shown(
+            source.level_db(place, settings), source.curve(place, settings), sections, above
         )
-        level_db, curve = source.level_db(place, settings), source.curve(place, settings)
-        return Shown(level_db, curve, sections, above)
 
     def _coarse(self, picture: Picture) -> Picture:
         """Return a picture in which stops that are not loaded look like one near them."""
-        loading, grid = self.survey.loading, self.survey.map.grid
-        if grid is None or loading.step < 2:
+        step, grid, waiting = self.survey.loading.step, self.survey.map.grid, self.waiting
+        if grid is None or waiting is None or step < 2:
             return picture
-        rows, columns = (
-            np.arange(count)[:: 1 if places[0] <= places[-1] else -1]
-            for count, places in zip(grid.shape, (grid.ys_mm, grid.xs_mm))
-        )
-        waits = loading.waiting[self.settings.polarization][rows][:, columns]
-        at_row = np.argsort(rows)[rows // loading.step * loading.step]
-        at_column = np.argsort(columns)[columns // loading.step * loading.step]
-        near = picture.shades[at_row][:, at_column]
-        return dataclasses.replace(picture, shades=np.where(waits, near, picture.shades))
+        # In the order of the plan: stops of every so many rows and columns are here first.
+        shades = picture.shades[grid.ascending]
+        near = shades[np.ix_(*(np.arange(count) // step * step for count in grid.shape))]
+        shades = np.where(waiting, near, shades)[grid.ascending]
+        return dataclasses.replace(picture, shades=shades)
 
     @property
     def follows(self) -> bool:
@@ -231,18 +216,15 @@ class GroundModel:
         return self._placed[1]
 
     def _find_place(self) -> Optional[Place]:
-        if self._chosen is not None:
-            return self._source.nearest(self._chosen)
-        candidates = self.additions.candidates
-        if candidates and (self.shows_focused or not self.is_partial):
+        candidates, radar, place = self.additions.candidates, self.survey.radar, self._chosen
+        if place is None and candidates and (self.shows_focused or not self.is_partial):
             # The newest stop may not be in the image yet.
-            return self._source.nearest(Place(candidates[0].x_mm, candidates[0].y_mm))
-        radar = self.survey.radar
+            place = Place(candidates[0].x_mm, candidates[0].y_mm)
         # Of this polarization: the other one may not be measured yet at the newest stop.
         latest = radar.latest_of.get(self.settings.polarization, radar.latest)
-        if radar.grid is None or latest is None:
-            return None
-        return self._source.nearest(self._place_of(latest.stop))
+        if place is None and radar.grid is not None and latest is not None:
+            place = radar.grid.place_of(latest.stop)
+        return None if place is None else self._source.nearest(place)
 
     @property
     def stop(self) -> Optional[Stop]:
@@ -251,11 +233,6 @@ class GroundModel:
         if grid is None or place is None:
             return None
         return grid.closest_stop(place.x_mm, place.y_mm)
-
-    @property
-    def cell(self) -> Optional[Cell]:
-        """The trace of the crosshair."""
-        return None if self.stop is None else Cell(self.stop, self.settings.polarization)
 
     @property
     def point(self) -> Optional[Tuple[float, float, Optional[float]]]:
@@ -283,20 +260,26 @@ class GroundModel:
         self.choose_place(mark.x_mm, mark.y_mm, mark.depth_mm)
         self.mark = mark
 
-    def choose_next_candidate(self) -> None:
-        """Go to the candidate after the one that is chosen."""
+    @property
+    def visits_candidates(self) -> bool:
+        """Whether it goes from candidate to candidate; else from one unfinished stop to another."""
+        return Layer.CANDIDATES in self.layers and bool(self.additions.candidates)
+
+    def choose_next(self) -> None:
+        """Go to the candidate, or the unfinished stop, after the one that is chosen."""
+        if not self.visits_candidates:
+            self.choose_next_problem()
+            return
         candidates = self.additions.candidates
-        if candidates:
-            known = self.mark in candidates
-            number = candidates.index(self.mark) + 1 if known else 0
-            self.choose_mark(candidates[number % len(candidates)])
+        number = candidates.index(self.mark) + 1 if self.mark in candidates else 0
+        self.choose_mark(candidates[number % len(candidates)])
 
     def choose_next_problem(self) -> None:
         """Go to the unfinished stop after the one that is chosen."""
-        after = None if self.follows else self.stop
-        stop = self.survey.map.next_problem(after)
-        if stop is not None:
-            place = self._place_of(stop)
+        ground = self.survey.map
+        stop = ground.next_problem(None if self.follows else self.stop)
+        if stop is not None and ground.grid is not None:
+            place = ground.grid.place_of(stop)
             self.choose_place(place.x_mm, place.y_mm)
 
     def follow(self, follows: bool) -> None:
@@ -313,24 +296,23 @@ class GroundModel:
             axis: What the second one is.
         """
         place = self.place
-        if place is not None:
-            x_mm = across_mm if along is Axis.X_MM else place.x_mm
-            y_mm = place.y_mm if along is Axis.X_MM else across_mm
-            self.choose_place(x_mm, y_mm)
+        if place is not None and along is Axis.X_MM:
+            self.choose_place(across_mm, place.y_mm)
+        elif place is not None:
+            self.choose_place(place.x_mm, across_mm)
         self.touch_depth(second, axis)
 
     def touch_depth(self, second: float, axis: Axis) -> None:
         """Move the crosshair to a depth [mm] or delay [ns]."""
-        depth_m = self._depth_m(second, axis)
-        if depth_m is not None:
-            self.mark = None
-            self.set_depth(depth_m)
-
-    def _place_of(self, stop: Stop) -> Place:
-        grid = self.survey.map.grid
-        if grid is None:
-            raise ValueError("a stop has a place only in a plan")
-        return Place(float(grid.xs_mm[stop.column]), float(grid.ys_mm[stop.row]))
+        height_m = self.survey.radar.typical_height_m()
+        if axis is Axis.DEPTH_MM:
+            depth_m = second / 1000.0
+        elif math.isfinite(height_m):
+            depth_m = depth_of_delay_m(second * 1e-9, height_m, self.settings.permittivity)
+        else:
+            return
+        self.mark = None
+        self.set_depth(depth_m)
 
     def switch(self, layer: Layer) -> None:
         """Show or hide a layer; an image takes the place of the other one."""
@@ -378,22 +360,13 @@ class GroundModel:
         self.mark = None
         self.set_depth(self.settings.depth_m + steps * DEPTH_STEP_M)
 
-    def _depth_m(self, second: float, axis: Axis) -> Optional[float]:
-        if axis is Axis.DEPTH_MM:
-            return second / 1000.0
-        height_m = self.survey.radar.typical_height_m()
-        if not math.isfinite(height_m):
-            return None
-        return depth_of_delay_m(second * 1e-9, height_m, self.settings.permittivity)
-
     def second_of(self, depth_m: float, axis: Axis) -> Optional[float]:
         """Return where a depth [m] is on a second axis; None if it is not known."""
         if axis is Axis.DEPTH_MM:
             return depth_m * 1000.0
         height_m = self.survey.radar.typical_height_m()
-        if not math.isfinite(height_m):
-            return None
-        return float(delay_of_depth(depth_m, height_m, self.settings.permittivity)) * 1e9
+        delay_ns = float(delay_of_depth(depth_m, height_m, self.settings.permittivity)) * 1e9
+        return delay_ns if math.isfinite(delay_ns) else None
 
     def is_measured(self, x_mm: float, y_mm: float) -> bool:
         """Return whether something is stored of the ground at a place."""
@@ -405,24 +378,17 @@ class GroundModel:
             return False
         return bool(states[stop.row, stop.column] in (StopState.DONE, StopState.PARTLY))
 
-    @property
-    def can_fit(self) -> bool:
-        """Whether a hyperbola can be put at the crosshair: its height must be known."""
-        return self.place is not None and math.isfinite(self.survey.radar.typical_height_m())
-
     def begin_hyperbola(self) -> None:
         """Put a hyperbola at the crosshair, if it can be put there."""
         # It is one of echoes: a focused image has none.
         self.layers -= {Layer.FOCUSED}
-        place, height_m = self.place, self.survey.radar.typical_height_m()
-        if place is not None and self.can_fit:
-            settings = self.settings
-            delay_s = float(delay_of_depth(settings.depth_m, height_m, settings.permittivity))
-            self.hyperbola = Hyperbola(
-                place.along(settings.along), delay_s, height_m, settings.permittivity
-            )
+        settings, place = self.settings, self.place
+        delay_ns = self.second_of(settings.depth_m, Axis.DELAY_NS)
+        if place is not None and delay_ns is not None:
+            at_mm, height_m = place.along(settings.along), self.survey.radar.typical_height_m()
+            self.hyperbola = Hyperbola(at_mm, delay_ns * 1e-9, height_m, settings.permittivity)
 
-    def drag_hyperbola(self, grip: Grip, across_mm: float, second: float, axis: Axis) -> None:
+    def drag_hyperbola(self, by_apex: bool, across_mm: float, second: float, axis: Axis) -> None:
         """Move the apex to a point of the section, or bend the hyperbola through it."""
         hyperbola = self.hyperbola
         if hyperbola is None:
@@ -431,19 +397,18 @@ class GroundModel:
         if axis is Axis.DEPTH_MM:
             permittivity = self.settings.permittivity
             delay_s = float(delay_of_depth(second / 1000.0, hyperbola.height_m, permittivity))
-        if grip is Grip.APEX:
-            self.hyperbola = dataclasses.replace(
-                hyperbola, across_mm=across_mm, apex_delay_s=delay_s
-            )
-        else:
-            self.hyperbola = hyperbola.through(across_mm, delay_s)
+        self.hyperbola = (
+            dataclasses.replace(hyperbola, across_mm=across_mm, apex_delay_s=delay_s)
+            if by_apex
+            else hyperbola.through(across_mm, delay_s)
+        )
 
     def hyperbola_points(self, section: Picture) -> Tuple[np.ndarray, np.ndarray]:
         """Return the hyperbola on a section: places along it [mm], and along its second axis."""
         hyperbola = self.hyperbola
         if hyperbola is None:
             return np.zeros(0), np.zeros(0)
-        across_mm = np.linspace(section.across_mm[0], section.across_mm[1], HYPERBOLA_POINTS)
+        across_mm = np.linspace(*section.across_mm, HYPERBOLA_POINTS)
         # With the apex, which may lie between two points.
         across_mm = np.sort(np.append(across_mm, hyperbola.across_mm))
         delays_s = hyperbola.delays_s(across_mm)

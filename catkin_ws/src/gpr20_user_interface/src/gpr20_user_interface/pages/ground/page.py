@@ -121,9 +121,9 @@ class GroundPage(QObject, Page):
         self._traces.note_state(snapshot)
         self._follow()
         additions = self._additions
-        additions.follow(self._traces.shown.survey_id, snapshot.replay is None)
+        additions.follow(self._traces.shown.survey_id, not self._replay)
         additions.refresh()
-        if not snapshot.running and snapshot.replay is None:
+        if not snapshot.running and not self._replay:
             additions.focus_finer()
         self.finer.note_running(snapshot.running)
         self.markers.set_markers(additions.markers)
@@ -140,7 +140,23 @@ class GroundPage(QObject, Page):
         self.view.carriage_mm = self._traces.carriage_mm
         self.view.refresh()
 
-    def ask_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float]) -> None:
+    def _connect(self) -> None:
+        view, additions = self.view, self._additions
+        view.marker_wanted.connect(self._ask_marker)
+        view.finer_wanted.connect(self._ask_finer)
+        view.plan_wanted.connect(self._on_plan_wanted)
+        view.layers.clicked.connect(lambda: self.layers.open())
+        view.back.clicked.connect(lambda: self._on_back_to_live())
+        view.opened.connect(additions.read_again)
+        self.layers.changed.connect(view.refresh)
+        self.layers.fit_wanted.connect(view.begin_fit)
+        self.layers.markers_wanted.connect(lambda: self.markers.show_markers(additions.markers))
+        self.finer.chosen.connect(self._on_plan)
+        self.finer.dropped.connect(lambda: self._keep(None))
+        self.markers.show_wanted.connect(self._on_marker)
+        self.markers.remove_wanted.connect(lambda one: additions.remove_marker(one.marker_id))
+
+    def _ask_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float]) -> None:
         """Ask for the text of a marker, and store it."""
         if not self._additions.can_mark:
             return
@@ -162,27 +178,15 @@ class GroundPage(QObject, Page):
             Keys.LETTERS,
         )
 
-    def ask_finer(self, x_mm: float, y_mm: float) -> None:
-        """Ask how to measure a place of the survey that is shown more finely."""
+    def _ask_finer(self, x_mm: float, y_mm: float) -> None:
         grid = self._traces.shown.map.grid
         if grid is not None and grid.plan is not None:
             self.finer.show_place(grid, x_mm, y_mm)
 
-    def _connect(self) -> None:
-        view, additions = self.view, self._additions
-        view.marker_wanted.connect(self.ask_marker)
-        view.finer_wanted.connect(self.ask_finer)
-        view.plan_wanted.connect(self._on_plan_wanted)
-        view.layers.clicked.connect(lambda: self.layers.open())
-        view.back.clicked.connect(lambda: self._on_back_to_live())
-        view.opened.connect(additions.read_again)
-        self.layers.changed.connect(view.refresh)
-        self.layers.fit_wanted.connect(view.begin_fit)
-        self.layers.markers_wanted.connect(lambda: self.markers.show_markers(additions.markers))
-        self.finer.chosen.connect(self._on_plan)
-        self.finer.dropped.connect(lambda: self._keep(None))
-        self.markers.show_wanted.connect(self._on_marker)
-        self.markers.remove_wanted.connect(lambda one: additions.remove_marker(one.marker_id))
+    def _on_plan_wanted(self) -> None:
+        grid, plan = self._traces.shown.map.grid, self._additions.plan
+        if grid is not None and plan is not None:
+            self.finer.show_plan(grid, plan)
 
     def _on_back_to_live(self) -> None:
         self._traces.show_live()
@@ -191,11 +195,6 @@ class GroundPage(QObject, Page):
     def _on_marker(self, marker: Marker) -> None:
         self.model.choose_mark(marker)
         self.view.refresh()
-
-    def _on_plan_wanted(self) -> None:
-        grid, plan = self._traces.shown.map.grid, self._additions.plan
-        if grid is not None and plan is not None:
-            self.finer.show_plan(grid, plan)
 
     def _on_plan(self, plan: FinerPlan) -> None:
         self._keep(plan)

@@ -118,27 +118,26 @@ class Pictures(QWidget):
         if self.enlarged is not None:
             return {self.enlarged: room}
         extent = self.above.extent or UNIT
-        division = divided(extent.width(), extent.height(), room.width(), room.height())
-        above, rest = QRect(room), QRect(room)
-        if division.beside:
-            above.setWidth(division.above_px)
-            rest.setLeft(division.above_px + gap)
-        else:
-            above.setHeight(division.above_px)
-            rest.setTop(division.above_px + gap)
-        return {self.above: above, **self._below_ground(rest, division.beside, gap)}
-
-    def _below_ground(self, rest: QRect, stacked: bool, gap: int) -> Dict[Plot, QRect]:
-        look, parts = look_of(self), [rest]
-        if self.width() >= LARGE_PX[0] and self.height() >= LARGE_PX[1]:
-            x, y, width, height = rest.getRect()
-            half = ((height if stacked else width) - gap) // 2
-            size = (width, half) if stacked else (half, height)
-            step = (0, half + gap) if stacked else (half + gap, 0)
-            parts = [QRect(x, y, *size), QRect(x + step[0], y + step[1], *size)]
-        section, trace = QRect(parts[0]), QRect(parts[0])
-        wide = round(TRACE_PART * section.width())
+        beside, px = divided(extent.width(), extent.height(), room.width(), room.height())
+        above, rest = _cut(room, beside, px, gap)
+        parts = [rest]
+        if room.width() >= LARGE_PX[0] and room.height() >= LARGE_PX[1]:
+            length = rest.width() if not beside else rest.height()
+            parts = [*_cut(rest, not beside, (length - gap) // 2, gap)]
+        look, wide = look_of(self), round(TRACE_PART * parts[0].width())
         wide = min(max(wide, look.px(LEAST_TRACE_PX)), look.px(MOST_TRACE_PX))
-        section.setWidth(max(1, section.width() - wide - gap))
-        trace.setLeft(section.right() + 1 + gap)
-        return {self.trace: trace, **dict(zip(self.sections, (section, *parts[1:])))}
+        section, trace = _cut(parts[0], True, max(1, parts[0].width() - wide - gap), gap)
+        sections = dict(zip(self.sections, (section, *parts[1:])))
+        return {self.above: above, self.trace: trace, **sections}
+
+
+def _cut(room: QRect, beside: bool, first_px: int, gap: int) -> Tuple[QRect, QRect]:
+    """Return both parts of a room, beside or below each other; the first one has a given size."""
+    first, rest = QRect(room), QRect(room)
+    if beside:
+        first.setWidth(first_px)
+        rest.setLeft(first.right() + 1 + gap)
+    else:
+        first.setHeight(first_px)
+        rest.setTop(first.bottom() + 1 + gap)
+    return first, rest

@@ -10,10 +10,9 @@ from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from gpr20_operator.ground.records import Axis, Colours, Curve, Picture
 from gpr20_user_interface.look.look import Look, Mark, look_of
-from gpr20_user_interface.pages.ground.model import Grip
 from gpr20_user_interface.widgets.cells import TILE_PX, Cell, pattern_image
 from gpr20_user_interface.widgets.ink import LINE_PX, Ticks, stroke
-from gpr20_user_interface.widgets.plot import Plot
+from gpr20_user_interface.widgets.plot import Plot, extent_of
 
 GRIP_PX = 9
 # Room of a level below the trace.
@@ -30,15 +29,15 @@ class SectionPlot(Plot):
     Attributes:
         axis: What the second axis is.
         grip: Where the hyperbola can be gripped; None: none is fitted.
-        gripped: What the finger that touches it now drags.
+        grips_apex: Whether the finger that touches it now drags the apex; else the flank.
     """
 
     def __init__(self) -> None:
         super().__init__(downwards=True, scrubs=True)
         self.axis = Axis.DEPTH_MM
-        self._curve: Tuple[np.ndarray, np.ndarray] = (np.zeros(0), np.zeros(0))
+        self._curve: Optional[Tuple[np.ndarray, np.ndarray]] = None
         self.grip: Optional[Tuple[float, float]] = None
-        self.gripped = Grip.FLANK
+        self.grips_apex = False
         self._loading = np.zeros(0, bool)
 
     def show_section(
@@ -53,27 +52,24 @@ class SectionPlot(Plot):
         """
         self._loading = loading
         self.resetCachedContent()
-        if picture is None:
-            self.set_extent(None)
-        else:
-            self.axis = picture.axis
-            (left, right), (top, bottom) = picture.across_mm, picture.range
-            self.set_extent(QRectF(left, top, right - left, bottom - top))
+        self.axis = self.axis if picture is None else picture.axis
+        self.set_extent(None if picture is None else extent_of(picture))
         self.show_picture(picture, colours)
 
     def set_hyperbola(
-        self, across: np.ndarray, second: np.ndarray, apex: Optional[Tuple[float, float]]
+        self,
+        curve: Optional[Tuple[np.ndarray, np.ndarray]],
+        apex: Optional[Tuple[float, float]],
     ) -> None:
-        """Draw a curve with a grip at its apex; None: without."""
-        self._curve, self.grip = (across, second), apex
+        """Draw a curve, by its places on both axes, with a grip at its apex; None: without."""
+        self._curve, self.grip = curve, apex
         self.scene().update()
 
     def _begin_drag(self, place: QPointF) -> None:
-        self.gripped = Grip.FLANK
+        self.grips_apex = False
         if self.grip is not None:
             away = place - self.to_screen(*self.grip)
-            if abs(away.x()) + abs(away.y()) <= look_of(self).px(GRIP_RADIUS_PX):
-                self.gripped = Grip.APEX
+            self.grips_apex = away.manhattanLength() <= look_of(self).px(GRIP_RADIUS_PX)
 
     def _paint_below(self, painter: QPainter, look: Look) -> None:
         if self.extent is None:
@@ -81,22 +77,20 @@ class SectionPlot(Plot):
         ink = QColor(look.colour(Mark.NOT_MEASURED))
         painter.fillRect(self.viewport().rect(), QBrush(ink, Qt.BrushStyle.Dense6Pattern))
         dashes = QBrush(pattern_image(Cell.LOADING, TILE_PX, look, framed=False))
-        paper = QColor(look.colour(Mark.PAPER))
         wide = self.extent.width() / max(1, len(self._loading))
         for number in np.flatnonzero(self._loading).tolist():
             left = self.to_screen(self.extent.left() + number * wide, 0.0).x()
             right = self.to_screen(self.extent.left() + (number + 1) * wide, 0.0).x()
             column = QRectF(left, 0.0, right - left, self.viewport().height())
-            painter.fillRect(column, paper)
-            painter.fillRect(column, dashes)
+            for brush in (QColor(look.colour(Mark.PAPER)), dashes):
+                painter.fillRect(column, brush)
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
         if self.axis is Axis.DEPTH_MM:
             y, width = self.to_screen(0.0, 0.0).y(), self.viewport().width()
             stroke(painter, look, Mark.SURFACE, QPolygonF([QPointF(0, y), QPointF(width, y)]))
-        across, second = self._curve
-        if across.size:
-            stroke(painter, look, Mark.CANDIDATE, self.polygon(across, second))
+        if self._curve is not None:
+            stroke(painter, look, Mark.CANDIDATE, self.polygon(*self._curve))
         if self.grip is not None:
             painter.setPen(QPen(QColor(look.colour(Mark.PAPER)), look.px(LINE_PX)))
             painter.setBrush(QColor(look.colour(Mark.CANDIDATE)))
@@ -105,26 +99,26 @@ class SectionPlot(Plot):
 
 
 class TracePlot(Plot):
-    """An A-scan from the top downwards, beside a section whose depths it has."""
+    """An A-scan from the top downwards, beside a section whose depths it has.
+
+    Attributes:
+        points: Shades and places that are drawn.
+    """
 
     def __init__(self, section: SectionPlot) -> None:
         super().__init__(downwards=True, scrubs=True)
         self._section = section
-        self._curve: Optional[Curve] = None
+        self.show_curve(None)
         section.moved.connect(self._follow)
-
-    @property
-    def points(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Shades and places that are drawn."""
-        if self._curve is None:
-            return np.zeros(0), np.zeros(0)
-        known = np.isfinite(self._curve.shades)
-        return self._curve.shades[known], self._curve.places[known]
 
     def show_curve(self, curve: Optional[Curve]) -> None:
         """Draw a trace; None: nothing."""
-        has = curve is not None and bool(np.isfinite(curve.shades).any())
-        self._curve = curve if has else None
+        self._curve: Optional[Curve] = None
+        self.points = np.zeros(0), np.zeros(0)
+        if curve is not None:
+            known = np.isfinite(curve.shades)
+            self._curve = curve if known.any() else None
+            self.points = curve.shades[known], curve.places[known]
         self._follow()
 
     def _follow(self) -> None:
@@ -134,8 +128,7 @@ class TracePlot(Plot):
             self.set_extent(None)
             return
         height = section.viewport().height()
-        top = section.to_data(QPointF(0.0, 0.0))[1]
-        bottom = section.to_data(QPointF(0.0, height))[1]
+        top, bottom = (section.to_data(QPointF(0.0, y))[1] for y in (0.0, height))
         lowest = -1.0 if curve.signed else 0.0
         self.set_extent(QRectF(lowest, top, LARGEST_SHADE - lowest, bottom - top))
         self.scene().update()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
+from functools import partial
+from typing import Callable, List, Optional, Tuple
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QShowEvent
@@ -14,7 +15,7 @@ from gpr20_user_interface.look.look import TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.pages.ground import texts
 from gpr20_user_interface.pages.ground.marks import marks_above, marks_in_section
-from gpr20_user_interface.pages.ground.model import Found, GroundModel, Layer, Shown
+from gpr20_user_interface.pages.ground.model import GroundModel, Layer, Shown
 from gpr20_user_interface.pages.ground.pictures import GAP_PX, ColourBar, Pictures
 from gpr20_user_interface.pages.ground.section import SectionPlot
 from gpr20_user_interface.widgets.ground_picture import Frame
@@ -60,16 +61,19 @@ class GroundView(TranslatedWidget):
         self.text, self.note, self.band = PulledText(), QLabel(), ElidedLabel()
         self.bar = ColourBar()
         self.enlarge_key = new_button(lambda: self.enlarge(self._active))
-        self.shallower = new_button(lambda: self._step_depth(-1), "▲")
-        self.deeper = new_button(lambda: self._step_depth(+1), "▼")
+        self.shallower = new_button(lambda: self._do(partial(model.step_depth, -1)), "▲")
+        self.deeper = new_button(lambda: self._do(partial(model.step_depth, +1)), "▼")
         self.back, self.layers = QPushButton(), QPushButton()
-        self.next = new_button(self._on_next)
+        self.next = new_button(lambda: self._do(model.choose_next))
         self.set_marker = new_button(self._on_marker)
         self.finer = new_button(self._on_finer)
         self.use = new_button(lambda: self.end_fit(True))
         self.drop = new_button(lambda: self.end_fit(False))
         self.fit_text = QLabel()
         self._slow = QTimer(self)
+        self._slow.setInterval(DRAG_MS)
+        self._slow.setSingleShot(True)
+        self._slow.timeout.connect(self.refresh)
         self._lay_out()
         self._connect()
         self.retranslate()
@@ -148,25 +152,17 @@ class GroundView(TranslatedWidget):
         self.back.setText(self.tr("Back\nto live"))
         self.drop.setText(self.tr("Cancel"))
         self.pictures.trace.labels = ("dB", self.tr("Trace"))
-        self._drawn = ()
         self._show_band()
         self._show_keys()
         self.refresh()
 
     def _draw(self) -> None:
         model, pictures = self.model, self.pictures
-        colours, above = model.settings.colours, pictures.above
-        alongs = self._alongs()
+        settings, above, alongs = model.settings, pictures.above, self._alongs()
         shown = model.pictures(alongs)
-        loading = model.survey.loading.waiting
-        number = model.settings.polarization
         above.set_frames(self._frames())
-        above.show_coverage(
-            model.survey.map,
-            loading[number] if model.is_loading else None,
-            Layer.COVERAGE in model.layers,
-        )
-        above.show_picture(shown.above, colours)
+        above.show_coverage(model.survey.map, model.waiting, Layer.COVERAGE in model.layers)
+        above.show_picture(shown.above, settings.colours)
         above.set_hiding(model.additions.hiding if Layer.HIDING in model.layers else None)
         above.set_marks(marks_above(model))
         place, point = model.place, model.point
@@ -174,18 +170,16 @@ class GroundView(TranslatedWidget):
         above.set_notice(_sentences(texts.above_notice(model, shown, self.problem)))
         depth = texts.depth_title(model, shown.above is not None)
         above.labels = ("X mm", shown_text(depth))
-        for plot, along, picture in zip(pictures.sections, alongs, shown.sections):
-            self._draw_section(plot, along, picture)
-        pictures.trace.show_curve(shown.curve)
-        axis = pictures.sections[0].axis if shown.curve is None else shown.curve.axis
-        depth_m = model.settings.depth_m
-        pictures.trace.set_crosshair(
-            None, None if place is None else model.second_of(depth_m, axis)
-        )
-        picture = shown.above or next((one for one in shown.sections if one is not None), None)
+        for plot, along, section in zip(pictures.sections, alongs, shown.sections):
+            self._draw_section(plot, along, section)
+        curve, picture = shown.curve, shown.first
+        pictures.trace.show_curve(curve)
+        axis = pictures.sections[0].axis if curve is None else curve.axis
+        second = None if place is None else model.second_of(settings.depth_m, axis)
+        pictures.trace.set_crosshair(None, second)
         signed = picture is not None and picture.signed
         scale = None if picture is None else picture.scale
-        self.bar.show_scale(scale, colours if signed else Colours.ENVELOPE)
+        self.bar.show_scale(scale, settings.colours if signed else Colours.ENVELOPE)
         self._write(shown)
         pictures.arrange()
 
@@ -199,7 +193,7 @@ class GroundView(TranslatedWidget):
 
     def _draw_section(self, plot: SectionPlot, along: Axis, picture: Optional[Picture]) -> None:
         model, place = self.model, self.model.place
-        plot.show_section(picture, model.settings.colours, model.loading_along(along))
+        plot.show_section(picture, model.settings.colours, model.waiting_along(along))
         in_time = plot.axis is Axis.DELAY_NS
         across, second = texts.section_title(model, along, in_time)
         plot.labels = (across, shown_text(second))
@@ -207,20 +201,20 @@ class GroundView(TranslatedWidget):
             return
         plot.set_crosshair(place.along(along), model.second_of(model.settings.depth_m, plot.axis))
         plot.set_marks(() if in_time else marks_in_section(model, along))
-        notice = texts.section_notice(model, picture.measured, picture.above_noise)
+        notice = texts.nothing_in(model, picture, is_slice=False)
         plot.set_notice("" if self.is_fitting else _sentences(notice))
-        hyperbola = model.hyperbola
-        if hyperbola is None or along is not model.settings.along:
-            plot.set_hyperbola(*2 * (texts.NO_POINTS,), None)
+        hyperbola = model.hyperbola if along is model.settings.along else None
+        if hyperbola is None:
+            plot.set_hyperbola(None, None)
             return
         places, drawn = model.hyperbola_points(picture)
         number = int(abs(places - hyperbola.across_mm).argmin())
-        plot.set_hyperbola(places, drawn, (float(places[number]), float(drawn[number])))
+        plot.set_hyperbola((places, drawn), (float(places[number]), float(drawn[number])))
 
     def _frames(self) -> List[Frame]:
         frames = [Frame(one.area) for one in self.model.additions.related]
-        grid, plan = self.model.survey.map.grid, self.model.additions.plan
-        if plan is not None and grid is not None and plan.refines == grid.survey_id:
+        plan = self.model.additions.plan
+        if plan is not None and plan.refines == self.model.survey.survey_id:
             frames.append(Frame(plan.area, planned=True))
         return frames
 
@@ -244,20 +238,18 @@ class GroundView(TranslatedWidget):
     def _show_keys(self) -> None:
         """Enable what can be done now, and say what it does."""
         model = self.model
-        additions, point = model.additions, model.point
-        grid = model.survey.map.grid
+        additions, ground, has_point = model.additions, model.survey.map, model.point is not None
         self.enlarge_key.setText("⤡" if self.pictures.enlarged is not None else "⤢")
-        has_depth = model.deepest_m is not None
         for key in (self.shallower, self.deeper):
-            key.setEnabled(has_depth)
-        candidates = bool(additions.candidates) and Layer.CANDIDATES in model.layers
-        self.next.setText(self.tr("Next\ncandidate") if candidates else self.tr("Next\ngap"))
-        self.next.setEnabled(candidates or model.survey.map.next_problem(None) is not None)
-        self.set_marker.setEnabled(additions.can_mark and point is not None)
+            key.setEnabled(model.deepest_m is not None)
+        visits = model.visits_candidates
+        self.next.setText(self.tr("Next\ncandidate") if visits else self.tr("Next\ngap"))
+        self.next.setEnabled(visits or ground.next_problem(None) is not None)
+        self.set_marker.setEnabled(additions.can_mark and has_point)
         kept = additions.plan is not None
         self.finer.setText(self.tr("Finer\nplan") if kept else self.tr("Measure\nfiner"))
-        has_plan = grid is not None and grid.plan is not None and additions.can_mark
-        self.finer.setEnabled(kept or (has_plan and point is not None))
+        has_plan = ground.grid is not None and ground.grid.plan is not None and additions.can_mark
+        self.finer.setEnabled(kept or (has_plan and has_point))
 
     def _show_band(self) -> None:
         band = self._band
@@ -274,18 +266,10 @@ class GroundView(TranslatedWidget):
             widget.setVisible(not fits)
         self._show_band()
         self.pictures.enlarge(self.pictures.sections[0] if fits else None)
-        self._drawn = ()
         self.refresh()
 
-    def _step_depth(self, steps: int) -> None:
-        self.model.step_depth(steps)
-        self.refresh()
-
-    def _on_next(self) -> None:
-        if self.model.additions.candidates and Layer.CANDIDATES in self.model.layers:
-            self.model.choose_next_candidate()
-        else:
-            self.model.choose_next_problem()
+    def _do(self, change: Callable[[], None]) -> None:
+        change()
         self.refresh()
 
     def _on_marker(self) -> None:
@@ -300,43 +284,36 @@ class GroundView(TranslatedWidget):
         elif point is not None:
             self.finer_wanted.emit(*point[:2])
 
-    def _on_place(self, x_mm: float, y_mm: float) -> None:
-        self.model.choose_place(x_mm, y_mm)
-        self._refresh_soon()
-
-    def _on_mark(self, mark: Found) -> None:
-        self.model.choose_mark(mark)
-        self._refresh_soon()
-
     def _on_section(self, plot: SectionPlot, across_mm: float, second: float) -> None:
         model = self.model
         if model.hyperbola is not None:
-            model.drag_hyperbola(plot.gripped, across_mm, second, plot.axis)
+            model.drag_hyperbola(plot.grips_apex, across_mm, second, plot.axis)
         else:
             along = self._alongs()[self.pictures.sections.index(plot)]
             model.touch_section(along, across_mm, second, plot.axis)
-        self._refresh_soon()
 
     def _on_trace(self, _level: float, second: float) -> None:
         self.model.touch_depth(second, self.pictures.sections[0].axis)
-        self._refresh_soon()
 
     def _refresh_soon(self) -> None:
         if not self._slow.isActive():
             self._slow.start()
 
     def _connect(self) -> None:
-        self._slow.setInterval(DRAG_MS)
-        self._slow.setSingleShot(True)
-        self._slow.timeout.connect(self.refresh)
         pictures = self.pictures
-        pictures.above.place_touched.connect(self._on_place)
-        pictures.above.mark_touched.connect(self._on_mark)
+        above, trace = pictures.above, pictures.trace
+        above.place_touched.connect(self.model.choose_place)
+        above.mark_touched.connect(self.model.choose_mark)
+        touches = [above.place_touched, above.mark_touched]
         for plot in pictures.sections:
             for signal in (plot.touched, plot.dragged):
-                signal.connect(lambda x, y, plot=plot: self._on_section(plot, x, y))
-        for signal in (pictures.trace.touched, pictures.trace.dragged):
+                signal.connect(partial(self._on_section, plot))
+                touches.append(signal)
+        for signal in (trace.touched, trace.dragged):
             signal.connect(self._on_trace)
+            touches.append(signal)
+        for signal in touches:
+            signal.connect(self._refresh_soon)
         for one in pictures.plots:
             one.pressed.connect(lambda plot=one: setattr(self, "_active", plot))
             one.double_tapped.connect(lambda plot=one: self.enlarge(plot))
@@ -346,6 +323,7 @@ class GroundView(TranslatedWidget):
         self.note.setObjectName("ground_note")
         self.text.setObjectName("ground_text")
         self.band.setObjectName("shown_band")
+        self.fit_text.setObjectName("title")
         self.note.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         keys = (self.back, self.next, self.set_marker, self.finer, self.layers, self.use, self.drop)
         for key in keys:
@@ -353,33 +331,30 @@ class GroundView(TranslatedWidget):
             key.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         for key in (self.enlarge_key, self.shallower, self.deeper):
             key.setObjectName("ground_choice")
-        self._line, self._column, self._top = QHBoxLayout(), QVBoxLayout(), QHBoxLayout()
-        self._line.addWidget(self.band, 1)
-        self._line.addWidget(self.note)
-        self._line.addStretch(0)
-        self._column.addWidget(self.enlarge_key)
-        self._column.addWidget(self.bar, 1)
         for key in (self.shallower, self.deeper):
             key.setAutoRepeat(True)
-            self._column.addWidget(key)
+        self._bottom = QWidget()
+        self._line, self._column, self._top = QHBoxLayout(), QVBoxLayout(), QHBoxLayout()
+        self._bar_layout, self._whole = QHBoxLayout(self._bottom), QVBoxLayout(self)
+        rows = (
+            (self._line, (self.band, self.note), (self.band,)),
+            (self._column, (self.enlarge_key, self.bar, self.shallower, self.deeper), (self.bar,)),
+            (self._bar_layout, (self.text, self.fit_text, *keys), (self.text, self.fit_text)),
+        )
+        for layout, widgets, wide in rows:
+            layout.setContentsMargins(0, 0, 0, 0)
+            for widget in widgets:
+                layout.addWidget(widget, int(widget in wide))
+        self._line.addStretch(0)
         self._top.addWidget(self.pictures, 1)
         self._top.addLayout(self._column)
-        self._bottom = QWidget()
-        self._bar_layout = QHBoxLayout(self._bottom)
-        self._bar_layout.setContentsMargins(0, 0, 0, 0)
-        self._bar_layout.addWidget(self.text, 1)
-        self._bar_layout.addWidget(self.fit_text, 1)
-        for key in keys:
-            self._bar_layout.addWidget(key)
-        self.fit_text.setObjectName("title")
-        self._fits = (self.fit_text, self.use, self.drop)
-        for widget in self._fits:
-            widget.hide()
-        self._whole = QVBoxLayout(self)
         self._whole.setContentsMargins(0, 0, 0, 0)
         self._whole.addLayout(self._top, 1)
         self._whole.addLayout(self._line)
         self._whole.addWidget(self._bottom)
+        self._fits = (self.fit_text, self.use, self.drop)
+        for widget in self._fits:
+            widget.hide()
 
 
 def _sentences(lines: Tuple[Message, ...]) -> str:
