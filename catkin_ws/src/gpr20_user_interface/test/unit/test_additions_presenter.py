@@ -11,7 +11,6 @@ from gpr20_operator.ground.additions import (
     AdditionsPresenter,
     AdditionsRead,
     MarkersStored,
-    MarkingFailed,
     RelatedSurvey,
 )
 from gpr20_operator.ground.geometry import Area
@@ -81,12 +80,6 @@ def test_a_marker_that_is_not_allowed_is_not_sent(storage, additions):
     with pytest.raises(InvalidValueError):
         additions.add_marker(SURVEY, 1.0, 2.0, None, "a\nb")
     assert len(storage.asked) == 1
-
-
-def test_a_failure_of_a_marker_is_reported_once(additions):
-    additions.on_event(MarkingFailed(SURVEY, MARKER.marker_id, verbatim("disk full")))
-    assert str(additions.take_problem()) == "disk full"
-    assert additions.take_problem() is None
 
 
 def test_images_of_finer_surveys_are_kept_but_not_without_end(additions):

@@ -119,7 +119,6 @@ class AdditionsPresenter:
         self.markers: Tuple[Marker, ...] = ()
         self.related: Tuple[RelatedSurvey, ...] = ()
         self.plan: Optional[FinerPlan] = None
-        self._problem: Optional[Message] = None
         self._revision = 0
         self._asked_images: Set[str] = set()
         self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
@@ -227,15 +226,6 @@ class AdditionsPresenter:
     def _(self, event: AdditionsFailed) -> None:
         if event.survey_id == self.survey_id:
             self._due = RETRY_REFRESHES
-
-    @on_event.register
-    def _(self, event: MarkingFailed) -> None:
-        self._problem = event.reason
-
-    def take_problem(self) -> Optional[Message]:
-        """Return why the last marker was not stored or removed, once; None: nothing failed."""
-        problem, self._problem = self._problem, None
-        return problem
 
     def add_marker(
         self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str

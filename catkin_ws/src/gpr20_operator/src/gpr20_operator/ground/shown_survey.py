@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Tuple
 
 import numpy as np
 
@@ -45,6 +45,9 @@ class Loading:
     step: int
 
 
+NOT_LOADING = Loading(0, 0, np.zeros((0, 0, 0), bool), 1)
+
+
 class ShownSurvey:
     """A MapModel and a RadarModel of the same survey.
 
@@ -56,7 +59,7 @@ class ShownSurvey:
         self.map = MapModel()
         self.radar = RadarModel()
         self._lacking = NOTHING
-        self._loading: Optional[Tuple[Tuple[int, int], Loading]] = None
+        self._loading = (-1, -1), NOT_LOADING
 
     @property
     def survey_id(self) -> str:
@@ -119,15 +122,14 @@ class ShownSurvey:
     def loading(self) -> Loading:
         """How much of what is stored is here."""
         revisions = (self.map.revision, self.radar.revision)
-        if self._loading is None or self._loading[0] != revisions:
+        if self._loading[0] != revisions:
             self._loading = revisions, self._compared()
         return self._loading[1]
 
     def _compared(self) -> Loading:
-        grid, count = self.map.grid, self.radar.count
+        grid, count, absent = self.map.grid, self.radar.count, self._absent()
         if grid is None:
-            return Loading(0, 0, np.zeros((0, 0, 0), bool), 1)
-        absent = self._absent()
+            return NOT_LOADING
         row, column, polarization = grid.cells(absent)
         waiting = np.zeros((len(grid.rotations_deg), *grid.shape), bool)
         waiting[polarization, row, column] = True

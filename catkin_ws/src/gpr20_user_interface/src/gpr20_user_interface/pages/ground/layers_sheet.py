@@ -44,8 +44,6 @@ class LayersSheet(Overlay):
     """
 
     changed = pyqtSignal()
-    fit_wanted = pyqtSignal()
-    markers_wanted = pyqtSignal()
 
     def __init__(self, window: QWidget, model: GroundModel) -> None:
         super().__init__(window)
@@ -54,13 +52,13 @@ class LayersSheet(Overlay):
         self.layers = {one: self._key(partial(model.switch, one)) for one in Layer}
         self.counts: Dict[StopState, QLabel] = {one: QLabel() for one in STATE_NAMES}
         self.swatches: Dict[StopState, QLabel] = {one: QLabel() for one in STATE_NAMES}
-        self.next_problem = self._key(model.choose_next_problem, closes=True)
-        self.markers = self._key(self.markers_wanted.emit, closes=True)
+        self.next_problem = self._key(model.choose_next_problem)
+        # The page opens what these two are for.
+        self.markers, self.fit = self._key(self.hide), self._key(self.hide)
         self.soils: Dict[Optional[Soils], QPushButton] = {
             soil: self._key(partial(self._choose_soil, soil)) for soil in (*Soils, None)
         }
         self.permittivity = Stepper(PERMITTIVITIES, model.settings.permittivity)
-        self.fit = self._key(self.fit_wanted.emit, closes=True)
         self.gain = Stepper(GAINS_DB_PER_NS, model.settings.gain_db_per_ns)
         self.colours: Dict[Colours, QPushButton] = {
             colours: self._key(partial(model.change, colours=colours)) for colours in Colours
@@ -71,7 +69,8 @@ class LayersSheet(Overlay):
         self.axis = self._key(partial(self._toggle, "in_depth"))
         self.background = self._key(partial(self._toggle, "remove_background"))
         self.follow = self._key(lambda: model.follow(not model.follows))
-        self.done = self._key(lambda: None, closes=True)
+        self.done = self._key(self.hide)
+        self.next_problem.clicked.connect(self.hide)
         for key in (*self.layers.values(), *self.soils.values(), *self.colours.values()):
             key.setCheckable(True)
         self.permittivity.changed.connect(
@@ -165,16 +164,13 @@ class LayersSheet(Overlay):
         self.markers.setText(f"{title}: {len(additions.markers)}")
         self.markers.setEnabled(bool(additions.markers))
 
-    def _key(self, act: Callable[[], None], closes: bool = False) -> QPushButton:
-        """Return a key; one that leads to something that the sheet covers closes it first."""
-        key = new_button(lambda: self._do(act, closes))
+    def _key(self, act: Callable[[], None]) -> QPushButton:
+        key = new_button(lambda: self._do(act))
         key.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
         key.setObjectName("ground_choice")
         return key
 
-    def _do(self, act: Callable[[], None], closes: bool = False) -> None:
-        if closes:
-            self.hide()
+    def _do(self, act: Callable[[], None]) -> None:
         act()
         self._show()
         self.changed.emit()

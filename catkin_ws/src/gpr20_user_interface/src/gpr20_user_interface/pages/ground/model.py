@@ -403,11 +403,11 @@ class GroundModel:
             else hyperbola.through(across_mm, delay_s)
         )
 
-    def hyperbola_points(self, section: Picture) -> Tuple[np.ndarray, np.ndarray]:
+    def hyperbola_points(self, section: Picture) -> Optional[Tuple[np.ndarray, np.ndarray]]:
         """Return the hyperbola on a section: places along it [mm], and along its second axis."""
         hyperbola = self.hyperbola
         if hyperbola is None:
-            return np.zeros(0), np.zeros(0)
+            return None
         across_mm = np.linspace(*section.across_mm, HYPERBOLA_POINTS)
         # With the apex, which may lie between two points.
         across_mm = np.sort(np.append(across_mm, hyperbola.across_mm))

@@ -10,7 +10,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.ground.additions import AdditionsPresenter, MarkingFailed
 from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.traces import TracePresenter
@@ -21,7 +21,7 @@ from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import check_text
-from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT, Marker
+from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import shown_text
@@ -107,9 +107,8 @@ class GroundPage(QObject, Page):
         self._traces.on_event(event)
         self._follow()
         self._additions.on_event(event)
-        problem = self._additions.take_problem()
-        if problem is not None:
-            self._show_refusal(Refused.MARKER, problem)
+        if isinstance(event, MarkingFailed):
+            self._show_refusal(Refused.MARKER, event.reason)
         if isinstance(event, Answer) and event.request is Request.START and event.success:
             if self._survey.finer is not None and self._survey.finer == self._additions.plan:
                 self._additions.keep_plan(None)
@@ -142,24 +141,27 @@ class GroundPage(QObject, Page):
 
     def _connect(self) -> None:
         view, additions = self.view, self._additions
-        view.marker_wanted.connect(self._ask_marker)
-        view.finer_wanted.connect(self._ask_finer)
-        view.plan_wanted.connect(self._on_plan_wanted)
+        view.set_marker.clicked.connect(lambda: self._ask_marker())
+        view.finer.clicked.connect(lambda: self._ask_finer())
         view.layers.clicked.connect(lambda: self.layers.open())
-        view.back.clicked.connect(lambda: self._on_back_to_live())
+        view.back.clicked.connect(lambda: self._traces.show_live())
+        view.back.clicked.connect(lambda: self._follow())
         view.opened.connect(additions.read_again)
         self.layers.changed.connect(view.refresh)
-        self.layers.fit_wanted.connect(view.begin_fit)
-        self.layers.markers_wanted.connect(lambda: self.markers.show_markers(additions.markers))
+        self.layers.fit.clicked.connect(lambda: view.begin_fit())
+        self.layers.markers.clicked.connect(lambda: self.markers.show_markers(additions.markers))
         self.finer.chosen.connect(self._on_plan)
         self.finer.dropped.connect(lambda: self._keep(None))
-        self.markers.show_wanted.connect(self._on_marker)
+        self.markers.show_wanted.connect(self.model.choose_mark)
+        self.markers.show_wanted.connect(view.refresh)
         self.markers.remove_wanted.connect(lambda one: additions.remove_marker(one.marker_id))
 
-    def _ask_marker(self, x_mm: float, y_mm: float, depth_mm: Optional[float]) -> None:
-        """Ask for the text of a marker, and store it."""
-        if not self._additions.can_mark:
+    def _ask_marker(self) -> None:
+        """Ask for the text of a marker at the crosshair, and store it."""
+        point = self.model.point
+        if point is None or not self._additions.can_mark:
             return
+        x_mm, y_mm, depth_mm = point
         # Another survey may begin while the text is written.
         survey = self._additions.survey_id
 
@@ -178,23 +180,13 @@ class GroundPage(QObject, Page):
             Keys.LETTERS,
         )
 
-    def _ask_finer(self, x_mm: float, y_mm: float) -> None:
-        grid = self._traces.shown.map.grid
-        if grid is not None and grid.plan is not None:
-            self.finer.show_place(grid, x_mm, y_mm)
-
-    def _on_plan_wanted(self) -> None:
-        grid, plan = self._traces.shown.map.grid, self._additions.plan
+    def _ask_finer(self) -> None:
+        """Open the plan that was kept, or ask how to measure the crosshair more finely."""
+        grid, plan, point = self._traces.shown.map.grid, self._additions.plan, self.model.point
         if grid is not None and plan is not None:
             self.finer.show_plan(grid, plan)
-
-    def _on_back_to_live(self) -> None:
-        self._traces.show_live()
-        self._follow()
-
-    def _on_marker(self, marker: Marker) -> None:
-        self.model.choose_mark(marker)
-        self.view.refresh()
+        elif grid is not None and grid.plan is not None and point is not None:
+            self.finer.show_place(grid, *point[:2])
 
     def _on_plan(self, plan: FinerPlan) -> None:
         self._keep(plan)

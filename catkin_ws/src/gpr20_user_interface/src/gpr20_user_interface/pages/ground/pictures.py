@@ -73,6 +73,7 @@ class Pictures(QWidget):
         above: The survey from above.
         sections: The section along the chosen axis, and, in a large room, along the other one.
         trace: The trace at the crosshair.
+        plots: All of these.
         enlarged: The picture that has the whole room; None: none has.
     """
 
@@ -82,14 +83,10 @@ class Pictures(QWidget):
         self.sections = (SectionPlot(), SectionPlot())
         self.trace = TracePlot(self.sections[0])
         self.enlarged: Optional[Plot] = None
+        self.plots: Tuple[Plot, ...] = (self.above, *self.sections, self.trace)
         for one in self.plots:
             one.setParent(self)
         self.setMinimumSize(1, 1)
-
-    @property
-    def plots(self) -> Tuple[Plot, ...]:
-        """All pictures."""
-        return self.above, *self.sections, self.trace
 
     def enlarge(self, plot: Optional[Plot]) -> None:
         """Give one picture the whole room; None: share it."""

@@ -56,13 +56,12 @@ class SectionPlot(Plot):
         self.set_extent(None if picture is None else extent_of(picture))
         self.show_picture(picture, colours)
 
-    def set_hyperbola(
-        self,
-        curve: Optional[Tuple[np.ndarray, np.ndarray]],
-        apex: Optional[Tuple[float, float]],
-    ) -> None:
+    def set_hyperbola(self, curve: Optional[Tuple[np.ndarray, np.ndarray]]) -> None:
         """Draw a curve, by its places on both axes, with a grip at its apex; None: without."""
-        self._curve, self.grip = curve, apex
+        self._curve, self.grip = curve, None
+        if curve is not None:
+            apex = int(curve[1].argmin())
+            self.grip = float(curve[0][apex]), float(curve[1][apex])
         self.scene().update()
 
     def _begin_drag(self, place: QPointF) -> None:

@@ -41,12 +41,6 @@ class GroundView(TranslatedWidget):
         carriage_mm: Where the antennas are (X, Y); None: not known.
     """
 
-    # X, Y and depth in mm, or depth None.
-    marker_wanted = pyqtSignal(float, float, object)
-    # X and Y in mm.
-    finer_wanted = pyqtSignal(float, float)
-    # The finer survey that is planned.
-    plan_wanted = pyqtSignal()
     opened = pyqtSignal()
 
     def __init__(self, model: GroundModel) -> None:
@@ -64,9 +58,8 @@ class GroundView(TranslatedWidget):
         self.shallower = new_button(lambda: self._do(partial(model.step_depth, -1)), "▲")
         self.deeper = new_button(lambda: self._do(partial(model.step_depth, +1)), "▼")
         self.back, self.layers = QPushButton(), QPushButton()
+        self.set_marker, self.finer = QPushButton(), QPushButton()
         self.next = new_button(lambda: self._do(model.choose_next))
-        self.set_marker = new_button(self._on_marker)
-        self.finer = new_button(self._on_finer)
         self.use = new_button(lambda: self.end_fit(True))
         self.drop = new_button(lambda: self.end_fit(False))
         self.fit_text = QLabel()
@@ -203,13 +196,8 @@ class GroundView(TranslatedWidget):
         plot.set_marks(() if in_time else marks_in_section(model, along))
         notice = texts.nothing_in(model, picture, is_slice=False)
         plot.set_notice("" if self.is_fitting else _sentences(notice))
-        hyperbola = model.hyperbola if along is model.settings.along else None
-        if hyperbola is None:
-            plot.set_hyperbola(None, None)
-            return
-        places, drawn = model.hyperbola_points(picture)
-        number = int(abs(places - hyperbola.across_mm).argmin())
-        plot.set_hyperbola((places, drawn), (float(places[number]), float(drawn[number])))
+        fits = along is model.settings.along
+        plot.set_hyperbola(model.hyperbola_points(picture) if fits else None)
 
     def _frames(self) -> List[Frame]:
         frames = [Frame(one.area) for one in self.model.additions.related]
@@ -271,18 +259,6 @@ class GroundView(TranslatedWidget):
     def _do(self, change: Callable[[], None]) -> None:
         change()
         self.refresh()
-
-    def _on_marker(self) -> None:
-        point = self.model.point
-        if point is not None:
-            self.marker_wanted.emit(*point)
-
-    def _on_finer(self) -> None:
-        point = self.model.point
-        if self.model.additions.plan is not None:
-            self.plan_wanted.emit()
-        elif point is not None:
-            self.finer_wanted.emit(*point[:2])
 
     def _on_section(self, plot: SectionPlot, across_mm: float, second: float) -> None:
         model = self.model
