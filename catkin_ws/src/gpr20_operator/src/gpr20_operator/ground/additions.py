@@ -171,12 +171,7 @@ class AdditionsPresenter:
         return bool(self.survey_id) and self._can_read
 
     def follow(self, survey_id: str, can_read: bool) -> None:
-        """Show what belongs to another survey.
-
-        Args:
-            survey_id: The survey that GROUND shows; empty: none.
-            can_read: Whether the storage holds it; it has none of a replay.
-        """
+        """Show what belongs to another survey, if the storage can read it: not that of a replay."""
         if (survey_id, can_read) != (self.survey_id, self._can_read):
             self.survey_id, self._can_read = survey_id, can_read
             self._asked_images.clear()
@@ -230,14 +225,9 @@ class AdditionsPresenter:
     def add_marker(
         self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str
     ) -> None:
-        """Ask the storage to add a marker with one line of text.
+        """Ask the storage to add a marker with one line of text; depth None: not known.
 
-        Args:
-            survey: Id of the survey; another one may be shown since its place was touched.
-            x_mm: Where it is.
-            y_mm: Where it is.
-            depth_mm: Below the surface; None: not known.
-            text: What it says.
+        Another survey may be shown since its place was touched.
 
         Raises:
             InvalidValueError: The text or the place is not allowed.

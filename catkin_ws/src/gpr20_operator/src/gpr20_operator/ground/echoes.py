@@ -143,11 +143,7 @@ class RadarModel:
         self.revision += 1
 
     def absent(self, trace_states: np.ndarray) -> np.ndarray:
-        """Return the places in the plan that are stored but not here, ascending.
-
-        Args:
-            trace_states: State of every planned trace, from the coverage.
-        """
+        """Return the places in the plan that are stored but not here, ascending."""
         if self.grid is None:
             return np.zeros(0, np.intp)
         stored = np.flatnonzero(is_stored(trace_states))
@@ -189,13 +185,7 @@ class RadarModel:
         return (self._sums[polarization] / count).astype(np.complex64)
 
     def scale(self, remove_background: bool, in_db: bool) -> Optional[LevelScale]:
-        """Return the one scale of levels for all pictures; None before the first trace.
-
-        Args:
-            remove_background: Whether the pictures are without background, if there are enough
-                traces to know it.
-            in_db: Whether shades follow the level in dB.
-        """
+        """Return the one scale of levels for all pictures; None before the first trace."""
         if self.transform is None or not self.count:
             return None
         removed = remove_background and self._has_background()

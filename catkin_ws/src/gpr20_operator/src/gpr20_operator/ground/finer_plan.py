@@ -84,13 +84,6 @@ def plan_finer(
     It has at least three stops along X and Y: the area is larger than chosen, or moved, where
     it must be.
 
-    Args:
-        grid: The plan of the survey in which the place was found.
-        x_mm: The place along X.
-        y_mm: The place along Y.
-        size_mm: Width and height.
-        spacing_mm: Distance of two stops.
-
     Raises:
         InvalidValueError: The robot cannot measure it.
     """

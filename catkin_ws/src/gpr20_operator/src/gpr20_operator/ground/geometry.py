@@ -75,12 +75,7 @@ def survey_area(xs_mm: np.ndarray, ys_mm: np.ndarray) -> Area:
 
 
 def shown_area(own: Area, around: Iterable[Area] = ()) -> Area:
-    """Return what to show of the ground: a survey, and others around it if it stays large enough.
-
-    Args:
-        own: The survey.
-        around: Areas of other surveys that should be seen too.
-    """
+    """Return what to show: a survey, and others around it if it stays large enough."""
     shown = own
     for one in around:
         shown = shown.joined(one)
@@ -97,12 +92,6 @@ def divided(width_mm: float, height_mm: float, width_px: int, height_px: int) ->
 
     It is the division that leaves the least unused: whether the sections are beside the view from
     above, else below it; and its width if they are beside it, else its height [px].
-
-    Args:
-        width_mm: Width of what the view from above shows.
-        height_mm: Height of that.
-        width_px: Width of the room for all pictures.
-        height_px: Height of that room.
     """
     shape = max(width_mm, 1e-6) / max(height_mm, 1e-6)
     found = []

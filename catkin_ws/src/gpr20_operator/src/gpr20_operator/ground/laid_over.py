@@ -18,11 +18,7 @@ def laid_over(coarse: FocusedImage, finer: Sequence[FocusedImage]) -> FocusedIma
     """Return an image that has the levels of finer images where these lie.
 
     Each cell of the coarse image is divided into as many as the closest spacing needs. Nothing is
-    interpolated: a cell has the level of one voxel of one image.
-
-    Args:
-        coarse: The image of the whole area.
-        finer: Images of parts of it, the last one on top.
+    interpolated: a cell has the level of one voxel of one image, of the last one on top.
     """
     for one in finer:
         coarse = _with(coarse, one)

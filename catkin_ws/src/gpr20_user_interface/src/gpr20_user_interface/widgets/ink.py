@@ -121,15 +121,7 @@ def _paint_flag(painter: QPainter, look: Look, foot: QPointF, mark: Mark, size: 
 def paint_axes(
     painter: QPainter, look: Look, room: QRectF, labels: Tuple[str, str], ticks: Tuple[Ticks, Ticks]
 ) -> None:
-    """Write titles and numbers along the lower and the left edge, inside of a picture.
-
-    Args:
-        painter: Paints.
-        look: Colours and sizes.
-        room: The picture.
-        labels: Titles of both axes.
-        ticks: Numbers of both axes, with their pixels.
-    """
+    """Write titles and numbers along the lower and the left edge, inside of a picture."""
     font = _sized(painter.font(), look.px(SMALL_TEXT_PX))
     metrics, inside = QFontMetrics(font), room.adjusted(-0.5, -0.5, 0.5, 0.5)
     line_px = metrics.height()

@@ -127,12 +127,7 @@ class Plot(pyqtgraph.GraphicsView):
         self._place()
 
     def show_picture(self, picture: Optional[Picture], colours: Colours) -> None:
-        """Draw a picture; None: nothing.
-
-        Args:
-            picture: The picture.
-            colours: Its colours; those with a sign only if it has one.
-        """
+        """Draw a picture, in colours with a sign only if it has one; None: nothing."""
         self.numbers = None
         if picture is None or not picture.measured:
             self._image.clear()

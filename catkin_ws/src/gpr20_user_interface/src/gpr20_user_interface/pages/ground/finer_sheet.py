@@ -32,10 +32,6 @@ Duration = Callable[[SurveyParameters], Optional[float]]
 class FinerSheet(Overlay):
     """Shows a FinerPlan and changes it; nothing moves by it.
 
-    Args:
-        window: The window that it covers.
-        duration: How long a survey takes.
-
     Attributes:
         plan: What it shows; None: nothing that the robot can measure.
     """
@@ -75,12 +71,7 @@ class FinerSheet(Overlay):
         self._choose(SIZES_MM[0])
 
     def show_plan(self, grid: SurveyGrid, plan: FinerPlan) -> None:
-        """Open with a plan that was kept.
-
-        Args:
-            grid: The survey that it refines, or another one of this robot.
-            plan: The plan.
-        """
+        """Open with a plan that was kept, for this survey or another one of this robot."""
         self._grid, self._place_mm = grid, (plan.x_mm, plan.y_mm)
         self._size_mm, self._spacing_mm = plan.size_mm, plan.spacing_mm
         self.plan = plan

@@ -32,16 +32,7 @@ SWATCH_PX = 24
 
 
 class LayersSheet(Overlay):
-    """Keys that are labelled with what is shown now; the first row switches the layers.
-
-    Args:
-        window: The window to cover.
-        model: What is chosen.
-
-    Attributes:
-        layers: The key of each layer.
-        counts: How many stops are in which state.
-    """
+    """Keys that are labelled with what is shown now; the first row switches the layers."""
 
     changed = pyqtSignal()
 

@@ -75,13 +75,7 @@ class GroundModel:
     Until the operator chooses a place, the crosshair follows the trace that came last; in a
     focused image, and once everything is measured, it is at the first candidate.
 
-    Args:
-        survey: What is shown.
-        additions: What belongs to it besides its traces.
-
     Attributes:
-        settings: How echoes are shown.
-        layers: What is drawn from above.
         mark: The candidate or marker that was touched; None: a place, or nothing.
         hyperbola: The hyperbola that is being fitted.
     """
@@ -170,11 +164,7 @@ class GroundModel:
         return self._focused
 
     def pictures(self, alongs: Tuple[Axis, ...]) -> Shown:
-        """Return what is shown now.
-
-        Args:
-            alongs: The directions of the sections.
-        """
+        """Return what is shown now, with sections in some directions."""
         source, settings, place = self._source, self.settings, self.place
         above = source.slice(settings) if self.layers & IMAGES else None
         if above is not None:
@@ -287,14 +277,7 @@ class GroundModel:
         self.mark, self._chosen = None, None if follows else self.place
 
     def touch_section(self, along: Axis, across_mm: float, second: float, axis: Axis) -> None:
-        """Move the crosshair to a place of a section.
-
-        Args:
-            along: Direction of the section.
-            across_mm: Place along it [mm].
-            second: Depth [mm] or delay [ns].
-            axis: What the second one is.
-        """
+        """Move the crosshair to a place of a section, and to a depth [mm] or delay [ns]."""
         place = self.place
         if place is not None and along is Axis.X_MM:
             self.choose_place(across_mm, place.y_mm)

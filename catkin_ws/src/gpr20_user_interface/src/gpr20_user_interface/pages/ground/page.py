@@ -46,14 +46,6 @@ class GroundPage(QObject, Page):
         additions: What belongs to that survey.
         imaging: Asks for focused images while the page is seen.
         show_refusal: Shows why something did not succeed.
-
-    Attributes:
-        model: What is chosen and shown.
-        view: The widget of the page.
-        layers: The sheet of the layers and settings.
-        finer: The sheet of the plan of a finer survey.
-        markers: The sheet of the markers.
-        note_pad: The keys for the text of a marker.
     """
 
     # A FinerPlan that is to be measured now.

@@ -43,13 +43,7 @@ class SectionPlot(Plot):
     def show_section(
         self, picture: Optional[Picture], colours: Colours, loading: np.ndarray
     ) -> None:
-        """Draw a section; None: nothing.
-
-        Args:
-            picture: The section.
-            colours: Its colours.
-            loading: Which of its traces are stored but not here yet (bool); empty: none.
-        """
+        """Draw a section, of which some traces (bool) are not here yet; None: nothing."""
         self._loading = loading
         self.resetCachedContent()
         self.axis = self.axis if picture is None else picture.axis

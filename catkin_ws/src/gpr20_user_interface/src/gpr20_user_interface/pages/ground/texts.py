@@ -161,13 +161,7 @@ def remark(model: GroundModel) -> Message:
 
 
 def above_notice(model: GroundModel, shown: Shown, problem: Optional[Message]) -> Lines:
-    """Return what to write over the view from above.
-
-    Args:
-        model: What is chosen.
-        shown: What is shown.
-        problem: Why there is no newer focused image.
-    """
+    """Return what to write over the view from above; `problem`: why there is no newer image."""
     if model.survey.map.grid is None:
         return (
             Message("No survey yet."),
