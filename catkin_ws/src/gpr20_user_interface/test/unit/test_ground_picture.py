@@ -28,7 +28,6 @@ from gpr20_user_interface.widgets.ground_picture import (
     Frame,
     GroundMark,
     GroundPicture,
-    MarkKind,
 )
 from gpr20_user_interface.widgets.ink import round_ticks
 from gpr20_user_interface.widgets.plot import MOST_ZOOM
@@ -184,7 +183,7 @@ def test_a_ring_on_unmeasured_ground_is_grey(picture):
 
 
 def test_flags_frames_and_the_stop_that_is_visited_are_seen(picture, grid):
-    picture.set_marks([GroundMark(MARKER.x_mm, MARKER.y_mm, "", MarkKind.MARKER)])
+    picture.set_marks([GroundMark(MARKER.x_mm, MARKER.y_mm, "", is_flag=True)])
     at = pixel_of(picture, MARKER.x_mm, MARKER.y_mm)
     flag = picture.to_data(QPointF(at.x() + 4, at.y() - 20))
     assert colour(Mark.MARKER) in colours(picture, *flag, reach=2)

@@ -16,10 +16,10 @@ from gpr20_operator.ground.records import Colours, Picture, Place
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.cells import Cell, Lattice, hiding_cells
-from gpr20_user_interface.widgets.ink import GroundMark, MarkKind, rimmed
+from gpr20_user_interface.widgets.ink import GroundMark, rimmed
 from gpr20_user_interface.widgets.plot import Plot, extent_of
 
-__all__ = ["Frame", "GroundMark", "GroundPicture", "MarkKind"]
+__all__ = ["Frame", "GroundMark", "GroundPicture"]
 
 SMALLEST_FRAME_PX = 14.0
 FAILED_RING_PX = 11.0

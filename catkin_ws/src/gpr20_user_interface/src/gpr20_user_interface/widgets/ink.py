@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from dataclasses import dataclass
 from typing import Iterable, List, Tuple
@@ -24,16 +23,9 @@ STEPS = (1.0, 2.0, 5.0, 10.0, 20.0)
 Ticks = Iterable[Tuple[float, str]]
 
 
-class MarkKind(enum.Enum):
-    """What a mark is of: a candidate is a ring, a marker is a flag."""
-
-    CANDIDATE = "candidate"
-    MARKER = "marker"
-
-
 @dataclass(frozen=True)
 class GroundMark:
-    """A ring or a flag.
+    """A candidate is a ring, a marker is a flag.
 
     Attributes:
         across_mm: Where it is along the first axis.
@@ -49,7 +41,7 @@ class GroundMark:
     across_mm: float
     second_mm: float
     text: str
-    kind: MarkKind = MarkKind.CANDIDATE
+    is_flag: bool = False
     doubtful: bool = False
     chosen: bool = False
     measured: bool = True
@@ -85,9 +77,9 @@ def stroke(painter: QPainter, look: Look, mark: Mark, points: QPolygonF) -> None
 
 def paint_mark(painter: QPainter, look: Look, mark: GroundMark, place: QPointF) -> None:
     """Paint a ring around a pixel, or a flag whose foot it is."""
-    own = Mark.CANDIDATE if mark.kind is MarkKind.CANDIDATE else Mark.MARKER
+    own = Mark.MARKER if mark.is_flag else Mark.CANDIDATE
     own = Mark.SELECTED if mark.chosen else own if mark.measured else Mark.NOT_MEASURED
-    if mark.kind is MarkKind.MARKER:
+    if mark.is_flag:
         _paint_flag(painter, look, place, own, look.px(FLAG_PX if mark.near else FLAG_PX / 2))
         return
     radius = look.px((RING_PX if mark.near else FAR_PX) + 3 * mark.chosen)

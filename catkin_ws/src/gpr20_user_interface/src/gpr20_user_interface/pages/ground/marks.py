@@ -8,7 +8,7 @@ from gpr20_operator.ground.records import Axis
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.pages.ground.model import IMAGES, Found, GroundModel, Layer
-from gpr20_user_interface.widgets.ink import GroundMark, MarkKind
+from gpr20_user_interface.widgets.ink import GroundMark
 
 # What is nearer than this to a slice or section lies in it.
 NEAR_MM = 25.0
@@ -57,12 +57,11 @@ def _marked(model: GroundModel) -> Tuple[Found, ...]:
 def _mark(
     model: GroundModel, one: Found, across_mm: float, second_mm: float, near: bool
 ) -> GroundMark:
-    chosen = one == model.mark
+    at_mm, chosen = (across_mm, second_mm), one == model.mark
     if isinstance(one, Marker):
-        kind = MarkKind.MARKER
-        return GroundMark(across_mm, second_mm, "", kind, chosen=chosen, near=near, about=one)
+        return GroundMark(*at_mm, "", is_flag=True, chosen=chosen, near=near, about=one)
     return GroundMark(
-        *(across_mm, second_mm, str(one.number), MarkKind.CANDIDATE),
+        *at_mm, str(one.number),
         doubtful=one.is_doubtful, chosen=chosen, near=near, about=one,
         measured=model.is_measured(one.x_mm, one.y_mm),
     )  # fmt: skip
