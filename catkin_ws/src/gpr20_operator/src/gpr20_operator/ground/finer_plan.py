@@ -27,12 +27,10 @@ DECIMALS = 2
 
 @dataclass(frozen=True)
 class FinerPlan:
-    """What to measure around a place.
+    """What to measure around a place (X, Y).
 
     Attributes:
         refines: Id of the survey in which the place was found.
-        x_mm: The place along X.
-        y_mm: The place along Y.
         size_mm: Width and height that were chosen; travel may allow less.
         spacing_mm: Distance of two stops that was chosen.
         parameters: Those of that survey, but for area and points.

@@ -31,13 +31,7 @@ class SurveyRead:
 
 @dataclass(frozen=True)
 class TracesRead:
-    """Stored traces that were requested.
-
-    Attributes:
-        first_index: The first place in the plan that was requested.
-        block: Those that were read.
-        unreadable: Why others cannot be read, by their place in the plan.
-    """
+    """Stored traces, from a place in the plan on, and why others cannot be read, by theirs."""
 
     first_index: int
     block: TraceBlock
@@ -62,11 +56,7 @@ class ReadingFailed:
 
 @dataclass(frozen=True)
 class AnnotationRead:
-    """What people added to a survey.
-
-    Attributes:
-        survey: As it was requested: an id, or the name of a folder.
-    """
+    """What people added to a survey, which is named as requested: by its id or its folder."""
 
     survey: str
     annotation: Annotation

@@ -90,12 +90,12 @@ class GroundPicture(Plot):
         if shown != self._cells_of:
             self._cells_of = shown
             self._take_states(model, states)
-            self.resetCachedContent()
         self.scene().update()
 
     def _take_states(self, model: MapModel, states: bool) -> None:
         grid, found = model.grid, model.stop_states
         self._cells, self._failed = None, ()
+        self.resetCachedContent()
         if grid is None or found is None:
             return
         cells = found if states else np.where(found == StopState.DONE, Cell.BLANK, found)

@@ -92,11 +92,7 @@ class SectionPlot(Plot):
 
 
 class TracePlot(Plot):
-    """An A-scan from the top downwards, beside a section whose depths it has.
-
-    Attributes:
-        points: Shades and places that are drawn.
-    """
+    """An A-scan from the top downwards, beside a section whose depths it has."""
 
     def __init__(self, section: SectionPlot) -> None:
         super().__init__(downwards=True, scrubs=True)
@@ -107,6 +103,7 @@ class TracePlot(Plot):
     def show_curve(self, curve: Optional[Curve]) -> None:
         """Draw a trace; None: nothing."""
         self._curve: Optional[Curve] = None
+        # Shades and places that are drawn.
         self.points = np.zeros(0), np.zeros(0)
         if curve is not None:
             known = np.isfinite(curve.shades)

@@ -32,8 +32,6 @@ class GroundView(TranslatedWidget):
     """Draws what a GroundModel shows; `refresh` follows it.
 
     Attributes:
-        model: What is chosen and shown.
-        pictures: From above, below, and the trace.
         text: What is known of the place that was touched.
         note: What must be known about the pictures; never cut off.
         band: Which survey is shown, if it is not the live one.
