@@ -290,7 +290,7 @@ def test_layers_are_switched_by_name_in_one_sheet(filled, view):
 
 def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
     sheet, model = filled.ground.layers, filled.ground.model
-    echoes = filled.traces.live.radar.echoes(0).copy()
+    echoes = filled.traces.live.radar.echoes[0].copy()
     sheet.open()
     click(sheet.soils[Soils.WET_SAND])
     assert model.settings.permittivity == Soils.WET_SAND.value.permittivity
@@ -314,7 +314,7 @@ def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
     assert abs(int(np.median(numbers)) - LAST_SHADE // 2) <= LAST_SHADE // 2
     click(sheet.follow)
     assert not model.follows
-    assert (filled.traces.live.radar.echoes(0) == echoes).all()
+    assert (filled.traces.live.radar.echoes[0] == echoes).all()
 
 
 def test_another_permittivity_is_fitted_by_a_hyperbola(filled, view):

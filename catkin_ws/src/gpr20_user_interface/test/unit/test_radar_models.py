@@ -48,10 +48,10 @@ def test_an_a_scan_peaks_at_the_depth_of_its_target(depth_m):
 
 def test_another_permittivity_moves_the_picture_and_not_the_data():
     model = filled([0], s21_of=lambda _cell: depth_echo(0.1))
-    before = model.echoes(0).copy()
+    before = model.echoes[0].copy()
     dense = a_scan(model, cell(0, 0), dataclasses.replace(LINEAR, permittivity=16.0))
     assert dense.places[np.argmax(dense.shades)] == pytest.approx(50.0, abs=5)
-    assert (model.echoes(0) == before).all()
+    assert (model.echoes[0] == before).all()
 
 
 def test_each_trace_counts_from_its_own_height():
@@ -96,9 +96,9 @@ def test_what_was_not_measured_is_never_a_level():
     for in_db in (False, True):
         view = RadarSettings(in_db=in_db, remove_background=False)
         picture = c_scan(model, view)
-        assert (np.isfinite(picture.shades) == model.present(0)).all()
+        assert (np.isfinite(picture.shades) == model.present[0]).all()
         line = b_scan(model, Stop(1, 0), view)
-        assert (np.isfinite(line.shades).any(axis=0) == model.present(0)[1]).all()
+        assert (np.isfinite(line.shades).any(axis=0) == model.present[0][1]).all()
     assert EchoSource(RadarModel()).line(Place(0.0, 0.0), LINEAR) is None
     assert c_scan(RadarModel(), LINEAR) is None
     assert a_scan(model, cell(0, 0, 1), LINEAR) is None
@@ -165,7 +165,7 @@ def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
         model = filled([0])
         with pytest.raises(SurveyNotReadableError):
             model.add(trace_at(make_grid(), 3, **changes))
-        assert not model.present(0)[0, 1], changes
+        assert not model.present[0][0, 1], changes
         assert 3 not in model.absent(stored)
         assert 3 in model.given_up
     with raises_fault(SurveyNotReadableError.fault, 3, "7c9e6679"):
@@ -218,8 +218,8 @@ def test_a_block_is_the_same_as_its_traces_one_by_one(places, sizes, again):
     )
     assert model.given_up == single.given_up and set(found) == set(reasons)
     for number in range(2):
-        assert (model.present(number) == single.present(number)).all()
-        assert model.echoes(number) == pytest.approx(single.echoes(number), abs=1e-6)
+        assert (model.present[number] == single.present[number]).all()
+        assert model.echoes[number] == pytest.approx(single.echoes[number], abs=1e-6)
         assert model.heights_m(number) == pytest.approx(single.heights_m(number), nan_ok=True)
         if model.background(number) is not None:
             assert model.background(number) == pytest.approx(single.background(number), abs=1e-6)
@@ -256,7 +256,7 @@ def test_memory_is_bounded_whatever_the_plan():
     model = RadarModel(max_bytes=8_000_000)
     model.begin(grid)
     model.add(trace_at(grid, 0))
-    used = sum(model.echoes(number).nbytes for number in range(2))
+    used = sum(model.echoes[number].nbytes for number in range(2))
     assert used <= 8_000_000
     assert model.transform.samples == 12
 

@@ -43,6 +43,8 @@ class RadarModel:
         grid: The plan of the survey that is shown.
         transform: How sweeps become echoes; None before the first trace.
         count: How many traces are here.
+        present: Which stops have a trace (bool, polarizations x rows x columns).
+        echoes: Their echoes (complex64, the same shape x samples); 0 where no trace is.
         latest: Where the trace that came last belongs.
         latest_of: The same for each polarization that has a trace.
         given_up: Traces that cannot be shown, and why, by their place in the plan.
@@ -59,9 +61,9 @@ class RadarModel:
         self._transforms: Optional[Tuple[FrequencyToDelay, LateDelays]] = None
         self.transform: Optional[FrequencyToDelay] = None
         shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
-        self._present = np.zeros(shape, bool)
+        self.present = np.zeros(shape, bool)
         self._heights_m = np.full(shape, np.nan, np.float32)
-        self._echoes = np.zeros((*shape, 0), np.complex64)
+        self.echoes = np.zeros((*shape, 0), np.complex64)
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self._noises = np.full(shape, np.nan, np.float32)
         self._scales: Dict[bool, SteadyScale] = {}
@@ -123,17 +125,17 @@ class RadarModel:
         s21 = block.s21[right]
         echoes = transform.transform(s21)
         # Of one that came before, too; where none is, they are 0.
-        changes = echoes - self._echoes[place]
+        changes = echoes - self.echoes[place]
         for number in np.unique(polarization):
             of_number = polarization == number
             self._sums[number] += changes[of_number].sum(axis=0, dtype=np.complex128)
             last = Stop(int(row[of_number][-1]), int(column[of_number][-1]))
             self.latest_of[int(number)] = Cell(last, int(number))
-        self.count += int(np.count_nonzero(~self._present[place]))
-        self._echoes[place] = echoes
+        self.count += int(np.count_nonzero(~self.present[place]))
+        self.echoes[place] = echoes
         self._heights_m[place] = block.heights_m[right]
         self._noises[place] = noise_of_traces(late.samples(s21))
-        self._present[place] = True
+        self.present[place] = True
         for index in self.given_up.keys() & set(block.indices[right].tolist()):
             del self.given_up[index]
 
@@ -148,17 +150,9 @@ class RadarModel:
             return np.zeros(0, np.intp)
         stored = np.flatnonzero(is_stored(trace_states))
         row, column, polarization = self.grid.cells(stored)
-        absent = stored[~self._present[polarization, row, column]]
+        absent = stored[~self.present[polarization, row, column]]
         given_up = np.fromiter(self.given_up, np.intp, len(self.given_up))
         return absent[~np.isin(absent, given_up)]
-
-    def present(self, polarization: int) -> np.ndarray:
-        """Return which stops have a trace of a polarization (bool, rows x columns)."""
-        return self._present[polarization]
-
-    def echoes(self, polarization: int) -> np.ndarray:
-        """Return the echoes of a polarization (complex64, rows x columns x samples)."""
-        return self._echoes[polarization]
 
     def heights_m(self, polarization: int) -> np.ndarray:
         """Return the height of every stop [m]; one that is not known is the median of the rest.
@@ -179,7 +173,7 @@ class RadarModel:
     def background(self, polarization: int) -> Optional[np.ndarray]:
         """Return what the traces of a polarization have in common; None while they are too few."""
         # Without a plan there are no polarizations.
-        count = int(np.count_nonzero(self._present[polarization : polarization + 1]))
+        count = int(np.count_nonzero(self.present[polarization : polarization + 1]))
         if count < MIN_BACKGROUND_TRACES:
             return None
         return (self._sums[polarization] / count).astype(np.complex64)
@@ -190,10 +184,10 @@ class RadarModel:
             return None
         removed = remove_background and self._has_background()
         steady = self._scales.setdefault(
-            removed, SteadyScale(self._present.size * self.transform.samples)
+            removed, SteadyScale(self.present.size * self.transform.samples)
         )
         before = self._scaled_counts.get(removed, 0)
-        complete = self.count == self._present.size
+        complete = self.count == self.present.size
         if self.count >= SCALE_GROWTH * before + 1 or (complete and before < self.count):
             self._scaled_counts[removed] = self.count
             steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
@@ -201,7 +195,7 @@ class RadarModel:
 
     def _has_background(self) -> bool:
         """Return whether every polarization that has traces has a background."""
-        counts = np.count_nonzero(self._present, axis=(1, 2))
+        counts = np.count_nonzero(self.present, axis=(1, 2))
         return bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
 
     def _strongest(self, transform: FrequencyToDelay, removed: bool) -> float:
@@ -212,10 +206,10 @@ class RadarModel:
             first_s = float(delay_of_depth(-min(ABOVE_SURFACE_M, height_m), height_m, 1.0))
         first = min(int(first_s / transform.step_s), transform.samples - 1)
         strongest = 0.0
-        for polarization, present in enumerate(self._present):
+        for polarization, present in enumerate(self.present):
             rows, columns = np.nonzero(present)
             every = max(1, len(rows) // TRACES_FOR_SCALE)
-            some = self._echoes[polarization][rows[::every], columns[::every], first:]
+            some = self.echoes[polarization][rows[::every], columns[::every], first:]
             background = self.background(polarization) if removed else None
             if some.size:
                 echoes = some if background is None else some - background[first:]
@@ -224,13 +218,13 @@ class RadarModel:
         return strongest
 
     def _begin_volume(self, frequency_hz: np.ndarray) -> Tuple[FrequencyToDelay, LateDelays]:
-        room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self._present.size))
+        room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self.present.size))
         transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
         self.transform, self._transforms = transform, (transform, LateDelays(frequency_hz))
         samples = transform.samples
         # Zeros are given by the system page by page when they are written.
-        self._echoes = np.zeros((*self._present.shape, samples), np.complex64)
-        self._sums = np.zeros((len(self._present), samples), np.complex128)
+        self.echoes = np.zeros((*self.present.shape, samples), np.complex64)
+        self._sums = np.zeros((len(self.present), samples), np.complex128)
         return self._transforms
 
 

@@ -133,7 +133,7 @@ class _Look:
     @property
     def present(self) -> np.ndarray:
         """Which stops have a trace (bool)."""
-        return self.model.present(self.settings.polarization).ravel()
+        return self.model.present[self.settings.polarization].ravel()
 
     def stops(self, place: Place, along: Optional[Axis] = None) -> np.ndarray:
         """Return the stop nearest to a place, or the line along an axis through it."""
@@ -172,7 +172,7 @@ class _Look:
 
     def echoes(self, stops: np.ndarray, delays_s: np.ndarray) -> np.ndarray:
         """Return the echoes below stops (stops x delays); NaN where nothing was measured."""
-        volume = self.model.echoes(self.settings.polarization)
+        volume = self.model.echoes[self.settings.polarization]
         step_s = self.transform.step_s
         found = echoes_at(volume.reshape(-1, volume.shape[-1]), stops, step_s, delays_s)
         if self.settings.remove_background:

@@ -120,7 +120,7 @@ def _state(model: GroundModel) -> Lines:
     state, number = ground.state_at(stop), model.settings.polarization
     lines = [] if state in (None, StopState.DONE) else [STATE_NAMES[state]]
     lines.extend(ground.reasons_at(stop))
-    if radar.grid is None or not radar.present(number)[stop.row, stop.column]:
+    if radar.grid is None or not radar.present[number, stop.row, stop.column]:
         if model.survey.loading.waiting[number, stop.row, stop.column]:
             lines.append(Message("this trace is being loaded"))
         else:
