@@ -48,9 +48,9 @@ from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
-PANEL_PX = 304
+PANEL_PX = 296
 RANK_PX = 36
-RIM = 0.1
+RIM = 0.07
 
 
 class PlaceRow(QPushButton):
