@@ -50,7 +50,8 @@ from gpr20_user_interface.widgets.widgets import new_button, set_look
 
 PANEL_PX = 296
 RANK_PX = 36
-RIM = 0.07
+# Shares of the longer side: numbers stand beside the image, not on it.
+RIM_BESIDE, RIM_ABOVE = 0.12, 0.07
 
 
 class PlaceRow(QPushButton):
@@ -268,8 +269,9 @@ class ResultPage(TranslatedWidget, Page):
             shown = self.picture.extent
             if shown is not None:
                 # A ring at the edge is seen as a whole.
-                rim = RIM * max(shown.width(), shown.height())
-                self.picture.set_extent(shown.adjusted(-rim, -rim, rim, rim))
+                longer = max(shown.width(), shown.height())
+                x, y = RIM_BESIDE * longer, RIM_ABOVE * longer
+                self.picture.set_extent(shown.adjusted(-x, -y, x, y))
         self.picture.set_hiding(result.hiding.result)
         self.picture.set_marks(
             [
