@@ -39,9 +39,9 @@ from gpr20_user_interface.pages.result.sheets import (
     HidingSheet,
     PlaceSheet,
     SoilSheet,
-    StickSheet,
     with_remedy,
 )
+from gpr20_user_interface.pages.result.stick_sheet import StickSheet
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel

@@ -1,8 +1,8 @@
-"""What opens over the result: one place, what was found there, the soil, hiding places, a stick."""
+"""What opens over the result: one place, what was found there, the soil, hiding places."""
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import (
@@ -20,7 +20,6 @@ from gpr20_common.message import Message
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import SurveyResult
-from gpr20_operator.jobs.stick import ExportPart
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.words import number_from_text
 from gpr20_survey.no_clearance import NO_CLEARANCE
@@ -29,7 +28,6 @@ from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS
-from gpr20_survey.results.volume import Volume
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
@@ -38,10 +36,8 @@ from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
 
-MOST_STICKS = 3
 LONGEST_NAME = 12
 NONE = "—"
-BYTES_PER_MB, BYTES_PER_GB = 1e6, 1e9
 PERMITTIVITIES = Message(
     "{lowest:g} to {highest:g}", lowest=MIN_PERMITTIVITY, highest=LARGEST_PERMITTIVITY
 )
@@ -352,114 +348,6 @@ class HidingSheet(ResultSheet):
 
     def _key(self, target: Targets) -> QPushButton:
         return self.choice(lambda: self.result.choose_target(target))
-
-
-class StickSheet(ResultSheet):
-    """The report on a stick: where, how far it is, and when the stick can be removed.
-
-    Args:
-        window: The window that it covers.
-        result: The result.
-        language: Returns the code of the window's language.
-    """
-
-    def __init__(self, window: QWidget, result: SurveyResult, language: Callable[[], str]) -> None:
-        super().__init__(window, result)
-        self._language = language
-        self.parts = {one: self._part(one) for one in ExportPart}
-        self.sticks = [self._stick(number) for number in range(MOST_STICKS)]
-        self.other = new_button(lambda: self.result.export.choose_parts())
-        self.again = new_button(self.ask)
-        self.cancel = new_button(lambda: self.result.export.cancel())
-        self.add_row(list(self.parts.values()))
-        self.add_row(self.sticks)
-        self.add_text(self.again, self.other, self.cancel)
-        self.retranslate()
-
-    def ask(self) -> None:
-        """Open, and write the report if there is one stick."""
-        self.result.begin_export(self._language())
-        self.open_now()
-
-    def refresh(self) -> None:
-        """Look for sticks while it is open."""
-        if self.isVisible():
-            self.result.export.look_for_sticks()
-        super().refresh()
-
-    def show_now(self) -> None:
-        """Show what is written where."""
-        export = self.result.export
-        running = export.job.running
-        self.other.setText(self.tr("Other files"))
-        self.other.setVisible(not running and not export.choosing)
-        self.again.setText(self.tr("TRY AGAIN"))
-        self.again.setVisible(export.job.state is JobState.FAILED)
-        self.cancel.setText(self.tr("CANCEL"))
-        self.cancel.setVisible(running)
-        names = {
-            ExportPart.REPORT_PDF: self.tr("Report\nPDF"),
-            ExportPart.REPORT_HTML: self.tr("Report\nHTML"),
-            ExportPart.CANDIDATES_CSV: self.tr("Places\nCSV"),
-            ExportPart.CANDIDATES_GEOJSON: self.tr("Places\nGeoJSON"),
-            ExportPart.SURVEY_ZIP: self.tr("All data\nZIP"),
-        }
-        for part, key in self.parts.items():
-            self.show_choice(key, names[part], part in export.parts)
-            key.setVisible(export.choosing)
-        several = export.job.state is JobState.READY or export.choosing
-        for key, volume in zip(self.sticks, export.sticks.volumes):
-            key.setText(f"{volume.name[:LONGEST_NAME]}\n{self._room(volume)}")
-            key.setEnabled(volume.writable and bool(export.parts))
-        for number, key in enumerate(self.sticks):
-            key.setVisible(several and number < len(export.sticks.volumes))
-        title, text = self._sentences()
-        self.title.setText(title)
-        self.show_job(export.job, text)
-
-    def _sentences(self) -> Tuple[str, str]:
-        """Return what to do with the stick, and what happens."""
-        export = self.result.export
-        computer, listing = export.sticks.computer, export.listing
-        if export.job.running:
-            stage = export.job.stage
-            waiting = self.tr("Waiting for the computer of the storage.")
-            text = waiting if stage is None else sentence_text(stage)
-            return self.tr("Do not remove the stick."), text
-        files = export.job.result
-        if files:
-            text = self.tr("Files: {count}, in its folder {folder}.")
-            where = text.format(count=len(files), folder=files[0].split("/")[0])
-            return self.tr("Done. Remove the stick."), where
-        if listing.problem is not None or export.job.problem is not None:
-            problem = listing.problem or export.job.problem
-            return self.tr("Nothing was written."), "" if problem is None else with_remedy(problem)
-        if not computer:
-            return self.tr("Looking for USB sticks."), ""
-        if not export.writable:
-            text = self.tr("Plug a USB stick into the computer {computer}.")
-            return text.format(computer=computer), ""
-        return self.tr("Touch the stick that it is written to."), ""
-
-    def _room(self, volume: Volume) -> str:
-        if not volume.writable:
-            return self.tr("write-protected")
-        if volume.free_bytes < BYTES_PER_GB:
-            return self.tr("{free:.0f} MB free").format(free=volume.free_bytes / BYTES_PER_MB)
-        return self.tr("{free:.1f} GB free").format(free=volume.free_bytes / BYTES_PER_GB)
-
-    def _part(self, part: ExportPart) -> QPushButton:
-        return self.choice(lambda: self.result.export.toggle(part))
-
-    def _stick(self, number: int) -> QPushButton:
-        def act() -> None:
-            export = self.result.export
-            if number < len(export.sticks.volumes):
-                export.write(export.sticks.volumes[number].path)
-
-        key = new_button(act)
-        key.setObjectName("choice")
-        return key
 
 
 def _judge(lowest: float, highest: float, allowed: Message, may_be_empty: bool = True) -> Judge:
