@@ -44,7 +44,7 @@ from gpr20_user_interface.pages.result.sheets import (
 from gpr20_user_interface.pages.result.stick_sheet import StickSheet
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
-from gpr20_user_interface.widgets.labels import ElidedLabel
+from gpr20_user_interface.widgets.labels import LinesLabel
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
@@ -61,7 +61,7 @@ class PlaceRow(QPushButton):
         super().__init__()
         self.setObjectName("tile")
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
-        self.rank, self.place, self.why = QLabel(), QLabel(), ElidedLabel()
+        self.rank, self.place, self.why = QLabel(), QLabel(), LinesLabel()
         self.rank.setObjectName("tile_title")
         self.place.setObjectName("first_title")
         self.rank.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -72,6 +72,7 @@ class PlaceRow(QPushButton):
         grid.addWidget(self.place, 0, 1)
         grid.addWidget(self.why, 1, 1)
         grid.setColumnStretch(1, 1)
+        grid.setRowStretch(1, 1)
         for label in (self.rank, self.place, self.why):
             label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
 
