@@ -84,6 +84,12 @@ def test_the_places_fit(spoken, page):
     check(spoken, page)
 
 
+def test_three_places_with_several_flags_say_all_of_them(spoken, page):
+    found(page, spoken, MANY[24:27])
+    check(spoken, page)
+    assert not [row.why.shown_lines() for row in page.rows[:3] if row.why.is_cut]
+
+
 def page_list():
     from candidate_examples import candidate_list
 
