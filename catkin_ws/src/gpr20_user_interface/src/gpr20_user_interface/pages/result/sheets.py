@@ -135,10 +135,7 @@ class ResultSheet(Overlay):
     def show_job(self, job: Job, rest: str) -> None:
         """Show how a job is going, or what its page says otherwise."""
         self.progress.setVisible(job.running)
-        if job.problem is not None:
-            self.text.setText(with_remedy(job.problem))
-        else:
-            self.text.setText(rest)
+        self.text.setText(rest if job.problem is None else with_remedy(job.problem))
 
 
 class PlaceSheet(ResultSheet):
@@ -263,7 +260,7 @@ class SoilSheet(ResultSheet):
         self.unknown, self.other = self._key(None), new_button(self._on_other)
         self.use = HoldButton()
         self.use.held.connect(self._on_use)
-        self.add_row([*self.soils.values()])
+        self.add_row(list(self.soils.values()))
         self.add_row([self.unknown, self.other])
         self.add_text(self.use)
         self.progress.hide()
@@ -277,13 +274,12 @@ class SoilSheet(ResultSheet):
     def show_now(self) -> None:
         """Show what is chosen."""
         self.title.setText(self.tr("Soil of this survey"))
-        known = [one.value.permittivity for one in Soils]
         for soil, key in self.soils.items():
             value = soil.value.permittivity
             self.show_choice(key, f"{shown_text(soil.value.name)}\n{value:g}", value == self._value)
-        own = self._value is not None and self._value not in known
         self.show_choice(self.unknown, self.tr("Not known"), self._value is None)
-        number = f"\n{self._value:g}" if own else ""
+        known = (None, *(one.value.permittivity for one in Soils))
+        number = "" if self._value in known else f"\n{self._value:g}"
         self.other.setText(self.tr("Other value") + number)
         self.use.setText(self.tr("Hold to use it"))
         self.use.setEnabled(self._value != self.result.permittivity)
