@@ -64,6 +64,7 @@ class Heartbeat:
         self._timer = QTimer()
 
     def start(self) -> None:
+        """Note from now on."""
         self._last_s = time.monotonic()
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
         self._timer.timeout.connect(self._beat)
@@ -205,8 +206,8 @@ def watch(
         print(
             f"{minute:6d} {memory_mb[-1]:10.1f} {len(gc.get_objects()):8d} "
             f"{100 * core:7.1f} {late:13d} "
-            f"{1e3 * max(heartbeat.gaps_s, default=0.0):11.1f} {(delays.traces - traces) / 60.0:9.1f} "
-            f"{surveys:8d}",
+            f"{1e3 * max(heartbeat.gaps_s, default=0.0):11.1f} "
+            f"{(delays.traces - traces) / 60.0:9.1f} {surveys:8d}",
             flush=True,
         )
     print(f"core, mean: {100 * statistics.mean(cores):.1f} %")

@@ -48,7 +48,8 @@ class Describer:
         Args:
             name: Attributes of the window separated by dots, such as `top_bar.stop`; keys of
                 dictionaries by their name or text; `text:STOP` a visible button with that text;
-                `tab:MAP` a tab; `window` all of it; `keys` the places of all keys that are seen; `picture:FILE` writes a picture.
+                `tab:MAP` a tab; `window` all of it; `keys` the places of all keys that are seen;
+                `picture:FILE` writes a picture.
         """
         if name == WINDOW:
             return self._whole()
