@@ -17,6 +17,8 @@ from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.widgets import set_look
 
 SIGN_PX = 36
+# Above and below a title with one line.
+SHORT_ABOVE_PX = 8
 # Levels are known without their colours.
 SIGNS: Dict[JobLevel, str] = {
     JobLevel.WORKING: "resume",
@@ -50,16 +52,16 @@ class StateBand(QFrame):
         self.simulated, self.more = QLabel(), QLabel()
         self.simulated.setObjectName("simulated")
         self.more.setObjectName("what_to_do")
-        words, chips = QVBoxLayout(), QVBoxLayout()
-        words.setSpacing(0)
-        words.addWidget(self.title)
-        words.addWidget(self.message, 1)
+        self._words, chips = QVBoxLayout(), QVBoxLayout()
+        self._words.setSpacing(0)
+        self._words.addWidget(self.title)
+        self._words.addWidget(self.message, 1)
         for chip in (self.simulated, self.more):
             chip.setAlignment(Qt.AlignmentFlag.AlignCenter)
             chips.addWidget(chip)
         self._layout = QHBoxLayout(self)
         self._layout.addWidget(self.sign)
-        self._layout.addLayout(words, 1)
+        self._layout.addLayout(self._words, 1)
         self._layout.addLayout(chips)
 
     def show_condition(self, condition: Condition, left: str, robot: str) -> None:
@@ -81,6 +83,11 @@ class StateBand(QFrame):
             words = f"{words.rstrip('.')}. {shown_text(remedy)}"
         self.message.show_text(f"{robot}: {words}" if robot else words)
         self.more.setVisible(remedy is not None)
+        # Two short lines stand in the middle of the band.
+        message = self.message
+        short = message.fontMetrics().horizontalAdvance(message.text()) <= message.width()
+        above_px = look_of(self).px(SHORT_ABOVE_PX) if short else 0
+        self._words.setContentsMargins(0, above_px, 0, above_px)
 
     def restyle(self) -> None:
         """Take the sizes and colours of the look."""

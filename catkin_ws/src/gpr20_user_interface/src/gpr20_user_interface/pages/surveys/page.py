@@ -270,7 +270,7 @@ class SurveysPage(TranslatedWidget, Page):
 
     def _lay_out(self) -> None:
         self.search.setObjectName("field")
-        self.title.setObjectName("title")
+        self.title.setObjectName("first_title")
         self.result.setObjectName("primary")
         self.shown = QStackedWidget()
         self.shown.addWidget(self.list)
