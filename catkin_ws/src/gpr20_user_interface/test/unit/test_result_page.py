@@ -1,5 +1,6 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
+import dataclasses
 import random
 
 import pytest
@@ -133,6 +134,17 @@ def test_nothing_found_says_what_that_does_not_mean(ended, node):
     assert not view.more.isVisible()
 
 
+def test_simulated_is_said_once(window, ended, node):
+    search(ended.result, node)
+    refreshed(ended)
+    band = window.top_bar.band.simulated
+    assert band.isVisible() and not ended.simulated.isVisible()
+    # A simulated survey in the archive of a real robot.
+    real = dataclasses.replace(ENDED.state, simulated=False)
+    show(window, dataclasses.replace(ENDED, state=real))
+    assert ended.simulated.isVisible() and not band.isVisible()
+
+
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):
     view = ended
 
@@ -149,7 +161,7 @@ def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, end
     ended.result.try_again()
     search(ended.result, node)
     refreshed(ended)
-    assert is_said(view.no_clearance) and view.simulated.isVisible()
+    assert is_said(view.no_clearance)
     for key, sheet in (
         (view.rows[0], ended.place_sheet),
         (view.soil, ended.soil_sheet),

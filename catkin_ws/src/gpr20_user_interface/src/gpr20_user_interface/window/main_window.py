@@ -43,8 +43,8 @@ from gpr20_user_interface.window.presenters import Presenters
 from gpr20_user_interface.window.rail import Rail, TabName
 from gpr20_user_interface.window.survey_tab import SurveyTab
 
-# Topics come at up to 50 Hz; figures that change more often cannot be read.
-REFRESH_MS = 100
+# Topics come at up to 50 Hz; figures that change more often than these cannot be read.
+REFRESH_MS = 200
 # 99 of 100 traces are on the screen within 250 ms; drawing more often costs processor time.
 DRAW_MS = 200
 # A robot may be started, or restarted with other limits, after the window; this also shows

@@ -132,6 +132,7 @@ class ResultPage(TranslatedWidget, Page):
         self.sheets = (self.place_sheet, self.soil_sheet, self.hiding_sheet, self.stick_sheet)
         self.place_sheet.finer_wanted.connect(self._on_finer)
         self.place_sheet.show_wanted.connect(self._on_show)
+        self._simulated_robot = False
         self._drawn: object = None
         self._drawn_image: object = None
         self.title = QLabel()
@@ -140,7 +141,7 @@ class ResultPage(TranslatedWidget, Page):
         self.simulated = QLabel()
         self.simulated.setObjectName("simulated")
         self.no_clearance = QLabel()
-        self.no_clearance.setObjectName("alarm")
+        self.no_clearance.setObjectName("small_alarm")
         self.no_clearance.setWordWrap(True)
         self.picture = GroundPicture()
         self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
@@ -172,6 +173,8 @@ class ResultPage(TranslatedWidget, Page):
     def refresh(self, snapshot: Snapshot) -> None:
         """Search when nothing else happens and the page is seen; never during a survey."""
         self.result.note_running(snapshot.running)
+        if snapshot.simulated != self._simulated_robot:
+            self._simulated_robot, self._drawn = snapshot.simulated, None
         if snapshot.running:
             for sheet in (*self.sheets, self.place_sheet.pad, self.soil_sheet.pad):
                 sheet.hide()
@@ -218,7 +221,9 @@ class ResultPage(TranslatedWidget, Page):
         result = self.result
         done = result.image is not None
         record = result.record
-        self.simulated.setVisible(record is not None and record.grid.simulated)
+        # If the robot is simulated, the band says so.
+        simulated = record is not None and record.grid.simulated
+        self.simulated.setVisible(simulated and not self._simulated_robot)
         self._stack.setCurrentIndex(int(done))
         self.stick.setEnabled(record is not None)
         self.hiding.setEnabled(done)
@@ -286,7 +291,8 @@ class ResultPage(TranslatedWidget, Page):
             ]
         )
         self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
-        self.picture.labels = shown_text(texts.FROM_MARK), ""
+        # At the top: at the bottom it would take the room of the numbers.
+        self.picture.labels = "", shown_text(texts.FROM_MARK)
         self._right.setCurrentIndex(int(not result.places))
         for row, place in zip(self.rows, result.shown):
             found = result.find_at(place)
