@@ -61,7 +61,7 @@ def result(requests, now):
 
 
 @given(candidate_lists())
-def test_places_come_in_the_order_of_the_list_and_the_headline_counts_all(found):
+def test_the_brightest_and_those_without_doubt_come_first_and_all_are_counted(found):
     requests = Requests()
     result = new_result(requests)
     found = dataclasses.replace(found, survey_id=SURVEY)
@@ -78,7 +78,12 @@ def test_places_come_in_the_order_of_the_list_and_the_headline_counts_all(found)
             more = len(found.candidates) - counted["shown"]
             assert more + counted["shown"] + found.omitted == found.total
         result.turn_page()
-    assert [one for page in pages for one in page] == list(found.candidates)
+    shown = [one for page in pages for one in page]
+    assert shown[:1] == list(found.candidates[:1])
+    rest = found.candidates[1:]
+    assert shown[1:] == [
+        one for doubtful in (False, True) for one in rest if one.is_doubtful == doubtful
+    ]
     assert result.first == 0
 
 

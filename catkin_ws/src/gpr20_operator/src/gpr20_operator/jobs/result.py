@@ -163,8 +163,14 @@ class SurveyResult:
 
     @property
     def places(self) -> Tuple[Candidate, ...]:
-        """The places of the list, in its order."""
-        return () if self.image is None else self.image.found.candidates
+        """The brightest place, then those that are not doubtful, then the others.
+
+        A place may be the only one that is not doubtful, or a mine for all its flags.
+        """
+        if self.image is None:
+            return ()
+        listed = self.image.found.candidates
+        return (*listed[:1], *sorted(listed[1:], key=lambda one: one.is_doubtful))
 
     @property
     def shown(self) -> Tuple[Candidate, ...]:
