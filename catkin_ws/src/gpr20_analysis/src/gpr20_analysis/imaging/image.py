@@ -163,12 +163,12 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
     if longest_s >= unambiguous_s:
         raise WrongDatasetError(
             Message(
-                "echoes of the deepest layer have a delay of {longest_s:.3g} s, but a frequency "
-                "step of {step_hz:g} Hz allows only {unambiguous_s:.3g} s; choose a smaller depth, "
-                "or measure with more points",
-                longest_s=longest_s,
-                step_hz=traces[0].sweep.step_hz,
-                unambiguous_s=unambiguous_s,
+                "echoes of the deepest layer have a delay of {longest_ns:.3g} ns, but a frequency "
+                "step of {step_mhz:.4g} MHz allows only {unambiguous_ns:.3g} ns; choose a smaller "
+                "depth, or measure with more points",
+                longest_ns=longest_s * 1e9,
+                step_mhz=traces[0].sweep.step_hz / 1e6,
+                unambiguous_ns=unambiguous_s * 1e9,
             ),
             fault=faults.TOO_DEEP,
         )
@@ -176,11 +176,11 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
     if longest_s * band_hz < 1.0:
         raise WrongDatasetError(
             Message(
-                "a band of {band_hz:g} Hz resolves delays of {resolution_s:.3g} s, but the whole "
-                "image covers {longest_s:.3g} s, so no echo can be seen; use a wider band",
-                band_hz=band_hz,
-                resolution_s=1.0 / band_hz,
-                longest_s=longest_s,
+                "a band of {band_mhz:.4g} MHz resolves delays of {resolution_ns:.3g} ns, but the "
+                "whole image covers {longest_ns:.3g} ns, so no echo can be seen; use a wider band",
+                band_mhz=band_hz / 1e6,
+                resolution_ns=1e9 / band_hz,
+                longest_ns=longest_s * 1e9,
             ),
             fault=faults.BAND_TOO_NARROW,
         )

@@ -44,7 +44,7 @@ WHEEL_ZOOM = 1.25
 # Half of the gap in the middle of the crosshair: what lies under it stays free.
 FREE_PX = 14.0
 # Room of a number on each axis.
-TICK_PX = (80, 44)
+TICK_PX = (60, 44)
 UNIT = QRectF(0.0, 0.0, 1.0, 1.0)
 
 
