@@ -30,6 +30,7 @@ EXIT_STATUS = Message(
     "    2  the command line is wrong\n"
     "    3  it failed, another client stopped it, or contact with the main control was lost\n"
     "    4  it is paused and stays paused (--on-pause exit)\n"
+    "    5  it was a replay: nothing was measured\n"
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
 )
 
