@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from test_fields import annotations, parameters
 from view_kit import FOLDER, past_survey
 
-from gpr20_operator.plan.annotation import LONGEST_SHOWN
+from gpr20_operator.plan.annotation import LONGEST_SHOWN, overwritten
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import (
     change_records_question,
@@ -148,3 +148,15 @@ def test_long_names_end_where_the_sheet_ends():
     shown = rows(start(annotation=Annotation("O" * 200, "S" * 200, name="N" * 200)))
     assert len(shown["Name"]) == 3 * LONGEST_SHOWN + len(", ") + len(" · ")
     assert shown["Name"].endswith("…")
+
+
+@given(
+    st.text("abc ", max_size=60),
+    st.text("xyz", min_size=1, max_size=60),
+    st.text("uvw", max_size=60),
+)
+def test_the_old_and_the_new_text_never_look_the_same(same, old, new):
+    before, after = Annotation(notes=same + old), Annotation(notes=same + new)
+    ((_title, text),) = overwritten(before, after)
+    shown_old, shown_new = str(text).split(" → ")
+    assert shown_old != shown_new

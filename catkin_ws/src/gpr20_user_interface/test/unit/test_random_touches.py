@@ -182,7 +182,7 @@ class Field:
 
     def check_shown(self):
         """Check that the window shows and offers what the robot said last."""
-        # As its timer does 10 times a second.
+        # As its timer does 5 times a second.
         self.window.refresh()
         window, now = self.window, self.window.survey.snapshot
         bar, code, alive = window.top_bar, now.state.code, now.control_alive

@@ -26,12 +26,13 @@ from result_kit import (
 from view_kit import PAST, SURVEY
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import verbatim
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result import BESIDE_MM, CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
 from gpr20_operator.jobs.result_texts import (
     headline,
     measured,
+    notices,
     soil_lines,
     why_line,
     why_lines,
@@ -41,6 +42,7 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidate_json import json_text, list_from
+from gpr20_survey.results.found import FORMAT as FOUND
 from gpr20_survey.results.found import What, found_of
 from gpr20_survey.results.hidden_target import Targets
 
@@ -73,10 +75,12 @@ def test_the_brightest_and_those_without_doubt_come_first_and_all_are_counted(fo
         parts = headline(result.image.found, result.first).values.get("sentences", ())
         counted = {name: one for part in parts for name, one in part.values.items()}
         if found.total:
-            assert counted["shown"] == len(result.shown) <= PLACES_SHOWN
-            assert counted["total"] == found.total
-            more = len(found.candidates) - counted["shown"]
-            assert more + counted["shown"] + found.omitted == found.total
+            if result.first:
+                assert counted["first"] == result.first + 1
+                assert counted["last"] == result.first + len(result.shown)
+            else:
+                assert counted["shown"] == len(result.shown) <= PLACES_SHOWN
+            assert counted["total"] == found.total == len(found.candidates) + found.omitted
         result.turn_page()
     shown = [one for page in pages for one in page]
     assert shown[:1] == list(found.candidates[:1])
@@ -316,6 +320,37 @@ def test_what_was_found_is_seen_beside_a_place_of_another_list_too(result, reque
     assert result.find_at(moved[1]).what is What.DEVICE
 
 
+def test_what_was_found_at_a_place_is_not_said_of_its_neighbours_in_the_list(result, requests):
+    places = [
+        candidate(1, 140.0, 90.0),
+        candidate(2, 150.0, 90.0),
+        candidate(3, 140.0, 90.0, 110.0),
+    ]
+    search(result, requests, places)
+    result.note_found(result.places[0], What.NOTHING, None, "Ana")
+    ((_survey, _kind, values),) = requests.of("note")
+    requests.ticket("note").done(None)
+    requests.ticket("read").done(stored(log=[noted("found", values)]))
+    assert [result.find_at(one) is not None for one in places] == [True, False, False]
+
+
+@pytest.mark.parametrize(
+    "entry", ["x", None, 7, [], {"kind": "found", "values": [1]}, noted("found", {"format": FOUND})]
+)
+def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, requests, entry):
+    search(result, requests, record=stored(log=[entry]))
+    assert result.record.unreadable == 1 and len(result.places) == len(ELEVEN)
+    assert "1 entries" in str(notices(result)[0])
+
+
+def test_a_permittivity_that_could_not_be_stored_is_named(result, requests):
+    search(result, requests)
+    result.set_permittivity(9.0)
+    requests.ticket("note").fail(Message("the disk is full"))
+    requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
+    assert "the disk is full" in str(notices(result)[0])
+
+
 @pytest.mark.parametrize(("depth_mm", "who"), [(-1.0, "Ana"), (1e6, "Ana"), (None, "")])
 def test_a_record_that_is_not_allowed_is_refused(result, requests, depth_mm, who):
     search(result, requests)
@@ -369,6 +404,7 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     result.export.write(BLUE.path)
     assert requests.of("export")[-1].kinds == ["report-pdf", "survey-zip"]
     result.export.cancel()
+    requests.ticket("export").fail(Message("cancelled"))
     result.export.toggle(ExportPart.SURVEY_ZIP)
     result.export.toggle(ExportPart.REPORT_PDF)
     result.export.write(BLUE.path)
@@ -381,6 +417,9 @@ def test_an_export_that_is_cancelled_does_not_begin_again_by_itself(result, requ
     plug_in(requests, BLUE)
     result.export.cancel()
     assert requests.cancelled == [requests.ticket("export").request_id]
+    # Files may be written until the node answers.
+    assert result.export.job.running
+    requests.ticket("export").fail(Message("cancelled"))
     now.s += LIST_PERIOD_S
     result.export.look_for_sticks()
     plug_in(requests, BLUE)

@@ -17,8 +17,8 @@ from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 
-# How often a survey is asked for again after a failure, in refreshes of 100 ms.
-RETRY_REFRESHES = 100
+# How often a survey is asked for again after a failure, in refreshes of 200 ms.
+RETRY_REFRESHES = 50
 
 
 @dataclass(frozen=True)

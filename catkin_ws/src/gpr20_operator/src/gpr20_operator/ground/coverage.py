@@ -83,7 +83,7 @@ def coverage_of_stored(survey_id: str, planned: int, stored: Iterable[int]) -> C
     """Return the coverage of a past survey, of which only the stored traces are known."""
     states = np.zeros(planned, np.uint8)
     indices = np.fromiter(stored, np.int64)
-    states[indices[indices < planned]] = SampleState.MEASURED
+    states[indices[(indices >= 0) & (indices < planned)]] = SampleState.MEASURED
     starts = np.flatnonzero(np.diff(states, prepend=255))
     return CoverageRuns(survey_id, planned, tuple(starts.tolist()), tuple(states[starts].tolist()))
 

@@ -119,6 +119,16 @@ class Job(Generic[Result]):
             self._cancel(ticket.request_id)
         self._set(JobState.READY, problem=reason)
 
+    def cancel(self, stage: Message) -> None:
+        """Ask to end the request that runs; how it ends, its answer says.
+
+        Args:
+            stage: What people read until then.
+        """
+        if self._ticket is not None:
+            self._cancel(self._ticket.request_id)
+            self._set(JobState.RUNNING, stage=stage)
+
     def refuse(self, problem: Message) -> None:
         """Say why the result cannot be used, as if there were none."""
         self._set(JobState.FAILED, problem=problem)

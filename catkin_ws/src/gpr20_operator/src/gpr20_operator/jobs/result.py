@@ -59,6 +59,7 @@ class Record:
     operator: str = ""
     permittivity: Optional[float] = None
     found: Tuple[Found, ...] = ()
+    unreadable: int = 0
 
     @property
     def survey_id(self) -> str:
@@ -71,12 +72,22 @@ def record_of(stored: StoredSurvey) -> Record:
 
     Raises:
         SurveyNotReadableError: It says nothing that is readable.
-        InvalidValueError: Its annotation, or what was found, is not as it should be.
+        InvalidValueError: Its annotation is not as it should be.
     """
     grid = grid_from_description(stored.text)
     values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
-    log = values.get("log") or []
-    noted = [one.get("values") or {} for one in log if one.get("kind") == Kind.FOUND.value]
+    log = values.get("log")
+    entries = log if isinstance(log, list) else []
+    readable = [one for one in entries if _is_entry(one)]
+    finds, unreadable = [], len(entries) - len(readable)
+    for one in readable:
+        noted = one.get("values") or {}
+        if one.get("kind") == Kind.FOUND.value and noted.get("format") == FOUND_FORMAT:
+            try:
+                finds.append(found_of(noted))
+            except InvalidValueError:
+                # Counted: a person learns of it, and the places stay.
+                unreadable += 1
     annotation = annotation_of(values)
     return Record(
         grid,
@@ -84,9 +95,14 @@ def record_of(stored: StoredSurvey) -> Record:
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
-        noted_permittivity(log),
-        tuple(present(found_of(one) for one in noted if one.get("format") == FOUND_FORMAT)),
+        noted_permittivity(readable),
+        tuple(present(finds)),
+        unreadable,
     )
+
+
+def _is_entry(entry: object) -> bool:
+    return isinstance(entry, dict) and isinstance(entry.get("values") or {}, dict)
 
 
 def list_sum(found: CandidateList) -> str:
@@ -140,7 +156,7 @@ class SurveyResult:
     @property
     def revision(self) -> Tuple[object, ...]:
         """Changes with everything that a view shows of this."""
-        jobs = (self.reading, self.search, self.hiding, self.noting)
+        jobs = (self.reading, self.search, self.hiding, self.noting, self._soil)
         return (
             *(self.survey, self._survey_runs, self.first, self.chosen, self.export.revision),
             *(one.revision for one in jobs),
@@ -155,6 +171,11 @@ class SurveyResult:
         if record is None:
             return None
         return self._imaging.permittivities.get(record.survey_id, record.permittivity)
+
+    @property
+    def soil_problem(self) -> Optional[Message]:
+        """Why the permittivity that was entered is not stored with the survey; None: it is."""
+        return self._soil.problem
 
     @property
     def image(self) -> Optional[FocusedImage]:
@@ -278,9 +299,10 @@ class SurveyResult:
         self.chosen = None
 
     def find_at(self, place: Candidate) -> Optional[Found]:
-        """Return what people found at a place of this list, or last of another list beside it.
+        """Return what people found at a place of this list, or last at one of another list near it.
 
-        A list that was made with another permittivity has other numbers.
+        A list that was made with another permittivity has other numbers. What was found at one
+        place of this list says nothing about the place beside it, or below it.
         """
         records = () if self.record is None else self.record.found
         own = [
@@ -289,7 +311,8 @@ class SurveyResult:
         near = [
             one
             for one in records
-            if math.hypot(one.x_mm - place.x_mm, one.y_mm - place.y_mm) <= BESIDE_MM
+            if one.list_sha256 != self._list_sum
+            and math.hypot(one.x_mm - place.x_mm, one.y_mm - place.y_mm) <= BESIDE_MM
         ]
         return max(own or near, key=lambda one: one.time) if own or near else None
 

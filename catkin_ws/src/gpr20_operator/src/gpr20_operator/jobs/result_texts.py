@@ -55,11 +55,17 @@ def headline(found: CandidateList, first: int = 0) -> Message:
         first: Number of the first place that is shown, from 0.
     """
     shown = len(found.candidates[first : first + PLACES_SHOWN])
+    last = first + shown
     if not found.total:
         return NOTHING_FOUND
     doubtful = found.total - found.primary
+    counted = Message("{shown} of {total} places", shown=shown, total=found.total)
+    if first:
+        counted = Message(
+            "{first}-{last} of {total} places", first=first + 1, last=last, total=found.total
+        )
     parts = [
-        Message("{shown} of {total} places", shown=shown, total=found.total),
+        counted,
         *([Message("doubtful: {count}", count=doubtful)] if doubtful else []),
     ]
     return in_a_row(parts)
@@ -69,6 +75,12 @@ def notices(result: SurveyResult) -> List[Message]:
     """Return what a person must know of the whole list: what was not measured, or is not in it."""
     part, image = measured(result), result.image
     lines = [] if part is None else [part]
+    if result.soil_problem is not None:
+        reason = result.soil_problem
+        lines.append(Message("The permittivity is not stored: {reason}", reason=reason))
+    if result.record is not None and result.record.unreadable:
+        count = result.record.unreadable
+        lines.append(Message("{count} entries of the log cannot be read", count=count))
     if image is not None and image.found.omitted:
         lines.append(
             Message(
@@ -143,6 +155,8 @@ def measured(result: SurveyResult) -> Optional[Message]:
 def soil_lines(result: SurveyResult) -> Tuple[Message, Message]:
     """Return the permittivity that everything is made with, and what is known of it."""
     value = result.permittivity
+    if value is None and result.record is None:
+        return Message("Permittivity"), Message("not read yet")
     if value is None:
         assumed = result.image.found.permittivity if result.image else ANY_SOIL.permittivity
         return Message("Permittivity {value:.3g}", value=assumed), Message("ASSUMED")

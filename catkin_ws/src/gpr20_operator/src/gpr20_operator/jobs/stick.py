@@ -12,7 +12,7 @@ from gpr20_survey.results.volume import Volume
 
 # A stick that is plugged in shows within this time [s].
 LIST_PERIOD_S = 2.0
-EXPORT_CANCELLED = Message("The export was cancelled. No unfinished file was left on the stick.")
+CANCELLING = Message("Cancelling. Unfinished files are removed from the stick.")
 NO_STICKS = Sticks("", ())
 
 
@@ -57,6 +57,16 @@ class StickExport:
     def revision(self) -> Tuple[object, ...]:
         """Changes with everything that a view shows of this."""
         return self.job.revision, self.listing.problem, self.sticks, self.parts, self.choosing
+
+    @property
+    def survey(self) -> str:
+        """Id of the survey that is exported; empty: none."""
+        return str(self._order.get("survey", ""))
+
+    @property
+    def offered(self) -> Tuple[Volume, ...]:
+        """The sticks, those that can be written first."""
+        return tuple(sorted(self.sticks.volumes, key=lambda one: not one.writable))
 
     @property
     def writable(self) -> Tuple[Volume, ...]:
@@ -112,9 +122,12 @@ class StickExport:
         self.job.ask(**self._order, kinds=kinds, volume=volume)
 
     def cancel(self) -> None:
-        """End an export that is running, or the wait for a stick."""
+        """Ask to end an export that is running, or end the wait for a stick."""
         self.choosing = True
-        self.job.end(EXPORT_CANCELLED if self.job.running else None)
+        if self.job.running:
+            self.job.cancel(CANCELLING)
+        else:
+            self.job.end()
 
     def _take_sticks(self, sticks: Sticks) -> None:
         self.sticks = sticks

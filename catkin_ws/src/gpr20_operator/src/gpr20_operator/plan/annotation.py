@@ -39,10 +39,21 @@ def overwritten(before: Annotation, after: Annotation) -> Tuple[Tuple[Message, M
     """Return what changes, with the old and the new text of each field."""
     old, new = annotation_texts(before), annotation_texts(after)
     return tuple(
-        (one.title, verbatim(f"{shortened(old[one.name])} → {shortened(new[one.name])}"))
+        (one.title, verbatim(" → ".join(_where_they_differ(old[one.name], new[one.name]))))
         for one in PEOPLE
         if old[one.name] != new[one.name]
     )
+
+
+def _where_they_differ(old: str, new: str) -> Tuple[str, str]:
+    """Return both texts, shortened so that their first difference is seen."""
+    same = 0
+    while same < min(len(old), len(new)) and old[same] == new[same]:
+        same += 1
+    if same < LONGEST_SHOWN - 2:
+        return shortened(old), shortened(new)
+    start = same - LONGEST_SHOWN // 3
+    return shortened("…" + old[start:]), shortened("…" + new[start:])
 
 
 def replaces_text(before: Annotation, after: Annotation) -> bool:

@@ -12,7 +12,7 @@ class Page:
         """Take an event."""
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Show what is known now; 10 times a second."""
+        """Show what is known now; 5 times a second."""
 
     def draw(self) -> None:
         """Draw what is new; 5 times a second."""

@@ -45,7 +45,7 @@ from gpr20_user_interface.widgets.page import Page
 
 COLUMNS, ROWS = 3, 4
 # How long to wait for the list of surveys, in refreshes, before it is requested again.
-RETRY_REFRESHES = 80
+RETRY_REFRESHES = 40
 
 
 class PlanPage(TranslatedWidget, Page):

@@ -79,7 +79,8 @@ class PlaceRow(QPushButton):
     def show_place(self, place: Candidate, found: Optional[Message]) -> None:
         """Show a place, and what people found there."""
         self.rank.setText(str(place.number))
-        self.rank.setFixedWidth(look_of(self).px(RANK_PX))
+        number_px = self.rank.fontMetrics().horizontalAdvance(self.rank.text()) + 2 * BORDER_PX
+        self.rank.setFixedWidth(max(look_of(self).px(RANK_PX), number_px))
         self.place.setText(shown_text(texts.place_line(place)))
         self.why.show_text(shown_text(found or texts.why_line(place)))
         for widget in (self, self.rank, self.place, self.why):

@@ -72,12 +72,15 @@ class StickSheet(ResultSheet):
             self.show_choice(key, names[part], part in export.parts)
             key.setVisible(export.choosing)
         several = export.job.state is JobState.READY or export.choosing
-        for key, volume in zip(self.sticks, export.sticks.volumes):
+        for key, volume in zip(self.sticks, export.offered):
             key.setText(f"{volume.name[:LONGEST_NAME]}\n{self._room(volume)}")
             key.setEnabled(volume.writable and bool(export.parts))
         for number, key in enumerate(self.sticks):
             key.setVisible(several and number < len(export.sticks.volumes))
         title, text = self._sentences()
+        record = self.result.record
+        if record is not None and export.survey not in ("", record.survey_id):
+            text = "\n".join(filter(None, (self.tr("This is the export of another survey."), text)))
         self.title.setText(title)
         self.show_job(export.job, text)
 
@@ -118,8 +121,8 @@ class StickSheet(ResultSheet):
     def _stick(self, number: int) -> QPushButton:
         def act() -> None:
             export = self.result.export
-            if number < len(export.sticks.volumes):
-                export.write(export.sticks.volumes[number].path)
+            if number < len(export.offered):
+                export.write(export.offered[number].path)
 
         key = new_button(act)
         key.setObjectName("choice")
