@@ -62,7 +62,7 @@ def headline(found: CandidateList, first: int = 0) -> Message:
     counted = Message("{shown} of {total} places", shown=shown, total=found.total)
     if first:
         counted = Message(
-            "{first}-{last} of {total} places", first=first + 1, last=last, total=found.total
+            "{first}-{last} of {total}", first=first + 1, last=last, total=found.total
         )
     parts = [
         counted,
