@@ -144,7 +144,9 @@ TOO_DEEP = Fault(
 )
 TOO_FEW_LINES = Fault(
     "analysis.too_few_lines",
-    Message("Wait until the survey has measured more lines."),
+    Message(
+        "Wait until the survey has measured more lines. Image a single line with gpr20 candidates."
+    ),
     Severity.NOTE,
 )
 NO_SURFACE_ECHO = Fault(

@@ -15,7 +15,7 @@ import random
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Dict, List, Set, Tuple
 
 import rospy
 import rostest
@@ -50,6 +50,8 @@ class Accidents(unittest.TestCase):
         self.draw = random.Random(int(os.environ.get("GPR20_SEED", "20261127")))
         self.moves: List[str] = []
         self.codes: List[int] = []
+        # By the places of their keys.
+        self.screens: Set[Tuple[Tuple[int, int], ...]] = set()
         self._subscribers = [
             rospy.Subscriber("control_status", ControlStatus, self.take_status),
             *(
@@ -72,6 +74,7 @@ class Accidents(unittest.TestCase):
         self.survey(window)
         records = self.records()
         self.assertTrue(records)
+        self.assertTrue(self.moves, "moves are noticed")
         self.moves.clear()
         self.codes.clear()
         stalled = set(self.draw.sample(range(TOUCHES), min(STALLS, TOUCHES)))
@@ -83,6 +86,8 @@ class Accidents(unittest.TestCase):
             self.touch(window)
             self.assertEqual(self.moves, [], f"touch {number}")
         self.assertTrue(window.takes_touches("top_bar.stop"))
+        # They were no touches of a window that takes none.
+        self.assertGreater(len(self.screens), 3)
         self.assertEqual(MOVING.intersection(self.codes), set())
         self.assert_kept(records)
 
@@ -97,6 +102,7 @@ class Accidents(unittest.TestCase):
         chance = self.draw.random()
         keys = window.find("keys")["keys"] if chance < 0.35 else []
         if keys:
+            self.screens.add(tuple(map(tuple, keys)))
             x, y = self.draw.choice(keys)
             window.tap_at(x, y, self.draw.uniform(0.02, LONGEST_TAP_S))
         elif chance < 0.45:

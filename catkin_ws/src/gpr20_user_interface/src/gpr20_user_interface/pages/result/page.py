@@ -50,6 +50,8 @@ from gpr20_user_interface.widgets.widgets import new_button, set_look
 
 PANEL_PX = 296
 RANK_PX = 36
+# Few places do not fill the list: what belongs together stays together.
+MOST_ROW_PX = 112
 # Shares of the longer side: numbers stand beside the image, not on it.
 RIM_BESIDE, RIM_ABOVE = 0.12, 0.07
 
@@ -81,6 +83,7 @@ class PlaceRow(QPushButton):
         self.rank.setText(str(place.number))
         number_px = self.rank.fontMetrics().horizontalAdvance(self.rank.text()) + 2 * BORDER_PX
         self.rank.setFixedWidth(max(look_of(self).px(RANK_PX), number_px))
+        self.setMaximumHeight(look_of(self).px(MOST_ROW_PX))
         self.place.setText(shown_text(texts.place_line(place)))
         self.why.show_text(shown_text(found or texts.why_line(place)))
         for widget in (self, self.rank, self.place, self.why):
@@ -319,6 +322,7 @@ class ResultPage(TranslatedWidget, Page):
         self._list.setContentsMargins(0, 0, 0, 0)
         for row in self.rows:
             self._list.addWidget(row, 1)
+        self._list.addStretch()
         self._right = QStackedWidget()
         self._right.addWidget(_holding(self._list))
         self._right.addWidget(self.nothing)
