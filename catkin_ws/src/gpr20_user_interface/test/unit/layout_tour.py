@@ -124,7 +124,7 @@ def ground(window):
     draw = np.random.default_rng(1)
     for index in range(10):
         noise = 1e-4 * (draw.standard_normal(501) + 1j * draw.standard_normal(501))
-        live.take_trace(trace_at(grid, index, depth_echo(0.1, level=0.05) + noise))
+        live.take_traces([trace_at(grid, index, depth_echo(0.1, level=0.05) + noise)])
     related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
     window.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
     window.draw()

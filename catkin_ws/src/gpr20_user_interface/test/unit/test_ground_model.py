@@ -8,7 +8,7 @@ from candidate_examples import candidate, candidate_list
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from map_kit import MARKER
-from view_kit import PAST, SURVEY, depth_echo, echo, make_grid, trace_at
+from view_kit import PAST, SURVEY, add_trace, depth_echo, echo, make_grid, trace_at
 from window_helpers import Storage
 
 from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead
@@ -64,7 +64,7 @@ def model():
 
 def add(model, *indices, **changes):
     for index in indices:
-        model.survey.radar.add(trace_at(model.survey.map.grid, index, **changes))
+        add_trace(model.survey.radar, trace_at(model.survey.map.grid, index, **changes))
 
 
 def cover(model, stored, planned=40):

@@ -41,7 +41,7 @@ def fill(window, stored=40, s21=None, grid=None, **changes):
     live.begin(grid)
     cover(window, stored, grid)
     for index in range(stored):
-        live.take_trace(trace_at(grid, index, s21, **changes))
+        live.take_traces([trace_at(grid, index, s21, **changes)])
     window.show_tab(TabName.GROUND)
     window.refresh()
     window.draw()
@@ -79,7 +79,7 @@ def fill_with_noise(window, count=None):
     cover(window, grid.planned, grid)
     for index, s21 in enumerate(noise(grid)):
         if count is None or index < count:
-            window.traces.live.take_trace(trace_at(grid, index, s21))
+            window.traces.live.take_traces([trace_at(grid, index, s21)])
     window.show_tab(TabName.GROUND)
     window.refresh()
     window.draw()
@@ -133,7 +133,7 @@ def test_section_and_view_from_above_grow_trace_by_trace(window, view):
     window.show_tab(TabName.GROUND)
     section, above = view.pictures.sections[0], view.pictures.above
     for count, index in enumerate((0, 3, 4, 7, 8), 1):  # of polarization 0
-        window.traces.live.take_trace(trace_at(grid, index))
+        window.traces.live.take_traces([trace_at(grid, index)])
         window.draw()
         shades, places = view.pictures.trace.points
         assert places[np.argmax(shades)] == pytest.approx(100.0, abs=7)
@@ -363,7 +363,7 @@ def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, 
     grid = window.traces.live.map.grid
     for index, s21 in enumerate(noise(grid)):
         if index >= 25:
-            window.traces.live.take_trace(trace_at(grid, index, s21))
+            window.traces.live.take_traces([trace_at(grid, index, s21)])
     refreshed(view)
     assert view.pictures.above.notice == f"Nothing above the noise at this depth. {NO_MINE}"
     assert view.pictures.sections[0].notice == f"Nothing above the noise in this section. {NO_MINE}"
@@ -467,7 +467,7 @@ def test_nothing_is_drawn_while_nobody_can_see_it(window, view):
     window.show_tab(TabName.SURVEY)
     grid = make_grid(survey_id=PAST)
     window.traces.live.begin(grid)
-    window.traces.live.take_trace(trace_at(grid, 0))
+    window.traces.live.take_traces([trace_at(grid, 0)])
     before = view.pictures.above.numbers
     window.draw()
     assert view.pictures.above.numbers is before

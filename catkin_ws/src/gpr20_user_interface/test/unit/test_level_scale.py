@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 import pytest
-from view_kit import a_scan, b_scan, c_scan, depth_echo, make_grid, trace_at
+from view_kit import a_scan, add_trace, b_scan, c_scan, depth_echo, make_grid, trace_at
 
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import Stop
@@ -34,7 +34,9 @@ def noisy(seed, size=(5, 4), ground=None, traces=None):
     model.begin(grid)
     for index in range(grid.planned if traces is None else traces):
         s21 = noise(rng)
-        model.add(trace_at(grid, index, s21 if ground is None else s21 + ground(grid.cell(index))))
+        add_trace(
+            model, trace_at(grid, index, s21 if ground is None else s21 + ground(grid.cell(index)))
+        )
     return model
 
 
@@ -131,7 +133,7 @@ def test_the_scale_is_steady_while_traces_arrive():
             cell = grid.cell(index)
             # A surface that is not even, so that something of it remains.
             uneven = depth_echo(0.001 * rng.standard_normal(), level=0.3)
-            model.add(trace_at(grid, index, noise(rng) + uneven + ground(cell)))
+            add_trace(model, trace_at(grid, index, noise(rng) + uneven + ground(cell)))
             scales.append(model.scale(remove, in_db=True))
         tops = [one.top_db for one in scales[40:]]
         assert tops == sorted(tops)

@@ -94,6 +94,7 @@ def test_a_description_that_comes_before_the_status_is_kept(traces):
     note(traces, SurveyState.SURVEYING, SURVEY)
     traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
     traces.on_event(trace_at(make_grid(survey_id=NEXT), 0))
+    traces.refresh()
     note(traces, SurveyState.SURVEYING, SURVEY)
     note(traces, SurveyState.CHECKING, NEXT)
     assert traces.shown.survey_id == NEXT

@@ -9,6 +9,7 @@ from view_kit import (
     FREQUENCY_HZ,
     SURVEY,
     a_scan,
+    add_trace,
     b_scan,
     c_scan,
     cell,
@@ -34,7 +35,7 @@ def filled(indices=None, s21_of=None, **changes):
     model.begin(grid)
     for index in range(grid.planned) if indices is None else indices:
         s21 = None if s21_of is None else s21_of(grid.cell(index))
-        model.add(trace_at(grid, index, s21, **changes))
+        add_trace(model, trace_at(grid, index, s21, **changes))
     return model
 
 
@@ -60,7 +61,7 @@ def test_each_trace_counts_from_its_own_height():
     model.begin(grid)
     for index in range(10):
         height_m = 0.15 + 0.01 * index
-        model.add(trace_at(grid, index, depth_echo(0.1, height_m), height_m))
+        add_trace(model, trace_at(grid, index, depth_echo(0.1, height_m), height_m))
     line = b_scan(model, Stop(0, 0), LINEAR)
     peaks = np.linspace(*line.range, len(line.shades) + 1)[np.argmax(line.shades, axis=0)]
     assert peaks == pytest.approx(100.0, abs=8)
@@ -84,7 +85,7 @@ def test_a_reverse_survey_lies_where_it_was_measured():
     grid = make_grid(x_start_mm=200.0, x_stop_mm=100.0)
     model = RadarModel()
     model.begin(grid)
-    model.add(trace_at(grid, 0))  # at X 200
+    add_trace(model, trace_at(grid, 0))  # at X 200
     picture = c_scan(model, LINEAR)
     assert picture.across_mm == pytest.approx((87.5, 212.5))
     assert np.isfinite(picture.shades[0, 4])
@@ -149,7 +150,7 @@ def test_without_any_height_there_is_delay_but_no_depth():
 def test_a_trace_may_come_twice():
     model = filled(range(20))
     once = model.background(0)
-    model.add(trace_at(make_grid(), 4))
+    add_trace(model, trace_at(make_grid(), 4))
     assert model.count == 20
     assert model.background(0) == pytest.approx(once, abs=1e-6)
 
@@ -164,12 +165,12 @@ def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
     ):
         model = filled([0])
         with pytest.raises(SurveyNotReadableError):
-            model.add(trace_at(make_grid(), 3, **changes))
+            add_trace(model, trace_at(make_grid(), 3, **changes))
         assert not model.present[0][0, 1], changes
         assert 3 not in model.absent(stored)
         assert 3 in model.given_up
     with raises_fault(SurveyNotReadableError.fault, 3, "7c9e6679"):
-        model.add(trace_at(make_grid(), 3, survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
+        add_trace(model, trace_at(make_grid(), 3, survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
 
 
 def one_by_one(grid, traces):
@@ -177,7 +178,7 @@ def one_by_one(grid, traces):
     model.begin(grid)
     for trace in traces:
         try:
-            model.add(trace)
+            add_trace(model, trace)
         except SurveyNotReadableError as error:
             reasons.append(error.message)
     return model, reasons
@@ -255,7 +256,7 @@ def test_memory_is_bounded_whatever_the_plan():
     grid = make_grid(200, 200)
     model = RadarModel(max_bytes=8_000_000)
     model.begin(grid)
-    model.add(trace_at(grid, 0))
+    add_trace(model, trace_at(grid, 0))
     used = sum(model.echoes[number].nbytes for number in range(2))
     assert used <= 8_000_000
     assert model.transform.samples == 12

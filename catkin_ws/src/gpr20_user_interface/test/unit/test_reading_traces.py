@@ -4,7 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from view_kit import FOLDER, PAST, SURVEY, description, make_grid, trace_at
+from hypothesis import given
+from hypothesis import strategies as st
+from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, make_grid, trace_at
+from window_helpers import Storage
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
@@ -98,6 +101,25 @@ def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
     assert traces.shown.radar.count == 5
 
 
+@given(st.lists(st.tuples(st.integers(0, 4), st.booleans()), max_size=12))
+def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
+    found = []
+    for at_once in (True, False):
+        traces = TracePresenter(Storage(), lambda _problem: None)
+        traces.on_event(SurveyDescribed(description()))
+        for number, (index, own) in enumerate(drawn):
+            s21 = depth_echo(0.1, level=1.0 + number)
+            grid = GRID if own else make_grid(survey_id=OTHER)
+            traces.on_event(trace_at(grid, index, s21))
+            if not at_once:
+                traces.refresh()
+        traces.refresh()
+        found.append(traces.live.radar)
+    assert np.array_equal(found[0].present, found[1].present)
+    assert np.allclose(found[0].echoes, found[1].echoes, rtol=0.0, atol=1e-4)
+    assert found[0].count == found[1].count
+
+
 def test_a_trace_that_the_topic_lost_is_read(traces, storage):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(trace_at(GRID, 0))
@@ -140,6 +162,7 @@ def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
 def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(trace_at(GRID, 0))
+    traces.refresh()
     traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
     assert traces.shown.radar.count == 1
     traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
@@ -173,4 +196,5 @@ def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
         traces.refresh()
         assert len(problems) == 1, event
         traces.on_event(trace_at(GRID, 0))
+        traces.refresh()
         assert traces.shown.radar.count == 1

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from gpr20_common.message import verbatim
+from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cell, Stop, planned_grid
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
@@ -18,6 +19,7 @@ from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import TraceBlock
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 # Another survey, which is stored.
@@ -77,6 +79,12 @@ def echo(delay_s, level=1.0, frequency_hz=FREQUENCY_HZ):
 def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
     """Return the S21 of a target straight below the antennas."""
     return echo(delay_of_depth(depth_m, height_m, permittivity), level)
+
+
+def add_trace(model, trace):
+    """Let a RadarModel take a trace; raise what it says against it."""
+    for reason in model.add_block(TraceBlock.of(trace.survey_id, [trace])):
+        raise SurveyNotReadableError(reason)
 
 
 def trace_at(grid, index, s21=None, height_m=0.2, **changes):

@@ -14,7 +14,6 @@ from gpr20_operator.ground.level_scale import LevelScale, SteadyScale
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
 from gpr20_survey.radar.noise import LateDelays, noise_of_survey, noise_of_traces
-from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock
 
 MAX_VOLUME_BYTES = 256 << 20
@@ -75,19 +74,10 @@ class RadarModel:
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
 
-    def add(self, trace: Trace) -> None:
-        """Take a trace.
-
-        Raises:
-            SurveyNotReadableError: It does not belong to its place in the plan; it is not shown.
-        """
-        for reason in self.add_block(TraceBlock.of(trace.survey_id, [trace])):
-            raise SurveyNotReadableError(reason)
-
     def add_block(self, block: TraceBlock) -> Tuple[Message, ...]:
         """Take traces; return why some of them do not belong to their places in the plan.
 
-        Those are given up.
+        Those are given up. No trace is in the block twice.
 
         Raises:
             SurveyNotReadableError: They belong to another survey.

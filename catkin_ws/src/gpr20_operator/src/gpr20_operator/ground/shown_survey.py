@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Tuple
+from itertools import groupby
+from typing import Iterable, List, Tuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.trace_events import TracesRead
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import TraceBlock
 
 NOTHING = np.zeros(0, np.intp)
 # What the storage answers at once at most.
@@ -79,14 +81,17 @@ class ShownSurvey:
             self.radar.begin(grid)
             self.map.set_grid(grid)
 
-    def take_trace(self, trace: Trace) -> None:
-        """Take a trace, if it is one of this survey.
+    def take_traces(self, traces: Iterable[Trace]) -> Tuple[Message, ...]:
+        """Take those traces that are of this survey; return why some of them cannot be shown.
 
-        Raises:
-            SurveyNotReadableError: It does not belong to its place in the plan.
+        Many at once take hardly longer than one.
         """
-        if trace.survey_id == self.survey_id:
-            self.radar.add(trace)
+        # One that came twice is in no block twice: the last one counts.
+        own = {one.index: one for one in traces if one.survey_id == self.survey_id}
+        problems: List[Message] = []
+        for _same, some in groupby(own.values(), lambda one: one.frequency_hz.tobytes()):
+            problems += self.radar.add_block(TraceBlock.of(self.survey_id, list(some)))
+        return tuple(problems)
 
     def take_block(self, read: TracesRead) -> Tuple[Message, ...]:
         """Take traces that were read; return why some of them cannot be shown."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional, Protocol, Tuple
+from typing import Callable, List, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import SurveyNotReadableError
@@ -74,6 +74,7 @@ class TracePresenter:
         # The survey that is replayed, empty if it is not known; None: there is a robot.
         self._replayed_id: Optional[str] = None
         self._coverage: Optional[CoverageRuns] = None
+        self._arrived: List[Trace] = []
         self.show_live()
 
     @property
@@ -136,10 +137,14 @@ class TracePresenter:
             self._report(error.message)
 
     def refresh(self) -> None:
-        """Take the newest coverage and request the missing traces."""
-        # Here and not when it comes, once per trace: working out the states of all stops takes
-        # milliseconds. Coverage and plan come from two nodes: either may come first, and for
-        # a moment they belong to different surveys.
+        """Take what has come, and request the missing traces."""
+        # Here and not with each event: many traces at once take hardly longer than one, and working
+        # out the states of all stops takes milliseconds.
+        arrived, self._arrived = self._arrived, []
+        for problem in self.live.take_traces(arrived):
+            self._report(problem)
+        # Coverage and plan come from two nodes: either may come first, and for a moment they
+        # belong to different surveys.
         coverage = self._coverage
         if coverage is not None and coverage.survey_id == self.live.survey_id:
             self._coverage = None
@@ -151,7 +156,7 @@ class TracePresenter:
 
     def _take(self, event: object) -> None:
         if isinstance(event, Trace):
-            self.live.take_trace(event)
+            self._arrived.append(event)
         elif isinstance(event, CoverageRuns):
             self._coverage = event
         elif isinstance(event, SurveyDescribed):

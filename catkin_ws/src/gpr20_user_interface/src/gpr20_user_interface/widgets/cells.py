@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
@@ -121,11 +122,11 @@ class Lattice:
         # Two steps of one axis each: much faster than both at once.
         codes = padded[:, self._column][self._row]
         codes += self._tile
-        pixels = _inks(look)[TILES.ravel()].take(codes)
+        pixels = _inks_of_tiles(look).take(codes)
         if lines:
             pixels.ravel()[self._lines] = QColor(look.colour(Mark.GRID)).rgba()
         height, width = pixels.shape
-        image = QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_ARGB32)
+        image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_ARGB32)
         return image.copy()  # its own memory
 
 
@@ -146,6 +147,11 @@ def _places(
     at = np.linspace(first, last, size_px)
     found = np.floor((at - begin) / max(length, 1e-9) * count).astype(np.intp) + 1
     return np.clip(found, 0, count + 1)
+
+
+@lru_cache(maxsize=2)
+def _inks_of_tiles(look: Look) -> np.ndarray:
+    return _inks(look)[TILES.ravel()]
 
 
 def _inks(look: Look) -> np.ndarray:
