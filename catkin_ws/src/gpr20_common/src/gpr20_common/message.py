@@ -83,6 +83,10 @@ class Message:
         object.__setattr__(copy, "fault", fault)
         return copy
 
+    def with_details(self, details: object) -> Message:
+        """Return the same sentence with other technical words."""
+        return Message(self.template, details=details, **self.values).with_fault(self.fault)
+
     @property
     def cause(self) -> Optional[Fault]:
         """The fault that decides; None if neither this sentence nor one inside reports one.

@@ -1,13 +1,11 @@
 """Messages of the graph reach the window with their templates, or as plain text without them."""
 
-import json
-
 import pytest
 
 pytest.importorskip("gpr20_msgs.msg")
 pytest.importorskip("diagnostic_updater")
 
-from annotation_examples import EXAMPLE, annotations
+from annotation_examples import annotations
 from hypothesis import given, settings
 
 from gpr20_common.high.raw_message import deserialized, serialized
@@ -15,9 +13,9 @@ from gpr20_common.message import Fault, Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
-from gpr20_msgs.srv import ListSurveysResponse, ReadSurveyResponse, ReadTracesResponse
-from gpr20_operator.ground.trace_events import AnnotationFailed, AnnotationRead, ReadingFailed
-from gpr20_survey.plan.annotation import EMPTY, from_fields
+from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.plan.annotation import from_fields
 from gpr20_user_interface.high import conversions
 
 FULL = Message("the disk is full", details="errno 28")
@@ -69,10 +67,11 @@ def test_traces_that_cannot_be_read_have_their_reasons():
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
 
 
-def test_traces_that_contradict_themselves_are_a_failure():
+def test_traces_that_contradict_themselves_are_refused():
     response = ReadTracesResponse(frequency_hz=[1e9, 2e9], indices=[3], s21=bytes(15))
-    failed = conversions.traces_read(3, response)
-    assert isinstance(failed, ReadingFailed) and failed.reason.fault_code == "trace.damaged"
+    with pytest.raises(TraceRefusedError) as refusal:
+        conversions.traces_read(3, response)
+    assert refusal.value.message.fault_code == "trace.damaged"
 
 
 @given(annotations)
@@ -80,20 +79,6 @@ def test_traces_that_contradict_themselves_are_a_failure():
 def test_an_annotation_comes_out_of_a_ros_message_as_it_went_in(annotation):
     data = serialized(conversions.annotation_message(annotation))
     assert repr(from_fields(deserialized(AnnotationMessage, data))) == repr(annotation)
-
-
-def test_the_annotation_of_a_survey_is_read_and_one_of_an_older_survey_is_empty():
-    text = json.dumps({"annotation": EXAMPLE.values()})
-    read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
-    assert read == AnnotationRead("id", EXAMPLE)
-    read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json="{}"))
-    assert read == AnnotationRead("id", EMPTY)
-
-
-def test_an_annotation_that_cannot_be_read_is_a_failure():
-    for text in ("", "[]", '{"annotation": 1}', '{"annotation": {"site": 1}}'):
-        read = conversions.annotation_read("id", ReadSurveyResponse(metadata_json=text))
-        assert isinstance(read, AnnotationFailed), text
 
 
 REMEDY = Message("Free some space on the disk.")

@@ -15,16 +15,10 @@ from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
-from gpr20_operator.robot.events import CurrentPosition
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.robot.events import AxisMeasured, CurrentPosition, EndstopState
 from gpr20_operator.robot.health import HealthReport, HealthTracker
-from gpr20_operator.robot.service_events import (
-    AxisMeasured,
-    AxisMoved,
-    CheckStepTaken,
-    EndstopState,
-    HeightTested,
-    MachineExamined,
-)
+from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
@@ -78,12 +72,12 @@ def test_only_a_hold_moves_an_axis(service):
     assert service.tools.asked == [("y", "JOG", -10.0)]
     # At once: a second touch sends nothing.
     assert not any(button.isEnabled() for button in row.buttons)
-    service.on_event(AxisMoved(True, verbatim("The y axis is at 20 mm.")))
+    service.tools.done(Service.MOVE, verbatim("The y axis is at 20 mm."))
     service.refresh()
     assert service.robot.service.outcome.text() == "The y axis is at 20 mm."
     hold(row.home)
     assert service.tools.asked[1:] == [("y", "HOME", 0.0)]
-    service.on_event(AxisMoved(True, verbatim("The y axis is at 0 mm.")))
+    service.tools.done(Service.MOVE, verbatim("The y axis is at 0 mm."))
     service.refresh()
     zeros = [row.set_zero for row in service.robot.service.axes.rows]
     assert zeros[:2] == [None, None]
@@ -133,12 +127,14 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
     tools = service.robot.service.instruments
     click(tools.measure)
     stuck = Message("the height sensor is stuck; check its plug and supply")
-    service.on_event(HeightTested(float("nan"), float("nan"), 3.297, stuck))
+    failed = HeightTested(float("nan"), float("nan"), 3.297, stuck)
+    service.tools.done(Service.HEIGHT, failed)
     service.refresh()
     assert tools.answers[tools.measure].toPlainText() == f"Sensor 3.297 V\n{stuck}"
     click(tools.analyzer)
     assert service.tools.asked == ["height", "analyzer"]
-    service.on_event(AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0))
+    tested = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
+    service.tools.done(Service.ANALYZER, tested)
     service.refresh()
     lines = tools.answers[tools.analyzer].toPlainText().splitlines()
     assert lines[1] == "Anritsu,MS2026C"
@@ -153,13 +149,8 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
     click(service.robot.service.switch_button)
     tools = service.robot.service.instruments
 
-    def answered(answer):
-        service.on_event(answer)
-        service.refresh()
-
     click(tools.daily)
     assert service.tools.asked == []
-    swept = CheckStepTaken(True, verbatim("Swept twice."))
     for number, instruction in ((1, "sky"), (2, "plate"), (3, "reflector")):
         assert tools.daily.text().split() == ["MEASURE", f"{number}/3"]
         assert instruction in tools.answers[tools.daily].toPlainText()
@@ -168,13 +159,16 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
         assert not tools.daily.isEnabled()
         assert tools.answers[tools.daily].toPlainText() == "Measuring"
         if number == 2:
-            answered(CheckStepTaken(False, verbatim("no connection to the VNA")))
+            service.tools.fail(Service.DAILY, verbatim("no connection to the VNA"))
+            service.refresh()
             assert "no connection" in tools.answers[tools.daily].toPlainText()
             assert "plate" in tools.answers[tools.daily].toPlainText()
             click(tools.daily)
         if number < 3:
-            answered(swept)
-    answered(CheckStepTaken(True, verbatim("Good: every figure agrees."), True))
+            service.tools.done(Service.DAILY, verbatim("Swept twice."))
+            service.refresh()
+    service.tools.done(Service.DAILY, verbatim("Good: every figure agrees."))
+    service.refresh()
     assert tools.answers[tools.daily].toPlainText() == "Good: every figure agrees."
     assert tools.daily.text().split() == ["DAILY", "CHECK"]
     parts = [Part.EMPTY, Part.PLATE, Part.PLATE, Part.REFLECTOR]
@@ -188,7 +182,7 @@ def test_a_daily_check_that_the_robot_has_given_up_begins_again(service):
     click(tools.daily)
     click(tools.daily)
     forgotten = Message("a step before this one is missing").with_fault(CHECK_ORDER)
-    service.on_event(CheckStepTaken(False, forgotten))
+    service.tools.fail(Service.DAILY, forgotten)
     service.refresh()
     assert tools.daily.text().split() == ["DAILY", "CHECK"]
     assert str(CHECK_ORDER.remedy) in tools.answers[tools.daily].toPlainText()
@@ -210,10 +204,10 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     assert not service.robot.overview.check_button.isEnabled()
     click(service.robot.overview.check_button)
     facts = MachineFacts(HardwareUse.NO_PI, Unknown(verbatim("x")), NodeSoftware(), 85.0)
-    service.on_event(MachineExamined(facts))
-    service.on_event(HeightTested(0.2, 0.001, 1.2))
+    service.tools.done("examine", facts)
+    service.tools.done(Service.HEIGHT, HeightTested(0.2, 0.001, 1.2))
     lost = Message("no connection to the VNA")
-    service.on_event(AnalyzerTest("10.0.0.1", failure=lost))
+    service.tools.done(Service.ANALYZER, AnalyzerTest("10.0.0.1", failure=lost))
     service.refresh()
     service.draw()
     assert len(service.tools.asked) == 3

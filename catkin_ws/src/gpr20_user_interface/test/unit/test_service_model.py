@@ -9,21 +9,23 @@ from window_helpers import ServiceTools
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
-from gpr20_operator.robot.events import AxisLimits, CurrentPosition, Request
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
-from gpr20_operator.robot.service_events import (
-    AxisAction,
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.robot.events import (
+    AxisLimits,
     AxisMeasured,
-    AxisMoved,
     ClockOffset,
+    CurrentPosition,
     EndstopState,
-    HeightTested,
+    Request,
     ServiceActivity,
 )
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.service_model import (
     AXIS_LIMIT_S,
     IDLE_LIMIT_S,
     LAMP_S,
+    AxisAction,
+    HeightTested,
     ServiceModel,
 )
 from gpr20_operator.robot.survey_model import SurveyModel
@@ -43,7 +45,7 @@ def requests():
 
 @pytest.fixture
 def model(clock, requests):
-    model = ServiceModel(requests, clock)
+    model = ServiceModel(requests, requests, clock)
     model.refresh(at_rest())
     model.enter()
     return model
@@ -54,7 +56,7 @@ def jog(model, distance=10.0):
 
 
 def test_nothing_is_asked_before_the_confirmation(clock, requests):
-    model = ServiceModel(requests, clock)
+    model = ServiceModel(requests, requests, clock)
     model.refresh(at_rest())
     jog(model)
     model.measure_height()
@@ -62,7 +64,7 @@ def test_nothing_is_asked_before_the_confirmation(clock, requests):
     model.check_daily()
     model.check_daily()
     assert requests.asked == []
-    assert not model.state.entered
+    assert not model.entered
 
 
 def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, requests):
@@ -73,15 +75,15 @@ def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, request
         at_rest(master_alive=False),
     ):
         model.enter()
-        assert model.state.entered
+        assert model.entered
         model.refresh(shown)
-        assert not model.state.entered
-        assert model.state.obstacle is not None
+        assert not model.entered
+        assert model.obstacle is not None
         model.enter()
         jog(model)
         assert requests.asked == [], shown
         model.refresh(at_rest())
-        assert not model.state.entered
+        assert not model.entered
 
 
 def test_service_ends_two_minutes_after_the_last_touch(model, clock):
@@ -89,29 +91,29 @@ def test_service_ends_two_minutes_after_the_last_touch(model, clock):
     model.touch()
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.refresh(at_rest())
-    assert model.state.entered
+    assert model.entered
     clock.advance(2.0)
     model.refresh(at_rest())
-    assert not model.state.entered
+    assert not model.entered
 
 
-def test_service_does_not_end_during_a_long_motion(model, clock):
+def test_service_does_not_end_during_a_long_motion(model, clock, requests):
     model.move(AxisId.X, AxisAction.HOME)
     for _minute in range(10):
         clock.advance(60.0)
         model.refresh(at_rest(service=Message("homing the {axis} axis", axis="x")))
-        assert model.state.entered
-    model.on_event(AxisMoved(True, Message("homed")))
+        assert model.entered
+    requests.done(Service.MOVE, Message("homed"))
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.refresh(at_rest())
-    assert model.state.entered
+    assert model.entered
 
 
 def test_service_ends_with_its_tab(model, requests):
     model.set_watched(True)
     model.set_watched(False)
     assert requests.asked == [("watch", True), ("examine", False), ("watch", False)]
-    assert not model.state.entered
+    assert not model.entered
 
 
 def test_one_request_at_a_time(model, requests):
@@ -119,32 +121,32 @@ def test_one_request_at_a_time(model, requests):
     jog(model)
     model.test_analyzer()
     assert requests.asked == [("x", "JOG", 10.0)]
-    assert model.state.busy
-    model.on_event(AxisMoved(False, Message("the axis is not homed")))
-    assert (model.state.busy, model.state.failed) == (False, True)
-    assert str(model.state.outcome) == "Not done: the axis is not homed"
+    assert model.busy
+    requests.fail(Service.MOVE, Message("the axis is not homed"))
+    assert (model.busy, model.failed) == (False, True)
+    assert str(model.outcome) == "Not done: the axis is not homed"
     # What another window asked for.
     model.refresh(at_rest(service=Message("testing the VNA")))
     jog(model)
     assert len(requests.asked) == 1
-    assert "testing the VNA" in str(model.state.outcome)
+    assert "testing the VNA" in str(model.outcome)
 
 
-def test_what_came_back_is_shown_until_it_is_asked_for_again(model):
+def test_what_came_back_is_shown_until_it_is_asked_for_again(model, requests):
     model.measure_height()
     measured = HeightTested(0.2, 0.001, 1.3)
-    model.on_event(measured)
+    requests.done(Service.HEIGHT, measured)
     model.test_analyzer()
     tested = AnalyzerTest("10.0.0.1", "VNA", "HIGH", 11, 0.1, -40.0)
-    model.on_event(tested)
-    assert (model.state.height, model.state.analyzer) == (measured, tested)
+    requests.done(Service.ANALYZER, tested)
+    assert (model.height.result, model.tested) == (measured, tested)
     model.measure_height()
-    assert (model.state.height, model.state.analyzer) == (None, tested)
+    assert (model.height.result, model.tested) == (None, tested)
 
 
 def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
     def lamp():
-        return model.state.axes[0].pressed
+        return model.axes[0].pressed
 
     assert lamp() is None
     model.on_event(EndstopState(AxisId.X, True))
@@ -159,11 +161,11 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
 def test_position_and_zero_of_each_axis(model, clock):
     model.on_event(AxisMeasured(AxisId.Y, AxisPosition(2.0, False, False)))
     model.refresh(at_rest())
-    x, y, z = model.state.axes
+    x, y, z = model.axes
     assert [one.coordinate for one in (x, y, z)] == [1.0, 2.0, 3.0]
     assert (x.homed, y.homed, z.homed) == (None, False, None)
     clock.advance(AXIS_LIMIT_S + 0.1)
-    assert model.state.axes[1].homed is None
+    assert model.axes[1].homed is None
 
 
 def test_the_smallest_offset_of_a_clock_counts(model):
@@ -201,14 +203,14 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
     """Whatever is touched and heard in any order."""
     draw = random.Random(1)
     tools = ServiceTools()
-    model = ServiceModel(tools, clock)
+    model = ServiceModel(tools, tools, clock)
     shown = at_rest()
     acts = [
         model.enter,
         model.leave,
         lambda: jog(model),
         model.test_analyzer,
-        lambda: model.on_event(AxisMoved(True, Message("done"))),
+        lambda: tools.done(Service.MOVE, Message("done")),
         lambda: clock.advance(draw.uniform(0.0, 2.0 * IDLE_LIMIT_S)),
     ]
     for _ in range(20000):
@@ -216,7 +218,7 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
         if draw.random() < 0.2:
             shown = at_rest(draw.choice(list(SurveyState)), alive=draw.random() < 0.9)
         model.refresh(shown)
-        entered = model.state.entered
+        entered = model.entered
         draw.choice(acts)()
         if len(tools.asked) > before:
             assert entered and shown.control_alive and not shown.running

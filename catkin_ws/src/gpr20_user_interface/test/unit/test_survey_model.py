@@ -10,6 +10,7 @@ from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
+    AxisMeasured,
     ControlParameters,
     ControlState,
     CurrentPosition,
@@ -18,7 +19,6 @@ from gpr20_operator.robot.events import (
     Request,
     TargetPosition,
 )
-from gpr20_operator.robot.service_events import AxisMeasured
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId

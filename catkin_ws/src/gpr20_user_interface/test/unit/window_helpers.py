@@ -14,13 +14,14 @@ from gpr20_common.low.clock import Clock
 from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.robot.robots import Robots
-from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.service_model import PARTS, AxisAction, ServiceModel
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.main_window import MainWindow
 from gpr20_user_interface.window.presenters import Presenters
@@ -109,28 +110,37 @@ class Storage:
 
 
 class ServiceTools:
-    """In place of the client of SERVICE: remembers what it was asked."""
+    """In place of the clients of ROBOT: remembers what it was asked, and answers by a test."""
 
     def __init__(self):
         self.asked = []
+        self._tickets = {}
 
     def set_watched(self, watched):
         self.asked.append(("watch", watched))
 
-    def move(self, axis, action, distance):
-        self.asked.append((axis.value, action.name, distance))
-
-    def measure_height(self):
-        self.asked.append("height")
-
-    def test_analyzer(self):
-        self.asked.append("analyzer")
-
-    def check_daily(self, part):
-        self.asked.append(("daily check", part))
-
-    def examine(self, nodes, surveying, thorough):
+    def examine(self, ticket, nodes, surveying, thorough):
+        self._tickets["examine"] = ticket
         self.asked.append(("examine", thorough))
+
+    def ask(self, service, ticket, **fields):
+        self._tickets[service] = ticket
+        if service is Service.MOVE:
+            action = AxisAction(fields["action"]).name
+            self.asked.append((fields["axis"], action, fields["distance"]))
+        elif service is Service.DAILY:
+            self.asked.append(("daily check", PARTS[fields["step"]]))
+        else:
+            self.asked.append(service.name.lower())
+
+    def done(self, service, result):
+        """Answer the last request of a kind; none may be waiting."""
+        if service in self._tickets:
+            self._tickets[service].done(result)
+
+    def fail(self, service, problem):
+        """Answer the last request of a kind with a failure."""
+        self._tickets[service].fail(problem)
 
 
 class NoSettings:
@@ -173,7 +183,7 @@ def new_window(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
             Imaging(imaging or Requests(), time.monotonic),
-            ServiceModel(tools, clock or Clock()),
+            ServiceModel(tools, tools, clock or Clock()),
             Profiles(ProfileFolder(profiles)),
             PlanMemory(settings_in(profiles), problems.append),
             robots or Robots("/"),

@@ -5,11 +5,42 @@ from __future__ import annotations
 import enum
 import uuid
 from dataclasses import dataclass
-from typing import Any, Callable, Generic, Optional, TypeVar
+from functools import partial
+from typing import Any, Callable, Generic, Optional, Protocol, TypeVar
 
 from gpr20_common.message import Message
 
 Result = TypeVar("Result")
+
+
+class Service(enum.Enum):
+    """What a job asks of a node; the fields are those of the services.
+
+    A survey is given by its id or the name of its folder.
+    """
+
+    FOCUS = "focus_survey"
+    """The answer is a FocusedImage, with the candidates in it."""
+    HIDE = "map_hidden"
+    """The answer is a HidingMap."""
+    EXPORT = "export_survey"
+    """The answer are the names of files on the stick."""
+    STICKS = "list_volumes"
+    READ = "read_survey"
+    """The answer is a StoredSurvey."""
+    NOTE = "note_survey"
+    """The answer is a Message, when the fact is stored; as of those that follow."""
+    MOVE = "service_move"
+    DAILY = "daily_check"
+    HEIGHT = "get_height"
+    """The answer is a HeightTested, also when there is no height."""
+    ANALYZER = "test_analyzer"
+    """The answer is an AnalyzerTest, also of one that failed."""
+
+    @property
+    def can_be_cancelled(self) -> bool:
+        """Whether it takes so long that it can be ended."""
+        return self in (Service.FOCUS, Service.HIDE, Service.EXPORT)
 
 
 class JobState(enum.Enum):
@@ -71,6 +102,7 @@ class Job(Generic[Result]):
         problem: Why there is no result; None: there is no problem.
         result: The last result; None unless the job is done.
         revision: Changes with everything above.
+        changed_s: When it changed last.
     """
 
     def __init__(
@@ -158,4 +190,30 @@ class Job(Generic[Result]):
         result: Optional[Result] = None,
     ) -> None:
         self.state, self.stage, self.problem, self.result = state, stage, problem, result
+        self.changed_s = self._now_s()
         self.revision += 1
+
+
+class Requests(Protocol):
+    """Asks without waiting; tickets take the answers."""
+
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service."""
+
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request of a ticket."""
+
+
+def job_of(
+    requests: Requests,
+    service: Service,
+    now_s: Callable[[], float],
+    done: Callable[[Any], None] = lambda _result: None,
+) -> Job[Any]:
+    """Return a job of a service; `done` is called with each result."""
+
+    def cancel(request_id: str) -> None:
+        if service.can_be_cancelled:
+            requests.cancel(request_id)
+
+    return Job(partial(requests.ask, service), cancel, now_s, done)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import enum
-from functools import partial
-from typing import Any, Callable, Dict, NamedTuple, Optional, Protocol, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Job, Ticket
+from gpr20_operator.jobs.job import Job, Requests, Service, job_of
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
@@ -24,30 +22,6 @@ FEWEST_TRACES = 9
 MOST_IMAGES = 6
 
 
-class Service(enum.Enum):
-    """What is asked of the imaging node and the storage; the fields are those of the services.
-
-    A survey is given by its id or the name of its folder.
-    """
-
-    FOCUS = "focus_survey"
-    """The answer is a FocusedImage, with the candidates in it."""
-    HIDE = "map_hidden"
-    """The answer is a HidingMap."""
-    EXPORT = "export_survey"
-    """The answer are the names of files on the stick."""
-    STICKS = "list_volumes"
-    READ = "read_survey"
-    """The answer is a StoredSurvey."""
-    NOTE = "note_survey"
-    """The answer is None, when the fact is stored."""
-
-    @property
-    def can_be_cancelled(self) -> bool:
-        """Whether it takes so long that it can be ended."""
-        return self in (Service.FOCUS, Service.HIDE, Service.EXPORT)
-
-
 class Sticks(NamedTuple):
     """The USB sticks that are mounted on the computer of the storage."""
 
@@ -60,16 +34,6 @@ class StoredSurvey(NamedTuple):
 
     text: str
     stored_traces: int
-
-
-class ImagingRequests(Protocol):
-    """Asks without waiting; tickets take the answers."""
-
-    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
-        """Call a service."""
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request of a ticket."""
 
 
 class Pictures:
@@ -136,7 +100,7 @@ class Imaging:
             they are not known.
     """
 
-    def __init__(self, requests: ImagingRequests, now_s: Callable[[], float]) -> None:
+    def __init__(self, requests: Requests, now_s: Callable[[], float]) -> None:
         self._requests = requests
         self.now_s = now_s
         self.pictures = Pictures()
@@ -150,12 +114,7 @@ class Imaging:
 
     def job(self, service: Service, done: Callable[[Any], None] = lambda _result: None) -> Job[Any]:
         """Return a job of a service; `done` is called with each result."""
-
-        def cancel(request_id: str) -> None:
-            if service.can_be_cancelled:
-                self._requests.cancel(request_id)
-
-        return Job(partial(self._requests.ask, service), cancel, self.now_s, done)
+        return job_of(self._requests, service, self.now_s, done)
 
     @property
     def problem(self) -> Optional[Message]:

@@ -13,8 +13,8 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
-from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Service, StoredSurvey
+from gpr20_operator.jobs.job import Job, JobState, Service
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
@@ -142,8 +142,8 @@ class SurveyResult:
         self.reading: Job[StoredSurvey] = imaging.job(Service.READ, self._take_record)
         self.search: Job[FocusedImage] = imaging.job(Service.FOCUS, self._take_image)
         self.hiding: Job[HidingMap] = imaging.job(Service.HIDE, self._take_hiding)
-        self.noting: Job[None] = imaging.job(Service.NOTE, lambda _none: self._read_again())
-        self._soil: Job[None] = imaging.job(Service.NOTE, lambda _none: self._soil_is_stored())
+        self.noting: Job[Message] = imaging.job(Service.NOTE, lambda _said: self._read_again())
+        self._soil: Job[Message] = imaging.job(Service.NOTE, lambda _said: self._soil_is_stored())
         # Surveys whose permittivity was entered here and is not stored yet.
         self._unstored: Set[str] = set()
         self._storing = ""

@@ -6,8 +6,8 @@ import enum
 from typing import Any, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.pictures import Imaging, Service, Sticks
+from gpr20_operator.jobs.job import Job, JobState, Service
+from gpr20_operator.jobs.pictures import Imaging, Sticks
 from gpr20_survey.results.volume import Volume
 
 # A stick that is plugged in shows within this time [s].

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Mapping, Optional, Union
+from typing import Mapping, Optional
 
 from gpr20_common.message import Message, Severity
-from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
@@ -196,6 +196,44 @@ class ControlParameters:
     parameters: SurveyParameters
 
 
+@dataclass(frozen=True)
+class ServiceActivity:
+    """One message of `service_status`: what is done for maintenance; None: nothing."""
+
+    activity: Optional[Message]
+
+
+@dataclass(frozen=True)
+class AxisMeasured:
+    """One message of an axis's `current_coord`.
+
+    Attributes:
+        axis: Which axis.
+        position: Its state.
+        owner: Full name of the node that holds it; empty: nobody, or it is not known.
+    """
+
+    axis: AxisId
+    position: AxisPosition
+    owner: str = ""
+
+
+@dataclass(frozen=True)
+class EndstopState:
+    """One message of an axis's `endstop`."""
+
+    axis: AxisId
+    pressed: bool
+
+
+@dataclass(frozen=True)
+class ClockOffset:
+    """How far the clock of a node's computer is behind the window's, with the delay [s]."""
+
+    node: str
+    offset_s: float
+
+
 class Request(enum.Enum):
     """What the main control can be asked for."""
 
@@ -265,22 +303,3 @@ class LinkState:
     """
 
     down: bool
-
-
-# Everything that can happen while a survey is followed.
-Event = Union[
-    ControlState,
-    LinkState,
-    Progress,
-    CurrentPosition,
-    TargetPosition,
-    MeasuredHeight,
-    AxisLimits,
-    ControlParameters,
-    NodeHealth,
-    Accepted,
-    AnnotationDefaults,
-    Answer,
-    AxisStopAnswer,
-    StopRequested,
-]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import singledispatchmethod
-from typing import Deque, Dict, Mapping, Optional, Protocol, Tuple
+from typing import Any, Deque, Dict, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -14,23 +15,18 @@ from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
-from gpr20_operator.robot.events import AxisLimits, MeasuredHeight, Request
-from gpr20_operator.robot.service_events import (
-    PARTS,
-    AxisAction,
+from gpr20_operator.jobs.job import Job, Requests, Service, Ticket, job_of
+from gpr20_operator.robot.events import (
+    AxisLimits,
     AxisMeasured,
-    AxisMoved,
-    AxisState,
-    CheckStepTaken,
     ClockOffset,
-    DailyCheckState,
     EndstopState,
-    HeightTested,
-    MachineExamined,
-    ServiceState,
+    MeasuredHeight,
+    Request,
 )
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import Part
@@ -48,28 +44,65 @@ OFFSETS = 5
 TEST_AGE_S = 120.0
 
 
-class ServiceRequests(Protocol):
-    """Requests for ROBOT, without waiting; the answers come as events."""
+PARTS = tuple(Part)
+
+
+class AxisAction(enum.IntEnum):
+    """What an axis can be asked for; the values are those of gpr20_msgs/ServiceMove."""
+
+    HOME = 0
+    JOG = 1
+    SET_ZERO = 2
+
+
+@dataclass(frozen=True)
+class HeightTested:
+    """One height of the height sensor.
+
+    Attributes:
+        height_m: Antennas over the ground [m]; not finite if there is a failure.
+        spread_m: Of its readings [m].
+        voltage_v: Of the sensor [V]; not finite if it could not be read.
+        failure: Why there is no height; None if there is one.
+    """
+
+    height_m: float
+    spread_m: float
+    voltage_v: float
+    failure: Optional[Message] = None
+
+
+@dataclass(frozen=True)
+class AxisState:
+    """What is known about an axis.
+
+    Attributes:
+        axis: Which axis.
+        coordinate: Where it is [mm or deg]; None: not known.
+        homed: Whether its zero is known; None: not known now.
+        pressed: Whether its endstop is pressed; None: not known now, or there is none.
+    """
+
+    axis: AxisId
+    coordinate: Optional[float]
+    homed: Optional[bool]
+    pressed: Optional[bool]
+
+
+class RobotWatch(Protocol):
+    """What ROBOT follows while it is in front, without waiting."""
 
     def set_watched(self, watched: bool) -> None:
         """Follow endstops and clocks, or no longer."""
 
     def examine(
-        self, nodes: Mapping[str, NodeDescription], surveying: bool, thorough: bool
+        self,
+        ticket: Ticket[MachineFacts],
+        nodes: Mapping[str, NodeDescription],
+        surveying: bool,
+        thorough: bool,
     ) -> None:
         """Ask what is known about the window's computer."""
-
-    def move(self, axis: AxisId, action: AxisAction, distance: float) -> None:
-        """Ask to home or to jog an axis [mm or deg], or to set its zero."""
-
-    def measure_height(self) -> None:
-        """Ask for one height."""
-
-    def test_analyzer(self) -> None:
-        """Ask for a test of the VNA."""
-
-    def check_daily(self, part: Part) -> None:
-        """Ask to measure a part of the daily check."""
 
 
 @dataclass(frozen=True)
@@ -82,24 +115,34 @@ class _Endstop:
 
 
 class ServiceModel:
-    """Takes events and touches, gives states and findings. Belongs to one thread."""
+    """Takes events and touches, gives states and findings. Belongs to one thread.
 
-    def __init__(self, requests: ServiceRequests, clock: Clock) -> None:
-        self._requests = requests
-        self._clock = clock
-        self._begun_s = clock.now_s()
+    Attributes:
+        entered: Whether the axes may be moved.
+        moving: The request for an axis; what it did in a sentence.
+        height: The request for a height.
+        analyzer: The test of the VNA.
+        daily: A step of the daily check; the result is the verdict.
+    """
+
+    def __init__(self, requests: Requests, watch: RobotWatch, clock: Clock) -> None:
+        now_s = clock.now_s
+        self._watch, self._now_s = watch, now_s
+        self._begun_s = now_s()
         self._snapshot: Optional[Snapshot] = None
-        self._entered = False
+        self.entered = False
         self._touched_s = 0.0
-        self._pending = False
-        # How many answers of an examination are awaited.
-        self._awaited = 0
-        self._answer: Optional[AxisMoved] = None
-        self._tested: Optional[HeightTested] = None
-        # The test that is shown, and the one that is judged with its time [s].
-        self._analyzer: Optional[AnalyzerTest] = None
-        self._judged: Tuple[Optional[AnalyzerTest], float] = (None, 0.0)
-        self._daily_check = DailyCheckState()
+        self.moving: Job[Message] = job_of(requests, Service.MOVE, now_s)
+        self.height: Job[HeightTested] = job_of(requests, Service.HEIGHT, now_s)
+        self.analyzer: Job[AnalyzerTest] = job_of(requests, Service.ANALYZER, now_s)
+        self.daily: Job[Message] = job_of(requests, Service.DAILY, now_s, self._take_step)
+        self._examining: Job[MachineFacts] = Job(
+            watch.examine, lambda _request_id: None, now_s, self._take_machine
+        )
+        # Whether everything is being checked.
+        self._checking = False
+        # What is to be measured next.
+        self._part: Optional[Part] = None
         self._endstops: Dict[AxisId, _Endstop] = {}
         self._axes: Dict[AxisId, Tuple[AxisPosition, float]] = {}
         self._offsets_s: Dict[str, Deque[float]] = {}
@@ -113,7 +156,7 @@ class ServiceModel:
 
     @on_event.register
     def _(self, event: EndstopState) -> None:
-        now_s, known = self._clock.now_s(), self._endstops.get(event.axis)
+        now_s, known = self._now_s(), self._endstops.get(event.axis)
         changes, pressed_s = 0, -math.inf
         if known is not None:
             changes = known.seen.changes + int(known.seen.pressed != event.pressed)
@@ -124,7 +167,7 @@ class ServiceModel:
 
     @on_event.register
     def _(self, event: AxisMeasured) -> None:
-        self._axes[event.axis] = event.position, self._clock.now_s()
+        self._axes[event.axis] = event.position, self._now_s()
 
     @on_event.register
     def _(self, event: MeasuredHeight) -> None:
@@ -139,40 +182,13 @@ class ServiceModel:
         if event.master_alive:
             self._limits = event
 
-    @on_event.register
-    def _(self, event: MachineExamined) -> None:
-        self._note_answer()
-        self._machine = event.machine
-
-    @on_event.register
-    def _(self, event: AxisMoved) -> None:
-        self._pending, self._answer = False, event
-
-    @on_event.register
-    def _(self, event: HeightTested) -> None:
-        self._note_answer()
-        self._pending, self._tested = False, event
-
-    @on_event.register
-    def _(self, event: AnalyzerTest) -> None:
-        self._note_answer()
-        self._pending, self._analyzer = False, event
-        self._judged = event, self._clock.now_s()
-
-    @on_event.register
-    def _(self, event: CheckStepTaken) -> None:
-        self._pending, self._daily_check = False, self._daily_check.after(event)
-
-    def _note_answer(self) -> None:
-        self._awaited = max(0, self._awaited - 1)
-
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
         self._snapshot = snapshot
-        if self._busy:
-            self._touched_s = self._clock.now_s()
-        idle_s = self._clock.now_s() - self._touched_s
-        if self._entered and (self.obstacle is not None or idle_s > IDLE_LIMIT_S):
+        if self.busy:
+            self._touched_s = self._now_s()
+        idle_s = self._now_s() - self._touched_s
+        if self.entered and (self.obstacle is not None or idle_s > IDLE_LIMIT_S):
             self.leave()
 
     @property
@@ -188,36 +204,57 @@ class ServiceModel:
         return None
 
     @property
-    def state(self) -> ServiceState:
-        """What to show now."""
-        activity = None if self._snapshot is None else self._snapshot.service
-        answer, outcome = self._answer, None
-        failed = activity is None and answer is not None and not answer.success
-        if activity is not None:
-            outcome = Message("In progress: {activity}", activity=activity)
-        elif answer is not None:
-            reason = answer.message
-            outcome = Message("Not done: {reason}", reason=reason) if failed else reason
-        return ServiceState(
-            entered=self._entered,
-            obstacle=self.obstacle,
-            busy=self._busy,
-            outcome=outcome,
-            failed=failed,
-            axes=tuple(self._axis(axis) for axis in AxisId),
-            height=self._tested,
-            analyzer=self._analyzer,
-            examining=self._awaited > 0,
-            daily_check=self._daily_check,
-        )
+    def busy(self) -> bool:
+        """Whether a request is in progress, of this window or of another one."""
+        asked = any(one.running for one in (self.moving, self.height, self.analyzer, self.daily))
+        return asked or (self._snapshot is not None and self._snapshot.service is not None)
+
+    @property
+    def examining(self) -> bool:
+        """Whether everything is being checked."""
+        parts = (self._examining, self.height, self.analyzer)
+        return self._checking and any(one.running for one in parts)
+
+    @property
+    def failed(self) -> bool:
+        """Whether the outcome is a failure."""
+        return self._activity is None and self.moving.problem is not None
+
+    @property
+    def outcome(self) -> Optional[Message]:
+        """What is done now, or the last answer about an axis; None: there was none."""
+        if self._activity is not None:
+            return Message("In progress: {activity}", activity=self._activity)
+        if self.moving.problem is not None:
+            return Message("Not done: {reason}", reason=self.moving.problem)
+        return self.moving.result
+
+    @property
+    def axes(self) -> Tuple[AxisState, ...]:
+        """X, Y and Z."""
+        return tuple(self._axis(axis) for axis in AxisId)
+
+    @property
+    def part(self) -> Optional[Part]:
+        """What the daily check measures now or next; None: no check is in progress."""
+        problem = self.daily.problem
+        # A step that failed is repeated, unless the robot has forgotten those before it.
+        forgotten = problem is not None and problem.fault_code == CHECK_ORDER.code
+        return None if forgotten else self._part
+
+    @property
+    def tested(self) -> Optional[AnalyzerTest]:
+        """The last test of the VNA; None: there was none, or it is in progress."""
+        problem = self.analyzer.problem
+        return self.analyzer.result if problem is None else AnalyzerTest("", failure=problem)
 
     def findings(self) -> Tuple[Finding, ...]:
         """Return what is wrong with the robot, the worst first."""
         shown = self._snapshot
         if shown is None or shown.replay is not None:
             return ()  # what was wrong with the robot of a recording is in its survey
-        now_s = self._clock.now_s()
-        analyzer, tested_s = self._judged
+        now_s = self._now_s()
+        old = now_s - self.analyzer.changed_s >= TEST_AGE_S
         nodes = self._limits.nodes
         robot = RobotFacts(
             master_alive=shown.master_alive,
@@ -233,103 +270,109 @@ class ServiceModel:
             endstops={axis: one.seen for axis, one in self._endstops.items()},
             axes={axis: position for axis, (position, _heard_s) in self._axes.items()},
             height_m=self._height_m,
-            analyzer=None if shown.running or now_s - tested_s >= TEST_AGE_S else analyzer,
+            analyzer=None if shown.running or old else self.tested,
         )
         return findings(robot, self._machine)
 
     def check_everything(self) -> None:
         """Look at everything, also at what takes longer; instruments only outside a survey."""
-        if self._awaited:
+        if self.examining:
             return
-        can_test = self.obstacle is None and not self._busy
-        self._awaited = 3 if can_test else 1
-        self._requests.examine(self._limits.nodes, self._surveying, True)
+        can_test = self.obstacle is None and not self.busy
+        self._checking = True
+        self._examine(thorough=True)
         if can_test:
-            self._requests.measure_height()
-            self._requests.test_analyzer()
+            self.height.ask()
+            self.analyzer.ask()
 
     def set_watched(self, watched: bool) -> None:
         """Note whether ROBOT is in front; service ends when it is not."""
-        self._requests.set_watched(watched)
+        self._watch.set_watched(watched)
         self._endstops.clear()
         if watched:
-            self._requests.examine(self._limits.nodes, self._surveying, False)
+            self._examine(thorough=False)
             return
         self.leave()
         self._offsets_s.clear()
         self._axes.clear()
-        self._awaited = 0
+        self._checking = False
 
     def enter(self) -> None:
         """Begin the service, unless there is an obstacle."""
-        self._entered = self.obstacle is None
-        self._answer = None
+        self.entered = self.obstacle is None
+        self._forget_outcome()
         self.touch()
 
     def leave(self) -> None:
         """End the service; a motion in progress is not stopped."""
-        self._entered = False
+        self.entered = False
 
     def touch(self) -> None:
         """Note that the operator is there."""
-        self._touched_s = self._clock.now_s()
+        self._touched_s = self._now_s()
 
     def move(self, axis: AxisId, action: AxisAction, distance: float = 0.0) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero."""
-        if self._take_turn():
-            self._requests.move(axis, action, distance)
+        self._ask(self.moving, axis=axis.value, action=int(action), distance=distance)
 
     def measure_height(self) -> None:
         """Ask for one height."""
-        if self._take_turn():
-            self._tested = None
-            self._requests.measure_height()
+        self._ask(self.height)
 
     def test_analyzer(self) -> None:
         """Ask for a test of the VNA."""
-        if self._take_turn():
-            self._analyzer = None
-            self._requests.test_analyzer()
+        self._ask(self.analyzer)
 
     def check_daily(self) -> None:
         """Begin the daily check; once it has begun, measure its next part."""
-        part = self._daily_check.part
-        if part is None:
+        if self.part is not None:
+            self._ask(self.daily, step=PARTS.index(self.part))
+        elif not self.daily.running:
             self.touch()
-            self._daily_check = DailyCheckState(PARTS[0])
-        elif self._take_turn():
-            self._daily_check = DailyCheckState(part, measuring=True)
-            self._requests.check_daily(part)
+            self._part = PARTS[0]
+            self.daily.end()
+
+    def _ask(self, job: Job[Any], **fields: Any) -> None:
+        """Send a request, if the operator may; one at a time."""
+        if self.entered and not self.busy:
+            self.touch()
+            self._forget_outcome()
+            job.ask(**fields)
+
+    def _forget_outcome(self) -> None:
+        if not self.moving.running:
+            self.moving.end()
+
+    def _take_step(self, _verdict: Message) -> None:
+        if self._part is None or self._part is PARTS[-1]:
+            self._part = None
+            return
+        self._part = PARTS[PARTS.index(self._part) + 1]
+        # Only the last part has a verdict.
+        self.daily.end()
+
+    def _examine(self, thorough: bool) -> None:
+        surveying = self._snapshot is not None and self._snapshot.running
+        self._examining.ask(nodes=self._limits.nodes, surveying=surveying, thorough=thorough)
+
+    def _take_machine(self, machine: MachineFacts) -> None:
+        self._machine = machine
 
     @property
-    def _busy(self) -> bool:
-        in_service = self._snapshot is not None and self._snapshot.service is not None
-        return self._pending or in_service
-
-    def _take_turn(self) -> bool:
-        """Return whether a request may be sent now; one at a time."""
-        if not self._entered or self._busy:
-            return False
-        self.touch()
-        self._pending = True
-        self._answer = None
-        return True
-
-    @property
-    def _surveying(self) -> bool:
-        return self._snapshot is not None and self._snapshot.running
+    def _activity(self) -> Optional[Message]:
+        return None if self._snapshot is None else self._snapshot.service
 
     def _axis(self, axis: AxisId) -> AxisState:
-        known, now_s = AxisState(axis, None, None, None), self._clock.now_s()
+        now_s, pressed, coordinate = self._now_s(), None, None
         endstop = self._endstops.get(axis)
         if endstop is not None and now_s - endstop.heard_s <= AXIS_LIMIT_S:
             pressed = endstop.seen.pressed or now_s - endstop.pressed_s < LAMP_S
-            known = replace(known, pressed=pressed)
         position, heard_s = self._axes.get(axis, (None, 0.0))
+        homed = None
         if position is not None and now_s - heard_s <= AXIS_LIMIT_S:
-            known = replace(known, homed=position.homed)
+            homed = position.homed
         current = None if self._snapshot is None else self._snapshot.current
         if current is not None:
             places = {AxisId.X: current.x_mm, AxisId.Y: current.y_mm, AxisId.Z: current.z_deg}
-            known = replace(known, coordinate=places[axis])
-        return known
+            coordinate = places[axis]
+        return AxisState(axis, coordinate, homed, pressed)

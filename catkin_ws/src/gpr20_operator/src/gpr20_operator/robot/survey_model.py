@@ -13,6 +13,7 @@ from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
+    AxisMeasured,
     AxisReport,
     ControlParameters,
     ControlState,
@@ -20,11 +21,11 @@ from gpr20_operator.robot.events import (
     MeasuredHeight,
     Progress,
     Request,
+    ServiceActivity,
     TargetPosition,
 )
 from gpr20_operator.robot.health import HealthTracker
 from gpr20_operator.robot.senders import SenderIgnored
-from gpr20_operator.robot.service_events import AxisMeasured, ServiceActivity
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_parameters import SurveyParameters

@@ -17,7 +17,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
-from gpr20_doctor.high.node_reports import axis_position
+from gpr20_doctor.high.node_reports import axis_position, height_m
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
@@ -34,12 +34,14 @@ from gpr20_operator.robot.events import (
     AnnotationDefaults,
     Answer,
     AxisLimits,
-    Event,
+    AxisMeasured,
+    CurrentPosition,
+    MeasuredHeight,
     Request,
+    TargetPosition,
 )
 from gpr20_operator.robot.replay import PlayerLink
 from gpr20_operator.robot.senders import Senders
-from gpr20_operator.robot.service_events import AxisMeasured
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -47,7 +49,12 @@ from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_stop import RobotStop
 from gpr20_user_interface.high.robot_travel import axis_limits
-from gpr20_user_interface.high.ros_events import RosEvents, in_background, no_answer
+from gpr20_user_interface.high.ros_events import (
+    CONTROL_SILENT,
+    RosEvents,
+    in_background,
+    no_answer,
+)
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -64,7 +71,7 @@ PLAYER_PERIOD_S = 1.0
 class ControlClient(RosEvents):
     """Passes everything about the main control to a listener; asks it without waiting."""
 
-    def __init__(self, listener: Callable[[Event], None], senders: Senders) -> None:
+    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
@@ -110,10 +117,10 @@ class ControlClient(RosEvents):
                 partial(self._on_axis, axis),
                 1,
             )
-        subscribe("control_current_coordinate", Coordinates, conversions.current_position, 1)
-        subscribe("control_target_coordinate", Coordinates, conversions.target_position, 1)
+        subscribe("control_current_coordinate", Coordinates, _position(CurrentPosition), 1)
+        subscribe("control_target_coordinate", Coordinates, _position(TargetPosition), 1)
         subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
-        subscribe("measured_height", Range, conversions.measured_height, 1)
+        subscribe("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1)
         self._subscribers.append(
             self._diagnostics_subscriber(lambda health, _message: self._emit(health))
         )
@@ -205,9 +212,7 @@ class ControlClient(RosEvents):
         if now_s - reported_s < AXIS_PERIOD_S and not begins:
             return
         self._reports[axis] = message.moving, now_s
-        # Robots of an earlier version do not say who holds an axis.
-        owner = message.owner
-        self._emit(AxisMeasured(axis, axis_position(message), owner))
+        self._emit(AxisMeasured(axis, axis_position(message), message.owner))
 
     def _on_status(self, message: ControlStatus) -> None:
         state = conversions.control_state(message)
@@ -227,11 +232,15 @@ def _call_or_log(service: ServiceClient) -> None:
         rospy.logwarn("the replay did not answer: %s", error)
 
 
+def _position(kind: Any) -> Callable[[Coordinates], Any]:
+    return lambda one: kind(one.x_mm, one.y_mm, one.z_deg)
+
+
 def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
     try:
         return _answer_from(request, ask())
     except (ServiceUnavailableError, rospy.ROSException) as error:
-        return Answer(request, False, no_answer(error), contact=False)
+        return Answer(request, False, no_answer(CONTROL_SILENT, error), contact=False)
 
 
 def _answer_from(request: Request, response: Any) -> Answer:

@@ -3,51 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Dict, Optional, Sequence
+from typing import Any, Dict, Sequence
 
-from sensor_msgs.msg import Range
-
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from, received_message
-from gpr20_doctor.high.node_reports import height_m
 from gpr20_msgs.msg import Annotation as AnnotationMessage
-from gpr20_msgs.msg import (
-    ControlStatus,
-    Coordinates,
-    Replay,
-    ServiceStatus,
-    SurveyCoverage,
-    SurveyData,
-)
+from gpr20_msgs.msg import ControlStatus, Replay, SurveyCoverage, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    ReadingFailed,
-    SurveyDescribed,
-    SurveyRead,
-    SurveysListed,
-    TraceEvent,
-    TracesRead,
-)
-from gpr20_operator.robot.events import (
-    ControlParameters,
-    ControlState,
-    CurrentPosition,
-    MeasuredHeight,
-    Progress,
-    TargetPosition,
-)
+from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
+from gpr20_operator.robot.events import ControlParameters, ControlState, Progress
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
-from gpr20_operator.robot.service_events import (
-    HeightTested,
-    ServiceActivity,
-)
-from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
-from gpr20_survey.folder import survey_metadata
-from gpr20_survey.plan.annotation import Annotation, annotation_of
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import summary_from
@@ -99,32 +66,6 @@ def progress(message: SurveyData) -> Progress:
     )
 
 
-def current_position(message: Coordinates) -> CurrentPosition:
-    """Convert `control_current_coordinate`."""
-    return CurrentPosition(message.x_mm, message.y_mm, message.z_deg)
-
-
-def target_position(message: Coordinates) -> TargetPosition:
-    """Convert `control_target_coordinate`."""
-    return TargetPosition(message.x_mm, message.y_mm, message.z_deg)
-
-
-def measured_height(message: Range) -> MeasuredHeight:
-    """Convert `measured_height`."""
-    return MeasuredHeight(height_m(message))
-
-
-def service_activity(message: ServiceStatus) -> ServiceActivity:
-    """Convert `service_status`."""
-    return ServiceActivity(message_from(message) if message.busy else None)
-
-
-def height_tested(response: Any) -> HeightTested:
-    """Convert the answer of `get_height`."""
-    failure = None if response.success else message_from(response)
-    return HeightTested(response.height_m, response.spread_m, response.voltage_v, failure)
-
-
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     """Convert `survey_coverage`."""
     return CoverageRuns(
@@ -133,49 +74,26 @@ def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
         starts=tuple(message.run_starts),
         states=tuple(bytearray(message.run_states)),
         failures=_reasons(message.failures, message.failures_json),
-        verdict=_message_or_none(message.verdict, message.verdict_json),
+        verdict=received_message(message.verdict, message.verdict_json)
+        if message.verdict
+        else None,
     )
 
 
-def survey_described(message: Any) -> SurveyDescribed:
-    """Convert `survey_metadata`."""
-    return SurveyDescribed(message.data)
+def traces_read(first_index: int, response: Any) -> TracesRead:
+    """Convert the answer of `read_traces`.
 
-
-def survey_read(folder: str, response: Any) -> SurveyRead:
-    """Convert the answer of `read_survey`."""
-    return SurveyRead(folder, response.metadata_json, tuple(response.stored_indices))
-
-
-def annotation_read(survey: str, response: Any) -> TraceEvent:
-    """Convert the answer of `read_survey` to the annotation of the survey."""
-    try:
-        description = survey_metadata.parse_object(
-            response.metadata_json, "survey.json", survey_metadata.MAX_FILE_BYTES
-        )
-        return AnnotationRead(survey, annotation_of(description))
-    except (SurveyRefusedError, InvalidValueError) as error:
-        return AnnotationFailed(error.message)
-
-
-def traces_read(first_index: int, response: Any) -> TraceEvent:
-    """Convert the answer of `read_traces`."""
-    try:
-        block = block_from(response)
-    except TraceRefusedError as error:
-        return ReadingFailed(error.message)
+    Raises:
+        TraceRefusedError: A trace is not as it should be.
+    """
     unreadable = _reasons(response.unreadable, response.unreadable_json)
-    return TracesRead(first_index, block, unreadable)
+    return TracesRead(first_index, block_from(response), unreadable)
 
 
 def surveys_listed(before: str, response: Any) -> SurveysListed:
     """Convert the answer of `list_surveys`."""
     surveys = tuple(summary_from(one) for one in response.surveys)
     return SurveysListed(before, surveys, response.more)
-
-
-def _message_or_none(text: str, message_json: str) -> Optional[Message]:
-    return received_message(text, message_json) if text else None
 
 
 def _reasons(texts: Sequence[str], messages_json: Sequence[str]) -> Dict[int, Message]:

@@ -15,7 +15,7 @@ from gpr20_common.sent_message import message_from
 from gpr20_msgs.srv import Command
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_user_interface.high.ros_events import in_background, no_answer
+from gpr20_user_interface.high.ros_events import CONTROL_SILENT, in_background, no_answer
 
 STOP_TIMEOUT_S = 2.0
 # A STOP that was not answered is repeated: the survey would continue when the link is back.
@@ -105,7 +105,7 @@ class RobotStop:
         try:
             self._emit(self._answer())
         except ServiceUnavailableError as error:
-            self._emit(Answer(Request.STOP, False, no_answer(error), contact=False))
+            self._emit(Answer(Request.STOP, False, no_answer(CONTROL_SILENT, error), contact=False))
             self._repeat()
 
     def _repeat(self) -> None:

@@ -8,12 +8,59 @@ from typing import Any, Callable, List
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, NodeHealth
 from gpr20_operator import faults
 from gpr20_operator.robot.senders import SenderIgnored, Senders
+
+CONTROL_SILENT = Message("the main control does not answer; check that it is running")
+STORAGE_SILENT = Message("the storage does not answer; check that it is running")
+
+
+class RequestError(Exception):
+    """A node does not answer, or refuses: its message keeps its own fault, or has none."""
+
+    def __init__(self, message: Message) -> None:
+        super().__init__(str(message))
+        self.message = message
+
+
+def call(client: ServiceClient, silent: Message, timeout_s: float, **fields: Any) -> Any:
+    """Call a service; return its response, whatever it says.
+
+    Raises:
+        RequestError: There is none; what people read of that is `silent`.
+    """
+    try:
+        return client.call(timeout_s, **fields)
+    except ServiceUnavailableError as error:
+        raise RequestError(no_answer(silent, error)) from error
+
+
+def accepted(response: Any) -> Any:
+    """Return the response.
+
+    Raises:
+        RequestError: It says that the request was refused, or failed.
+    """
+    if not response.success:
+        raise RequestError(message_from(response))
+    return response
+
+
+def no_answer(silent: Message, error: Exception) -> Message:
+    """Return what people read when a node does not answer."""
+    return silent.with_details(error).with_fault(faults.PART_SILENT)
+
+
+def in_background(work: Callable[[], None]) -> None:
+    """Work in a daemon thread: if it never ends, the process still can."""
+    threading.Thread(target=work, daemon=True).start()
 
 
 class RosEvents:
@@ -106,14 +153,14 @@ class RosEvents:
             if not self._closed:
                 self._listener(event)
 
+    def _emit_answer(self, ask: Callable[[], Any], failed: Callable[[Message], Any]) -> None:
+        """Emit in the background what a request returns, or the event of its failure."""
 
-def in_background(work: Callable[[], None]) -> None:
-    """Work in a daemon thread: if it never ends, the process still can."""
-    threading.Thread(target=work, daemon=True).start()
+        def work() -> None:
+            try:
+                event = ask()
+            except (RequestError, Gpr20Error) as error:
+                event = failed(error.message)
+            self._emit(event)
 
-
-def no_answer(error: Exception) -> Message:
-    """Return what people read when the main control does not answer a request."""
-    return Message(
-        "the main control does not answer; check that it is running", details=error
-    ).with_fault(faults.PART_SILENT)
+        in_background(work)

@@ -2,36 +2,56 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Tuple
+import json
+from functools import partial
+from typing import Any, Callable, List, Tuple
 
 import rospy
 from std_msgs.msg import String
 
 from gpr20_common.high.connection_header import connection_header
-from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
+from gpr20_common.high.service_client import ServiceClient
 from gpr20_msgs.msg import SurveyCoverage
-from gpr20_msgs.srv import AnnotateSurvey, ListSurveys, ReadSurvey, ReadTraces
-from gpr20_operator import faults
+from gpr20_msgs.srv import AnnotateSurvey, ListSurveys, MarkSurvey, ReadSurvey, ReadTraces
+from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.ground.additions import (
+    AdditionsFailed,
+    AdditionsRead,
+    MarkersStored,
+    MarkingFailed,
+    RelatedSurvey,
+)
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.trace_events import (
     AnnotationFailed,
+    AnnotationRead,
     AnnotationStored,
     ReadingFailed,
+    SurveyDescribed,
+    SurveyRead,
     TraceEvent,
 )
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.annotation import Annotation, annotation_of
+from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace import trace_message
 from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.additions_client import AdditionsClient
-from gpr20_user_interface.high.ros_events import RosEvents, in_background
+from gpr20_user_interface.high.ros_events import (
+    STORAGE_SILENT,
+    RequestError,
+    RosEvents,
+    accepted,
+    call,
+)
 
-LIST_TIMEOUT_S = 20.0
 READ_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.
-ANNOTATE_TIMEOUT_S = 60.0
+CHANGE_TIMEOUT_S = 60.0
+# A finer survey follows the one that it refines: it is searched for among the newest ones, too.
 SURVEYS_PER_PAGE = 50
 # A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
@@ -46,55 +66,123 @@ class StorageClient(RosEvents):
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
         self._annotate = ServiceClient("annotate_survey", AnnotateSurvey)
-        self._additions = AdditionsClient(self._emit)
-        self.read_additions = self._additions.read_additions
-        self.add_marker = self._additions.add_marker
-        self.remove_marker = self._additions.remove_marker
+        self._mark = ServiceClient("mark_survey", MarkSurvey)
 
     def listen(self) -> None:
         """Subscribe to plan, coverage and traces."""
-        self._subscribe("survey_metadata", String, conversions.survey_described, 1)
+        self._subscribe("survey_metadata", String, lambda one: SurveyDescribed(one.data), 1)
         self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
         # As it was sent: the converter of traces reads these bytes.
         self._subscribe_raw("trace", rospy.AnyMsg, self._on_trace, TRACE_QUEUE)
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""
-        self._ask(
-            lambda: self._list.call(LIST_TIMEOUT_S, before=before, max_surveys=SURVEYS_PER_PAGE),
-            lambda response: conversions.surveys_listed(before, response),
+        self._emit_answer(
+            lambda: conversions.surveys_listed(before, self._listed(before)), ReadingFailed
         )
 
     def read_survey(self, folder: str) -> None:
         """Ask for the plan of a past survey."""
-        self._ask(
-            lambda: self._survey.call(READ_TIMEOUT_S, survey=folder),
-            lambda response: conversions.survey_read(folder, response),
-        )
+
+        def ask() -> SurveyRead:
+            answer = self._read(folder)
+            return SurveyRead(folder, answer.metadata_json, tuple(answer.stored_indices))
+
+        self._emit_answer(ask, ReadingFailed)
 
     def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
         """Ask for stored traces of a survey, by its id and their places in the plan."""
-        self._ask(
-            lambda: self._traces.call(READ_TIMEOUT_S, survey=survey, indices=indices),
-            lambda response: conversions.traces_read(indices[0], response),
-        )
+
+        def ask() -> TraceEvent:
+            answer = _answer(self._traces, READ_TIMEOUT_S, survey=survey, indices=indices)
+            return conversions.traces_read(indices[0], answer)
+
+        self._emit_answer(ask, ReadingFailed)
 
     def read_annotation(self, survey: str) -> None:
         """Ask for the annotation of a survey, by its id or folder."""
-        self._ask(
-            lambda: self._survey.call(READ_TIMEOUT_S, survey=survey),
-            lambda response: conversions.annotation_read(survey, response),
+        self._emit_answer(
+            lambda: AnnotationRead(survey, annotation_of(self._description(survey))),
             AnnotationFailed,
         )
 
     def annotate(self, survey: str, annotation: Annotation) -> None:
         """Ask to replace the annotation of a survey, by its id or folder."""
         note = conversions.annotation_message(annotation)
-        self._ask(
-            lambda: self._annotate.call(ANNOTATE_TIMEOUT_S, survey=survey, annotation=note),
-            lambda _response: AnnotationStored(survey),
-            AnnotationFailed,
+
+        def ask() -> AnnotationStored:
+            _answer(self._annotate, CHANGE_TIMEOUT_S, survey=survey, annotation=note)
+            return AnnotationStored(survey)
+
+        self._emit_answer(ask, AnnotationFailed)
+
+    def read_additions(self, survey: str) -> None:
+        """Ask for markers and related surveys of a survey, by its id."""
+
+        def ask() -> AdditionsRead:
+            description = self._description(survey)
+            markers = present_markers(description)
+            return AdditionsRead(survey, markers, tuple(self._related(survey, description)))
+
+        self._emit_answer(ask, partial(AdditionsFailed, survey))
+
+    def add_marker(self, survey: str, marker: Marker) -> None:
+        """Ask to store a marker of a survey, by its id."""
+        depth_mm = marker.depth_mm
+        self._change_markers(
+            survey,
+            marker.marker_id,
+            x_mm=marker.x_mm,
+            y_mm=marker.y_mm,
+            has_depth=depth_mm is not None,
+            depth_mm=0.0 if depth_mm is None else depth_mm,
+            text=marker.text,
+            author=marker.author,
         )
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
+        """Ask to remove a marker of a survey, by its id."""
+        self._change_markers(survey, marker_id, remove=True, author=author)
+
+    def _change_markers(self, survey: str, marker_id: str, **fields: Any) -> None:
+        request = {"survey": survey, "marker_id": marker_id, **fields}
+
+        def ask() -> MarkersStored:
+            answer = _answer(self._mark, CHANGE_TIMEOUT_S, **request)
+            description = {"markers": json.loads(answer.markers_json)}
+            return MarkersStored(answer.survey_id, present_markers(description))
+
+        self._emit_answer(ask, partial(MarkingFailed, survey, marker_id))
+
+    def _related(self, survey: str, description: Any) -> List[RelatedSurvey]:
+        found = []
+        coarse = refines_of(description)
+        for one in self._listed("").surveys:
+            is_finer = one.refines == survey
+            if one.survey_id != survey and (is_finer or one.survey_id == coarse):
+                found += self._area(one.survey_id, one.folder, is_finer)
+        if coarse and coarse not in {one.survey_id for one in found}:
+            found += self._area(coarse, coarse, False)
+        return found
+
+    def _area(self, survey: str, folder: str, is_finer: bool) -> List[RelatedSurvey]:
+        """Return a related survey; none if it is no longer there or cannot be read."""
+        try:
+            grid = grid_from_description(self._read(survey).metadata_json)
+        except (RequestError, SurveyNotReadableError):
+            return []
+        xs_mm, ys_mm = grid.xs_mm, grid.ys_mm
+        area = Area(float(xs_mm.min()), float(xs_mm.max()), float(ys_mm.min()), float(ys_mm.max()))
+        return [RelatedSurvey(survey, folder, is_finer, area)]
+
+    def _listed(self, before: str) -> Any:
+        return _answer(self._list, READ_TIMEOUT_S, before=before, max_surveys=SURVEYS_PER_PAGE)
+
+    def _read(self, survey: str) -> Any:
+        return _answer(self._survey, READ_TIMEOUT_S, survey=survey)
+
+    def _description(self, survey: str) -> Any:
+        return parse_object(self._read(survey).metadata_json, "survey.json", MAX_FILE_BYTES)
 
     def _on_trace(self, message: rospy.AnyMsg) -> None:
         try:
@@ -104,26 +192,6 @@ class StorageClient(RosEvents):
         else:
             self._emit(trace)
 
-    def _ask(
-        self,
-        call: Callable[[], Any],
-        convert: Callable[[Any], TraceEvent],
-        failed: Callable[[Message], TraceEvent] = ReadingFailed,
-    ) -> None:
-        in_background(lambda: self._emit(self._answer(call, convert, failed)))
 
-    @staticmethod
-    def _answer(
-        call: Callable[[], Any],
-        convert: Callable[[Any], TraceEvent],
-        failed: Callable[[Message], TraceEvent],
-    ) -> TraceEvent:
-        try:
-            response = call()
-        except ServiceUnavailableError as error:
-            return failed(
-                Message(
-                    "the storage does not answer; check that it is running", details=error
-                ).with_fault(faults.PART_SILENT)
-            )
-        return convert(response) if response.success else failed(message_from(response))
+def _answer(client: ServiceClient, timeout_s: float, **fields: Any) -> Any:
+    return accepted(call(client, STORAGE_SILENT, timeout_s, **fields))

@@ -44,10 +44,10 @@ from gpr20_user_interface.high.display import (
     on_display_lost,
     wait_for_display,
 )
-from gpr20_user_interface.high.imaging_client import ImagingClient
 from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.high.request_client import RequestClient
+from gpr20_user_interface.high.robot_watch import RobotWatchClient
 from gpr20_user_interface.high.robots_client import RobotsClient
-from gpr20_user_interface.high.service_client import ServiceToolsClient
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
@@ -116,15 +116,16 @@ class UserInterface:
         self.control = ControlClient(self.signal.emit_event, senders)
         self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
-        self.service = ServiceToolsClient(self.signal.emit_event, senders)
-        self.imaging = ImagingClient(self.signal.emit_event, senders)
+        self.watch = RobotWatchClient(self.signal.emit_event, senders)
+        self.requests = RequestClient(self.signal.emit_event, senders)
         self.robots = RobotsClient(self.signal.emit_event, senders)
+        self._clients = (self.control, self.storage, self.watch, self.requests, self.robots)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-                Imaging(self.imaging, time.monotonic),
-                ServiceModel(self.service, Clock()),
+                Imaging(self.requests, time.monotonic),
+                ServiceModel(self.requests, self.watch, Clock()),
                 profiles,
                 self.plans,
                 Robots(
@@ -141,12 +142,9 @@ class UserInterface:
     def begin(self) -> None:
         """Show the window and listen to the graph."""
         rospy.on_shutdown(self.signal.emit_shut_down)
-        self.control.listen()
+        for client in self._clients:
+            client.listen()
         self.control.listen_to_robot()
-        self.storage.listen()
-        self.service.listen()
-        self.imaging.listen()
-        self.robots.listen()
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()
@@ -156,11 +154,8 @@ class UserInterface:
         """Leave the graph; a survey that runs continues."""
         self.window.end()
         self.plans.wait(SETTINGS_LIMIT_S)
-        self.robots.close()
-        self.imaging.close()
-        self.storage.close()
-        self.service.close()
-        self.control.close()
+        for client in reversed(self._clients):
+            client.close()
 
     def _show_robot(self, namespace: str) -> None:
         self.next_robot = namespace

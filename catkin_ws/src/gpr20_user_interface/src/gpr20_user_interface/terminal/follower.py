@@ -12,7 +12,6 @@ from gpr20_operator import faults
 from gpr20_operator.robot.events import (
     Answer,
     ControlState,
-    Event,
     LinkState,
     Progress,
     Request,
@@ -125,7 +124,7 @@ class SurveyFollower:
         now_s = clock.now_s()
         self._began_s = self._received_s = self._ticked_s = now_s
 
-    def concerns(self, event: Event) -> bool:
+    def concerns(self, event: object) -> bool:
         """Return whether an event is about this survey."""
         if isinstance(event, ControlState) and not self.survey_id:
             return event is self._state and event.code in RUNNING
@@ -133,7 +132,7 @@ class SurveyFollower:
             return bool(self.survey_id) and event.survey_id == self.survey_id
         return True
 
-    def handle(self, event: Event) -> List[Request]:
+    def handle(self, event: object) -> List[Request]:
         """Take an event; return the requests to send to the main control now."""
         if self._phase is _Phase.ENDED:
             return []

@@ -12,7 +12,6 @@ from gpr20_operator.robot.events import (
     Accepted,
     Answer,
     ControlState,
-    Event,
     LinkState,
     Progress,
     Request,
@@ -59,10 +58,10 @@ class Follower(Protocol):
     def survey_id(self) -> str:
         """The survey that is followed; empty while it is not known."""
 
-    def concerns(self, event: Event) -> bool:
+    def concerns(self, event: object) -> bool:
         """Return whether an event is to be shown."""
 
-    def handle(self, event: Event) -> List[Request]:
+    def handle(self, event: object) -> List[Request]:
         """Take an event; return the requests to send to the main control now."""
 
     def tick(self) -> List[Request]:
@@ -121,7 +120,7 @@ class SurveySession:
             self._display.close()
         return self._follower.outcome
 
-    def _next_event(self) -> Optional[Event]:
+    def _next_event(self) -> Optional[object]:
         try:
             return self._events.get(timeout=TICK_S)
         except queue.Empty:
@@ -151,7 +150,7 @@ class SurveySession:
         if self._progress is not None:
             self._display.show(self._progress, state)
 
-    def _show(self, event: Event) -> None:
+    def _show(self, event: object) -> None:
         if isinstance(event, ControlState) and event.simulated and not self.simulated:
             self.simulated = True
             self._display.note(SIMULATED)

@@ -20,7 +20,7 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.titles import node_title
 from gpr20_operator.robot.health import HealthReport
-from gpr20_operator.robot.service_events import ServiceState
+from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
@@ -118,7 +118,7 @@ class Overview(TranslatedWidget):
     def __init__(self) -> None:
         super().__init__()
         self._findings: Tuple[Finding, ...] = ()
-        self._state: Optional[ServiceState] = None
+        self._model: Optional[ServiceModel] = None
         self._folded = True
         self._headline = QLabel()
         self._headline.setObjectName("title")
@@ -149,15 +149,15 @@ class Overview(TranslatedWidget):
             self._findings = findings
             self._write_findings()
 
-    def show_state(self, state: ServiceState) -> None:
+    def show_model(self, model: ServiceModel) -> None:
         """Show whether the robot can be serviced now."""
-        self._state = state
-        self.enter_button.setEnabled(state.obstacle is None)
+        self._model, obstacle = model, model.obstacle
+        self.enter_button.setEnabled(obstacle is None)
         hint = self.tr(
             "Service moves single axes and tests the instruments: keep hands and cables clear."
         )
-        self.hint.setText(hint if state.obstacle is None else shown_text(state.obstacle))
-        self.check_button.setEnabled(not state.examining)
+        self.hint.setText(hint if obstacle is None else shown_text(obstacle))
+        self.check_button.setEnabled(not model.examining)
         self._write_counts()
 
     def retranslate(self) -> None:
@@ -165,8 +165,8 @@ class Overview(TranslatedWidget):
         self._parts_title.setText(self.tr("Parts"))
         self.enter_button.setText(self.tr("HOLD FOR SERVICE"))
         self._write_findings()
-        if self._state is not None:
-            self.show_state(self._state)
+        if self._model is not None:
+            self.show_model(self._model)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -209,7 +209,7 @@ class Overview(TranslatedWidget):
         if others:
             good += "\n" + self.tr("{count} open").format(count=others)
         self.fold_button.setText(good if self._folded else self.tr("Only what is wrong"))
-        examining = self._state is not None and self._state.examining
+        examining = self._model is not None and self._model.examining
         self.check_button.setText(self.tr("CHECKING") if examining else self.tr("CHECK ALL"))
 
     def _on_fold(self) -> None:

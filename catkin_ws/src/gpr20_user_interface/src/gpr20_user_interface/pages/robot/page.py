@@ -73,9 +73,8 @@ class RobotPage(QStackedWidget, Page):
         self._show()
 
     def _show(self) -> None:
-        state = self._model.state
-        if state.entered != self.in_service:
+        if self._model.entered != self.in_service:
             self.service.begin()
-            self.setCurrentIndex(int(state.entered))
-        self.overview.show_state(state)
-        self.service.show_state(state)
+            self.setCurrentIndex(int(self._model.entered))
+        self.overview.show_model(self._model)
+        self.service.show_model(self._model)

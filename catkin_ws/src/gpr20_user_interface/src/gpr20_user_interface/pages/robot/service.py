@@ -17,18 +17,18 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.robot.service_events import (
+from gpr20_operator.jobs.job import Job
+from gpr20_operator.robot.service_model import (
     PARTS,
+    STEPS,
     AxisAction,
     AxisState,
-    DailyCheckState,
     HeightTested,
-    ServiceState,
+    ServiceModel,
 )
-from gpr20_operator.robot.service_model import STEPS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
+from gpr20_survey.results.daily_check import INSTRUCTIONS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
@@ -49,17 +49,20 @@ class AxisRow:
     """The line of one axis: where it is, its endstop, and the buttons to move it."""
 
     def __init__(self, axis: AxisId, move: Move) -> None:
+        def button(text: str, action: AxisAction, distance: float = 0.0) -> HoldButton:
+            new = HoldButton(text)
+            new.held.connect(lambda: move(axis, action, distance))
+            return new
+
         self.axis = axis
         self.place, self.lamp = QLabel(UNKNOWN), QLabel()
         self.place.setObjectName("figure")
-        self.jogs = [_jog_button(axis, distance, move) for distance in DISTANCES]
-        self.home = HoldButton()
-        self.home.held.connect(lambda: move(axis, AxisAction.HOME, 0.0))
+        self.jogs = [button(f"{one:+d}", AxisAction.JOG, float(one)) for one in DISTANCES]
+        for jog in self.jogs:
+            jog.setObjectName("jog")
+        self.home = button("", AxisAction.HOME)
         # Instead of an endstop.
-        self.set_zero: Optional[HoldButton] = None
-        if axis is AxisId.Z:
-            self.set_zero = HoldButton()
-            self.set_zero.held.connect(lambda: move(axis, AxisAction.SET_ZERO, 0.0))
+        self.set_zero = button("", AxisAction.SET_ZERO) if axis is AxisId.Z else None
 
     @property
     def buttons(self) -> List[QPushButton]:
@@ -68,19 +71,11 @@ class AxisRow:
         return [*self.jogs, *zero, self.home]
 
 
-def _jog_button(axis: AxisId, distance: int, move: Move) -> HoldButton:
-    button = HoldButton(f"{distance:+d}")
-    button.setObjectName("jog")
-    button.held.connect(lambda: move(axis, AxisAction.JOG, float(distance)))
-    return button
-
-
 class AxisRows(TranslatedWidget):
     """X, Y and Z, one below the other; then the zero of Z."""
 
     def __init__(self, move: Move) -> None:
         super().__init__()
-        self._state: Optional[ServiceState] = None
         self.rows = [AxisRow(axis, move) for axis in AxisId]
         self._zero_title = QLabel()
         self._zero_title.setWordWrap(True)
@@ -106,15 +101,12 @@ class AxisRows(TranslatedWidget):
         """Return the line of an axis."""
         return next(row for row in self.rows if row.axis is axis)
 
-    def show_state(self, state: ServiceState) -> None:
+    def show_model(self, model: ServiceModel) -> None:
         """Show what is known of the axes."""
-        if state == self._state:
-            return
-        self._state = state
-        for row, axis in zip(self.rows, state.axes):
+        for row, axis in zip(self.rows, model.axes):
             self._show(row, axis)
             for button in row.buttons:
-                button.setEnabled(state.entered and not state.busy)
+                button.setEnabled(model.entered and not model.busy)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
@@ -129,26 +121,21 @@ class AxisRows(TranslatedWidget):
             row.home.setText(self.tr("HOME"))
             if row.set_zero is not None:
                 row.set_zero.setText(self.tr("SET ZERO"))
-        state, self._state = self._state, None
-        if state is not None:
-            self.show_state(state)
 
     def _show(self, row: AxisRow, state: AxisState) -> None:
-        place, unit = UNKNOWN, "°" if state.axis is AxisId.Z else " mm"
+        place, turns = UNKNOWN, state.axis is AxisId.Z
         if state.homed is False:
             place = self.tr("not homed")
         elif state.coordinate is not None:
-            place = f"{state.coordinate:.{1 if state.axis is AxisId.Z else 2}f}{unit}"
+            place = f"{state.coordinate:.1f}°" if turns else f"{state.coordinate:.2f} mm"
         row.place.setText(f"{state.axis.value.upper()} {place}")
         set_look(row.lamp, "lamp", "on" if state.pressed else "off")
-        row.lamp.setText(self._lamp_text(state))
-
-    def _lamp_text(self, state: AxisState) -> str:
-        if state.axis is AxisId.Z:
-            return ""
-        if state.pressed is None:
-            return self.tr("endstop") + f" {UNKNOWN}"
-        return "● " + self.tr("closed") if state.pressed else "○ " + self.tr("open")
+        lamp = {
+            None: self.tr("endstop") + f" {UNKNOWN}",
+            True: "● " + self.tr("closed"),
+            False: "○ " + self.tr("open"),
+        }[state.pressed]
+        row.lamp.setText("" if turns else lamp)
 
 
 class Instruments(TranslatedWidget):
@@ -162,7 +149,6 @@ class Instruments(TranslatedWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._state: Optional[ServiceState] = None
         self.measure, self.analyzer, self.daily = QPushButton(), QPushButton(), QPushButton()
         self.answers: Dict[QPushButton, QTextEdit] = {}
         self._grid = QGridLayout(self)
@@ -176,57 +162,48 @@ class Instruments(TranslatedWidget):
         self.restyle()
         self.retranslate()
 
-    def show_state(self, state: ServiceState) -> None:
+    def show_model(self, model: ServiceModel) -> None:
         """Show what came back."""
-        if state == self._state:
-            return
-        self._state = state
+        text = self.tr("DAILY CHECK")
+        if model.part is not None:
+            text = self.tr("MEASURE {number}/{total}").format(
+                number=PARTS.index(model.part) + 1, total=len(PARTS)
+            )
+        self.daily.setText(in_two_lines(text, self.daily, look_of(self).px(BUTTON_PX)))
         texts = {
-            self.measure: self._height_text(state.height),
-            self.analyzer: self._analyzer_text(state.analyzer),
-            self.daily: self._daily_text(state.daily_check),
+            self.measure: self._height_text(model.height),
+            self.analyzer: self._analyzer_text(model.tested),
+            self.daily: self._daily_text(model),
         }
         for button, text in texts.items():
-            button.setEnabled(state.entered and not state.busy)
-            self.answers[button].setPlainText(text)
-        self._write_daily(state.daily_check.part)
+            button.setEnabled(model.entered and not model.busy)
+            # A text that is written again scrolls to its begin.
+            if self.answers[button].toPlainText() != text:
+                self.answers[button].setPlainText(text)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
         self._grid.setSpacing(look_of(self).px(GAP_PX))
-        self._write_daily(None if self._state is None else self._state.daily_check.part)
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
         self.measure.setText(self.tr("MEASURE HEIGHT"))
         self.analyzer.setText(self.tr("TEST VNA"))
-        self._write_daily(None)
-        state, self._state = self._state, None
-        if state is not None:
-            self.show_state(state)
 
-    def _write_daily(self, part: Optional[Part]) -> None:
-        text = self.tr("DAILY CHECK")
-        if part is not None:
-            text = self.tr("MEASURE {number}/{total}").format(
-                number=PARTS.index(part) + 1, total=len(PARTS)
-            )
-        self.daily.setText(in_two_lines(text, self.daily, look_of(self).px(BUTTON_PX)))
-
-    def _daily_text(self, check: DailyCheckState) -> str:
-        if check.measuring:
+    def _daily_text(self, model: ServiceModel) -> str:
+        if model.daily.running:
             return self.tr("Measuring")
-        lines = []
-        if check.answer is not None:
-            message = check.answer.message
-            lines.append(shown_text(message))
-            if message.remedy is not None:
-                lines.append(shown_text(message.remedy))
-        if check.part is not None:
-            lines.append(shown_text(INSTRUCTIONS[check.part]))
-        return "\n".join(lines) or self.tr("Compares the radar with its reference.")
+        answer = model.daily.problem or model.daily.result
+        lines = [] if answer is None else [answer, answer.remedy]
+        if model.part is not None:
+            lines.append(INSTRUCTIONS[model.part])
+        text = "\n".join(shown_text(line) for line in lines if line is not None)
+        return text or self.tr("Compares the radar with its reference.")
 
-    def _height_text(self, height: Optional[HeightTested]) -> str:
+    def _height_text(self, job: Job[HeightTested]) -> str:
+        if job.problem is not None:
+            return shown_text(job.problem)
+        height = job.result
         if height is None:
             return self.tr("Measures the height of the antennas once.")
         lines = []
@@ -308,12 +285,12 @@ class ServiceScreen(TranslatedWidget):
         """Show the axes first."""
         self._show(self.axes)
 
-    def show_state(self, state: ServiceState) -> None:
+    def show_model(self, model: ServiceModel) -> None:
         """Show what is known now."""
-        self.axes.show_state(state)
-        self.instruments.show_state(state)
-        self.outcome.setText("" if state.outcome is None else shown_text(state.outcome))
-        set_look(self.outcome, "level", "wrong" if state.failed else "")
+        self.axes.show_model(model)
+        self.instruments.show_model(model)
+        self.outcome.setText("" if model.outcome is None else shown_text(model.outcome))
+        set_look(self.outcome, "level", "wrong" if model.failed else "")
 
     def restyle(self) -> None:
         """Take the sizes of the look."""

@@ -1,4 +1,4 @@
-"""The client of the imaging node: answers reach their job in its own thread, never late ones."""
+"""The client of the services: answers reach their job in its own thread, never late ones."""
 
 import queue
 import threading
@@ -18,21 +18,28 @@ from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_operator import faults
-from gpr20_operator.jobs.job import Delivery, JobState
-from gpr20_operator.jobs.pictures import Imaging, Service, StoredSurvey
+from gpr20_operator.jobs.job import Delivery, JobState, Service
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.service_model import HeightTested
+from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_fields
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.results.volume import volume_fields
-from gpr20_user_interface.high import imaging_client
+from gpr20_user_interface.high import request_client
 
+TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
 ANSWERS = {
     Service.FOCUS: focus_fields(focused()),
     Service.HIDE: {"hiding_json": hiding_json(a_map([[[1]]], [[[6]]]))},
     Service.EXPORT: {"files": ["GPR20/a.pdf"]},
     Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
     Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
-    Service.NOTE: {},
+    Service.NOTE: message_fields(verbatim("noted")),
+    Service.MOVE: message_fields(verbatim("The y axis is at 20 mm.")),
+    Service.DAILY: message_fields(verbatim("Swept twice.")),
+    Service.HEIGHT: {"height_m": 0.2, "spread_m": 0.001, "voltage_v": 1.3},
+    Service.ANALYZER: analyzer_test_fields(TESTED),
 }
 
 
@@ -69,7 +76,7 @@ class Services:
 @pytest.fixture
 def services(monkeypatch):
     services = Services()
-    monkeypatch.setattr(imaging_client, "ServiceClient", services.client)
+    monkeypatch.setattr(request_client, "ServiceClient", services.client)
     return services
 
 
@@ -80,7 +87,7 @@ def events():
 
 @pytest.fixture
 def imaging(services, events):
-    client = imaging_client.ImagingClient(events.put, Senders("/"))
+    client = request_client.RequestClient(events.put, Senders("/"))
     yield Imaging(client, lambda: 0.0)
     client.close()
 
@@ -119,7 +126,22 @@ def test_the_answers_are_what_pages_work_with(imaging, events):
     assert found[Service.STICKS].computer == "server"
     assert [one.path for one in found[Service.STICKS].volumes] == [BLUE.path]
     assert found[Service.READ] == StoredSurvey("{}", 2)
-    assert found[Service.NOTE] is None
+    assert str(found[Service.NOTE]) == "noted"
+    assert str(found[Service.MOVE]) == "The y axis is at 20 mm."
+    assert found[Service.HEIGHT] == HeightTested(0.2, 0.001, 1.3)
+    assert found[Service.ANALYZER] == TESTED
+
+
+def test_a_test_that_failed_says_what_it_has_found_before(imaging, services, events):
+    reason = {"success": False, **message_fields(verbatim("stuck"))}
+    for service in (Service.HEIGHT, Service.ANALYZER):
+        services.answers[service.value].update(reason)
+        job = imaging.job(service)
+        job.ask()
+        deliver(events)
+        assert str(job.result.failure) == "stuck"
+        found = getattr(job.result, "voltage_v", None) or job.result.identity
+        assert found in (1.3, "Anritsu,MS2026C")
 
 
 @pytest.mark.parametrize("service", list(Service))
@@ -131,6 +153,8 @@ def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
     job.ask()
     deliver(events)
     assert job.problem.cause == faults.PART_SILENT and job.problem.remedy is not None
+    if service in (Service.HEIGHT, Service.ANALYZER):
+        return
     refusal = {"success": False, **message_fields(verbatim("refused"))}
     services.answers[service.value] = refusal
     job.ask()

@@ -1,0 +1,97 @@
+"""What ROBOT shows while it is in front: endstops, clocks, and what is done for maintenance."""
+
+from __future__ import annotations
+
+import os
+import socket
+import threading
+from functools import partial
+from typing import Any, Callable, List, Mapping
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import Bool
+
+from gpr20_common.sent_message import message_from
+from gpr20_doctor.mid.machine_facts import MachineFacts
+from gpr20_doctor.mid.machine_probe import probe_machine
+from gpr20_doctor.mid.machine_request import ThisMachine
+from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_msgs.msg import ServiceStatus
+from gpr20_operator.jobs.job import Delivery, Ticket
+from gpr20_operator.robot.events import ClockOffset, EndstopState, ServiceActivity
+from gpr20_operator.robot.senders import Senders
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_user_interface.high.ros_events import RosEvents, in_background
+
+ENDSTOP_AXES = (AxisId.X, AxisId.Y)
+
+
+class RobotWatchClient(RosEvents):
+    """Follows the robot without waiting; implements `RobotWatch`."""
+
+    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
+        super().__init__(listener, senders)
+        self._watched: List[rospy.Subscriber] = []
+        self._wanted = False
+        self._following = threading.Lock()
+
+    def listen(self) -> None:
+        """Subscribe to what is done for maintenance."""
+        self._subscribe("service_status", ServiceStatus, _activity, None)
+
+    def close(self) -> None:
+        """Call the listener no more."""
+        self.set_watched(False)
+        super().close()
+
+    def set_watched(self, watched: bool) -> None:
+        """Follow endstops and clocks, or no longer: each message costs time."""
+        self._wanted = watched
+        # A subscription waits for the master, which may be away.
+        in_background(self._follow)
+
+    def examine(
+        self,
+        ticket: Ticket[MachineFacts],
+        nodes: Mapping[str, NodeDescription],
+        surveying: bool,
+        thorough: bool,
+    ) -> None:
+        """Look at this computer in the background."""
+
+        def look() -> None:
+            machine = ThisMachine(socket.gethostname(), os.environ)
+            facts = probe_machine(machine.request(nodes, surveying, thorough=thorough))
+            self._emit(Delivery(partial(ticket.done, facts)))
+
+        in_background(look)
+
+    def _follow(self) -> None:
+        with self._following:
+            if self._wanted == bool(self._watched):
+                return
+            for subscriber in self._watched:
+                subscriber.unregister()
+            self._watched = self._subscriptions() if self._wanted else []
+
+    def _subscriptions(self) -> List[rospy.Subscriber]:
+        endstops = [
+            self._subscriber(
+                f"{axis.value}_axis/endstop", Bool, partial(self._on_endstop, axis), 10
+            )
+            for axis in ENDSTOP_AXES
+        ]
+        return [*endstops, self._diagnostics_subscriber(self._on_health)]
+
+    def _on_endstop(self, axis: AxisId, message: Bool) -> None:
+        self._emit(EndstopState(axis, message.data))
+
+    def _on_health(self, health: NodeHealth, message: DiagnosticArray) -> None:
+        offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
+        self._emit(ClockOffset(health.name, offset_s))
+
+
+def _activity(message: ServiceStatus) -> ServiceActivity:
+    return ServiceActivity(message_from(message) if message.busy else None)
