@@ -19,7 +19,6 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
-from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.robot.replay_model import ReplayModel
@@ -59,7 +58,7 @@ def new_window(languages: Languages, folder: Path, replay: bool = False) -> User
         folder: Its profiles are below it.
         replay: Whether it shows a replay in place of a robot.
     """
-    profiles = Profiles(ProfileFolder(folder / "profiles"))
+    profiles = Profiles(folder / "profiles")
     settings = SettingsFile(folder / "plan.yaml")
     model = ReplayModel() if replay else SurveyModel(Clock())
     return UserInterface(model, languages, profiles, settings)

@@ -20,7 +20,6 @@ from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QW
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.low.clock import Clock
-from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.robot.survey_model import SurveyModel
@@ -136,7 +135,7 @@ def main() -> None:
     rospy.init_node("window", disable_signals=True)
     memory = WindowMemory(SettingsFile(given.folder / "window.yaml"))
     languages = Languages(application, given.language)
-    profiles = Profiles(ProfileFolder(given.folder / "profiles"))
+    profiles = Profiles(given.folder / "profiles")
     plan = SettingsFile(given.folder / "plan.yaml")
     interface = UserInterface(
         SurveyModel(Clock()), languages, profiles, plan, memory, given.full_screen

@@ -20,7 +20,6 @@ from virtual_screen import VirtualScreen
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
-from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.profiles import Profiles
 from gpr20_operator.plan.spec import Tile
@@ -39,7 +38,7 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
 def new_interface(model: Union[SurveyModel, ReplayModel], languages: Languages) -> UserInterface:
     """Return a window that is connected to the graph; it remembers nothing of another one."""
     folder = Path(tempfile.gettempdir()) / "gpr20_no_profiles"
-    return UserInterface(model, languages, Profiles(ProfileFolder(folder)), NoSettings())
+    return UserInterface(model, languages, Profiles(folder)), NoSettings()
 
 
 class NoSettings:

@@ -1,4 +1,5 @@
 import os
+from pathlib import Path
 
 import pytest
 from fault_kit import raises_fault
@@ -7,9 +8,9 @@ from hypothesis import strategies as st
 
 from gpr20_operator import faults
 from gpr20_operator.errors import ProfileError
-from gpr20_operator.files.profile_folder import MAX_BYTES, ProfileFolder
+from gpr20_operator.files.settings_file import MAX_BYTES
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.profiles import Profiles, check_name
+from gpr20_operator.plan.profiles import Profiles
 
 
 @pytest.fixture
@@ -19,7 +20,7 @@ def folder(tmp_path):
 
 @pytest.fixture
 def profiles(folder):
-    return Profiles(ProfileFolder(folder))
+    return Profiles(folder)
 
 
 def test_profile_is_loaded_as_it_was_saved_and_gone_when_it_was_removed(profiles, folder):
@@ -51,10 +52,10 @@ def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles):
 @given(st.text(max_size=40))
 def test_a_name_that_is_allowed_is_one_part_of_a_path(name):
     try:
-        check_name(name)
+        path = Profiles(Path("/folder")).path(name)
     except ProfileError:
         return
-    assert os.path.basename(f"{name}.yaml") == f"{name}.yaml"
+    assert path.parent == Path("/folder") and os.path.basename(f"{name}.yaml") == path.name
 
 
 def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder):
@@ -81,7 +82,7 @@ def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder):
 
 def test_folder_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").write_text("")
-    profiles = Profiles(ProfileFolder(tmp_path / "file" / "profiles"))
+    profiles = Profiles(tmp_path / "file" / "profiles")
     with raises_fault(faults.PROFILE_NOT_STORED, "a.yaml"):
         profiles.save("a", default_parameters())
 

@@ -11,7 +11,6 @@ from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
-from gpr20_operator.files.profile_folder import ProfileFolder
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.job import Service
@@ -184,7 +183,7 @@ def new_window(
             TracePresenter(storage or Storage(), problems.append),
             Imaging(imaging or Requests(), time.monotonic),
             ServiceModel(tools, tools, clock or Clock()),
-            Profiles(ProfileFolder(profiles)),
+            Profiles(profiles),
             PlanMemory(settings_in(profiles), problems.append),
             robots or Robots("/"),
         ),

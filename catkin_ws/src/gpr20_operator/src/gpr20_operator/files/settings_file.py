@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Protocol
+from typing import Any, Callable, Dict, Mapping
 
 import yaml
 
@@ -21,26 +21,23 @@ MAX_BYTES = 65536
 FOLDER_MODE = 0o700
 
 
-class Settings(Protocol):
-    """A file of named values."""
+def write_values(path: Path, values: Mapping[str, Any]) -> None:
+    """Write a YAML file and return when it is on the disk: whole, or as it was before.
 
-    def read(self) -> Dict[str, Any]:
-        """Return the values; none if there is no file yet.
+    Args:
+        path: The file; its folders need not exist.
+        values: Plain values, lists and groups.
 
-        Raises:
-            SettingsError: They cannot be read.
-        """
-
-    def write(self, values: Mapping[str, Any]) -> None:
-        """Replace the values.
-
-        Raises:
-            SettingsError: They cannot be written.
-        """
+    Raises:
+        OSError: The disk refused.
+    """
+    text = yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True)
+    ensure_folders(path.parent, FOLDER_MODE)
+    replace_file(path, text.encode("utf-8"))
 
 
 class SettingsFile:
-    """Reads and writes one group of values. After a power cut it is the old one or the new one.
+    """Reads and writes one group of values.
 
     Args:
         path: The YAML file; it need not exist.
@@ -72,18 +69,13 @@ class SettingsFile:
         return values
 
     def write(self, values: Mapping[str, Any]) -> None:
-        """Replace the values, and return when they are on the disk.
-
-        Args:
-            values: Plain values, lists and groups.
+        """Replace the values, see `write_values`.
 
         Raises:
             SettingsError: They cannot be written; the file is as it was.
         """
-        text = yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True)
         try:
-            ensure_folders(self._path.parent, FOLDER_MODE)
-            replace_file(self._path, text.encode("utf-8"))
+            write_values(self._path, values)
         except OSError as error:
             raise SettingsError(
                 Message(
@@ -105,7 +97,7 @@ class SettingsFile:
 
 
 def settings_writer(
-    settings: Settings, failed: Callable[[Message], None]
+    settings: SettingsFile, failed: Callable[[Message], None]
 ) -> Newest[Mapping[str, Any]]:
     """Return what writes the newest values in a thread of its own.
 

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.settings_file import Settings, settings_writer
+from gpr20_operator.files.settings_file import SettingsFile, settings_writer
 from gpr20_operator.plan.fields import PEOPLE, PLAN
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, Annotation
@@ -94,7 +94,9 @@ class PlanMemory:
         listener: Called with PlanMemoryFailed from another thread.
     """
 
-    def __init__(self, settings: Settings, listener: Callable[[PlanMemoryFailed], None]) -> None:
+    def __init__(
+        self, settings: SettingsFile, listener: Callable[[PlanMemoryFailed], None]
+    ) -> None:
         self._settings = settings
         self._writer = settings_writer(settings, lambda reason: listener(PlanMemoryFailed(reason)))
         self._stored: Optional[RememberedPlan] = None

@@ -24,8 +24,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
-from gpr20_operator.files.profile_folder import ProfileFolder
-from gpr20_operator.files.settings_file import Settings, SettingsFile
+from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.memory import PlanMemory
@@ -103,7 +102,7 @@ class UserInterface:
         model: Union[SurveyModel, ReplayModel],
         languages: Languages,
         profiles: Profiles,
-        plan_settings: Settings,
+        plan_settings: SettingsFile,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
         may_choose_robot: bool = True,
@@ -260,7 +259,7 @@ def _show(
     interface = UserInterface(
         ReplayModel() if replay else SurveyModel(Clock()),
         languages,
-        Profiles(ProfileFolder(_path("~profiles", DEFAULT_PROFILES))),
+        Profiles(_path("~profiles", DEFAULT_PROFILES)),
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),

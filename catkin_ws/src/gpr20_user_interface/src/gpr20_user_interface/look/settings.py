@@ -9,7 +9,7 @@ from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import language_from_code
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.settings_file import Settings, settings_writer
+from gpr20_operator.files.settings_file import SettingsFile, settings_writer
 from gpr20_operator.palette import Theme
 
 DIM_CHOICES_MIN = (0, 2, 5, 10)
@@ -82,7 +82,9 @@ class WindowMemory:
     """
 
     def __init__(
-        self, file: Optional[Settings] = None, failed: Callable[[Message], None] = lambda _: None
+        self,
+        file: Optional[SettingsFile] = None,
+        failed: Callable[[Message], None] = lambda _: None,
     ) -> None:
         self.settings = WindowSettings()
         self._writer = None if file is None else settings_writer(file, failed)
