@@ -7,7 +7,7 @@ from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.events import ControlState, Progress
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay, TerminalBar
+from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay
 
 SURVEYING = ControlState(SurveyState.SURVEYING, verbatim("visiting"), "id", True)
 TOTAL = 200
@@ -43,7 +43,7 @@ def test_plain_last_line_is_not_lost_below_ten_percent():
 def test_bar_carries_everything_within_the_width_of_the_terminal(columns, monkeypatch):
     monkeypatch.setenv("COLUMNS", columns)
     stream = io.StringIO()
-    display = BarDisplay(TerminalBar(stream), ENGLISH)
+    display = BarDisplay(stream, ENGLISH)
     display.note(verbatim("SURVEYING: visiting"))
     display.show(progress(50), SURVEYING)
     display.close()
@@ -58,7 +58,7 @@ def test_bar_carries_everything_within_the_width_of_the_terminal(columns, monkey
 
 def test_bar_that_never_moved_leaves_no_trace_and_one_that_moved_has_the_language():
     stream = io.StringIO()
-    display = BarDisplay(TerminalBar(stream), SPANISH)
+    display = BarDisplay(stream, SPANISH)
     display.close()
     assert stream.getvalue() == ""
     display.show(progress(50), SURVEYING)

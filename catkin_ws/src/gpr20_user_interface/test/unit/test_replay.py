@@ -21,7 +21,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.high import control_client, ros_events
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.terminal.follower import ExitStatus
-from gpr20_user_interface.terminal.replay_follower import ReplayFollower
+from gpr20_user_interface.terminal.session import ReplayFollower
 
 # `rosbag play`, replay.launch, a window, and nodes of other robots.
 OTHERS = (

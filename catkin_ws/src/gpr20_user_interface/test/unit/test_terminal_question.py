@@ -3,7 +3,7 @@ import pty
 
 import pytest
 
-from gpr20_user_interface.terminal import terminal_question
+from gpr20_user_interface.terminal.displays import is_confirmed
 
 pytestmark = pytest.mark.needs("terminals")
 
@@ -21,16 +21,16 @@ def keyboard(monkeypatch):
 def test_only_a_clear_yes_confirms(keyboard, capsys):
     for typed in ("y", "Yes", "s", "sí", "n", "", "x"):
         os.write(keyboard, f"{typed}\n".encode())
-        confirmed = terminal_question.is_confirmed("Continue?", lambda: False)
+        confirmed = is_confirmed("Continue?", lambda: False)
         assert confirmed is (typed not in ("n", "", "x")), typed
         assert capsys.readouterr().out.startswith("Continue? ")
 
 
 def test_a_stop_ends_the_question_with_no(keyboard):
-    assert not terminal_question.is_confirmed("Continue?", lambda: True)
+    assert not is_confirmed("Continue?", lambda: True)
 
 
 def test_an_input_that_ends_is_no(monkeypatch):
     with open(os.devnull) as stream:
         monkeypatch.setattr("sys.stdin", stream)
-        assert not terminal_question.is_confirmed("Continue?", lambda: False)
+        assert not is_confirmed("Continue?", lambda: False)

@@ -25,18 +25,16 @@ from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
 from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
-from gpr20_user_interface.terminal import terminal_question
 from gpr20_user_interface.terminal.displays import (
     BarDisplay,
-    Display,
     PlainDisplay,
-    TerminalBar,
+    is_confirmed,
     terminal_line,
 )
 from gpr20_user_interface.terminal.follower import ExitStatus, Limits, Mode, Outcome, SurveyFollower
-from gpr20_user_interface.terminal.replay_follower import ReplayFollower
 from gpr20_user_interface.terminal.session import (
     Follower,
+    ReplayFollower,
     SurveySession,
     first_step,
     outcome_lines,
@@ -158,7 +156,8 @@ def _run_session(
             options.resume_id, options.accept_analyzer, options.accept_zeros
         ),
     }
-    display = _display(options.bar, catalogue)
+    bar = sys.stdout.isatty() if options.bar is Bar.AUTO else options.bar is Bar.ALWAYS
+    display = BarDisplay(sys.stdout, catalogue) if bar else PlainDisplay(sys.stdout, catalogue)
     session = SurveySession(follower, events, lambda request: requests[request](), display)
     outcome = session.run(first)
     messages = outcome_lines(outcome, follower.survey_id, session.simulated, session.stored)
@@ -170,14 +169,7 @@ def _run_session(
 
 def _accepts(analyzer: str, signals: StopSignals, catalogue: Catalogue) -> bool:
     """Ask whether the survey is continued with another analyzer, if somebody can answer."""
-    if not terminal_question.can_ask():
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
         return False
     question = catalogue.tr("Continue with the VNA {identity}? [y/N]", identity=analyzer)
-    return terminal_question.is_confirmed(question, lambda: signals.received)
-
-
-def _display(bar: Bar, catalogue: Catalogue) -> Display:
-    wanted = sys.stdout.isatty() if bar is Bar.AUTO else bar is Bar.ALWAYS
-    if wanted:
-        return BarDisplay(TerminalBar(sys.stdout), catalogue)
-    return PlainDisplay(sys.stdout, catalogue)
+    return is_confirmed(question, lambda: signals.received)

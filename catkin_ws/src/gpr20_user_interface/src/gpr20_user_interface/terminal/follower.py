@@ -19,7 +19,11 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
-from gpr20_user_interface.terminal import follower_messages
+
+REPLAY = Message(
+    "A replay of a recorded survey is running here, and no robot. Only --attach can follow it. To "
+    "use a robot, end the replay and start the robot."
+).with_fault(faults.REPLAY_RUNS)
 
 
 class ExitStatus(enum.IntEnum):
@@ -173,10 +177,9 @@ class SurveyFollower:
             self._received_s = now_s
         self._ticked_s = now_s
         if self._phase is _Phase.WAITING and now_s - self._began_s > self._limits.wait_s:
-            reason = follower_messages.not_there(self._limits.wait_s)
-            self._end(ExitStatus.REFUSED, follower_messages.REPLAY if self._ignored else reason)
+            self._end(ExitStatus.REFUSED, REPLAY if self._ignored else self._not_there())
         elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._silence_limit_s:
-            self._end(ExitStatus.FAILED, follower_messages.lost(self._silence_limit_s))
+            self._end(ExitStatus.FAILED, self._lost())
         elif self._stop_wanted_s is not None:
             return self._tick_stop(now_s, now_s - self._stop_wanted_s)
         elif self._phase is _Phase.FOLLOWING and not self._seen:
@@ -202,8 +205,7 @@ class SurveyFollower:
     def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
         # A survey that is not stopped continues when the link is back.
         if waited_s > self._limits.stop_s and not self._link_down:
-            message = follower_messages.stop_not_confirmed(self._limits.stop_s, self._stop_refusal)
-            self._end(ExitStatus.FAILED, message)
+            self._end(ExitStatus.FAILED, self._stop_not_confirmed())
         elif self._stop_due_s is not None and now_s >= self._stop_due_s:
             return self._ask_stop()
         return []
@@ -278,7 +280,7 @@ class SurveyFollower:
         if state.survey_id != self.survey_id:
             # Before the first status of our survey, this one is from before it began.
             if self._seen:
-                self._end(ExitStatus.FAILED, follower_messages.replaced(self.survey_id, state))
+                self._end(ExitStatus.FAILED, self._replaced(state))
             return
         self._seen = True
         if state.code in ENDED:
@@ -312,3 +314,44 @@ class SurveyFollower:
     def _end(self, status: ExitStatus, message: Message) -> None:
         self._phase = _Phase.ENDED
         self.outcome = Outcome(status, message)
+
+    def _not_there(self) -> Message:
+        return Message(
+            "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
+            "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
+            limit_s=self._limits.wait_s,
+        ).with_fault(faults.NO_CONTROL)
+
+    def _lost(self) -> Message:
+        return Message(
+            "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
+            "that the main control is running, then follow the survey again with `rosrun "
+            "gpr20_user_interface run_survey --attach`.",
+            limit_s=self._silence_limit_s,
+        ).with_fault(faults.CONTROL_LOST)
+
+    def _stop_not_confirmed(self) -> Message:
+        limit_s, refusal = self._limits.stop_s, self._stop_refusal
+        if refusal is None:
+            return Message(
+                "The main control did not confirm within {limit_s:g} s that the survey has "
+                "stopped. The robot may still move: switch it off if people are near it.",
+                limit_s=limit_s,
+            ).with_fault(faults.STOP_UNCONFIRMED)
+        return Message(
+            "The main control did not confirm within {limit_s:g} s that the survey has stopped; "
+            "its last answer to the stop request: {answer}. The robot may still move: switch it "
+            "off if people are near it.",
+            limit_s=limit_s,
+            answer=refusal,
+        ).with_fault(faults.STOP_UNCONFIRMED)
+
+    def _replaced(self, state: ControlState) -> Message:
+        return Message(
+            "The main control no longer knows survey {survey}; it may have been restarted. The "
+            "traces measured so far are in the survey's folder. The main control is {state}: "
+            "{message}",
+            survey=self.survey_id,
+            state=state.code.label,
+            message=state.message,
+        ).with_fault(faults.CONTROL_RESTARTED)

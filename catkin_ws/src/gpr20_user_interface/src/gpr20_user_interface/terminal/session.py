@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import shlex
-from typing import Callable, List, Optional, Protocol, Sequence
+from typing import Callable, List, Optional, Sequence, Union
 
 from gpr20_common import remedies
 from gpr20_common.message import Message
@@ -17,10 +17,12 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
+from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.words import duration
 from gpr20_survey.faults import OTHER_ZEROS
-from gpr20_user_interface.terminal.displays import Display
-from gpr20_user_interface.terminal.follower import ExitStatus, Outcome
+from gpr20_survey.plan.survey_state import ENDED
+from gpr20_user_interface.terminal.displays import PlainDisplay
+from gpr20_user_interface.terminal.follower import ExitStatus, Outcome, SurveyFollower
 
 TICK_S = 0.2
 # Messages, or ticks, by which the progress of a finished survey may lag behind its end.
@@ -48,24 +50,53 @@ _RESUME_HINT = Message(
 )
 
 
-class Follower(Protocol):
-    """Takes events and the passing of time, gives requests and in the end an outcome."""
+class ReplayFollower:
+    """Takes events and gives in the end an outcome.
 
-    outcome: Optional[Outcome]
-    """How it ended; None while it has not."""
+    Attributes:
+        outcome: How it ended; None while it has not.
+    """
+
+    def __init__(self) -> None:
+        self.outcome: Optional[Outcome] = None
+        self._model = ReplayModel()
 
     @property
     def survey_id(self) -> str:
-        """The survey that is followed; empty while it is not known."""
+        """The recorded survey; empty while it is not known."""
+        return self._model.survey_id
 
     def concerns(self, event: object) -> bool:
         """Return whether an event is to be shown."""
+        return not isinstance(event, StopRequested)
 
     def handle(self, event: object) -> List[Request]:
-        """Take an event; return the requests to send to the main control now."""
+        """Take an event; there is never a request to send."""
+        self._model.handle(event)
+        shown = self._model.snapshot()
+        if isinstance(event, StopRequested):
+            message = Message("The replay is no longer followed.")
+            self.outcome = Outcome(ExitStatus.STOPPED, message)
+        elif shown.replay is not None and shown.replay.ended:
+            self.outcome = Outcome(ExitStatus.REPLAY, _end(shown.state))
+        return []
 
     def tick(self) -> List[Request]:
-        """Check the time limits; return the requests to send to the main control now."""
+        """Nothing is due: a replay may pause for any time."""
+        return []
+
+
+def _end(state: Optional[ControlState]) -> Message:
+    if state is None or state.code not in ENDED:
+        return Message("The recording does not contain the survey's end.")
+    return Message(
+        "The recorded survey ended {state}: {message}",
+        state=state.code.label,
+        message=state.message,
+    )
+
+
+Follower = Union[SurveyFollower, ReplayFollower]
 
 
 class SurveySession:
@@ -87,7 +118,7 @@ class SurveySession:
         follower: Follower,
         events: queue.SimpleQueue,
         send: Callable[[Request], None],
-        display: Display,
+        display: PlainDisplay,
     ) -> None:
         self._follower = follower
         self._events = events

@@ -17,7 +17,7 @@ from gpr20_operator.plan.spec import FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.terminal.follower import Mode, OnPause
+from gpr20_user_interface.terminal.follower import Limits, Mode, OnPause
 
 DESCRIPTION = Message(
     "Run a survey without a window: set its parameters, start it and follow it to its end.\n"
@@ -33,8 +33,6 @@ EXIT_STATUS = Message(
     "    5  it was a replay: nothing was measured\n"
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
 )
-
-DEFAULT_WAIT_S = 15.0
 
 
 class Bar(enum.Enum):
@@ -234,10 +232,10 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
     group.add_argument(
         "--wait",
         type=_reader(_seconds, catalogue),
-        default=DEFAULT_WAIT_S,
+        default=Limits.wait_s,
         metavar="S",
         help=tr(
-            "seconds to wait for the main control (default {default:g})", default=DEFAULT_WAIT_S
+            "seconds to wait for the main control (default {default:g})", default=Limits.wait_s
         ),
     )
     group.add_argument(
