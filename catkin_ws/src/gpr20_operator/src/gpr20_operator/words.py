@@ -1,10 +1,11 @@
-"""Times as people say them: never with seconds, which change too fast to be read."""
+"""Numbers as people write them; times as they say them, without seconds, which flicker."""
 
 from __future__ import annotations
 
 import math
 import re
 from decimal import Decimal
+from typing import Iterable, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -12,6 +13,10 @@ from gpr20_common.message import Message
 # Not Decimal() or float() alone: they accept digits of other scripts, underscores and words.
 _NUMBER = re.compile(r"[-+]?([0-9]{1,20}([.,][0-9]{0,20})?|[.,][0-9]{1,20})([eE][-+]?[0-9]{1,3})?")
 SHOWN_CHARACTERS = 64
+HERTZ_PER_MEGAHERTZ = 1.0e6
+MEGAHERTZ_EXPONENT = 6
+# Of a whole number; far more than any parameter needs.
+MAX_DIGITS = 18
 
 
 def decimal_from_text(text: str) -> Decimal:
@@ -46,8 +51,81 @@ def plain_text(value: Decimal) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-MINUTES_PER_HOUR = 60
-HOURS_PER_DAY = 24
+def hertz_from_megahertz(text: str) -> float:
+    """Return the frequency [Hz] nearest to a decimal number of megahertz.
+
+    A product of floats would be off by a fraction of a hertz for many inputs.
+
+    Raises:
+        InvalidValueError: The text is not a number.
+    """
+    try:
+        return float(decimal_from_text(text).scaleb(MEGAHERTZ_EXPONENT))
+    except InvalidValueError:
+        raise InvalidValueError(
+            Message("'{text}' is not a number of MHz, such as 600 or 5999.5", text=text)
+        ) from None
+
+
+def megahertz_text(frequency_hz: float) -> str:
+    """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
+    return plain_text(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
+
+
+def rotations_from_text(text: str) -> Tuple[float, ...]:
+    """Return the rotations [deg] of a list, such as "0, 90".
+
+    With semicolons between the rotations, as in "1,8; 90", a comma is a decimal comma.
+
+    Raises:
+        InvalidValueError: A part of the list is not a number.
+    """
+    separator = ";" if ";" in text else ","
+    try:
+        return tuple(number_from_text(part) for part in text.split(separator))
+    except InvalidValueError:
+        raise InvalidValueError(
+            Message("'{text}' is not a list of rotations in degrees, such as 0,90", text=text)
+        ) from None
+
+
+def rotations_text(rotations_deg: Iterable[float]) -> str:
+    """Return rotations [deg] as a list with commas."""
+    return ", ".join(f"{rotation_deg:.12g}" for rotation_deg in rotations_deg)
+
+
+def whole_from_text(text: str) -> int:
+    """Return a whole number of 0 or more.
+
+    Raises:
+        InvalidValueError: The text is none.
+    """
+    digits = text.strip()
+    # Not int() alone: it accepts digits of other scripts, underscores and signs, and refuses
+    # thousands of digits and some of the blanks that strip() removes.
+    if not (digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS):
+        raise InvalidValueError(
+            Message("'{text}' is not a whole number of 0 or more", text=text[:SHOWN_CHARACTERS])
+        )
+    return int(digits)
+
+
+def number_text(value: float) -> str:
+    """Return a number with up to twelve digits."""
+    return f"{value:.12g}"
+
+
+def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
+    """Return the text of a number after an arrow, changed within its bounds.
+
+    A text that is no finite number is replaced by the lower bound.
+    """
+    lower, upper = (Decimal(repr(bound)) for bound in bounds)
+    try:
+        changed = decimal_from_text(text) + change
+    except (InvalidValueError, ArithmeticError):  # no number, or one beyond all numbers
+        return plain_text(lower)
+    return plain_text(min(max(changed, lower), upper))
 
 
 def duration(time_s: float) -> Message:
@@ -58,12 +136,12 @@ def duration(time_s: float) -> Message:
     if time_s < 60.0:
         return Message("less than 1 min")
     minutes = math.ceil(time_s / 60.0)
-    if minutes < MINUTES_PER_HOUR:
+    if minutes < 60:
         return Message("{minutes} min", minutes=minutes)
-    hours, minutes = divmod(minutes, MINUTES_PER_HOUR)
-    if hours < HOURS_PER_DAY:
+    hours, minutes = divmod(minutes, 60)
+    if hours < 24:
         return Message("{hours} h {minutes} min", hours=hours, minutes=minutes)
-    days, hours = divmod(math.ceil(hours + minutes / MINUTES_PER_HOUR), HOURS_PER_DAY)
+    days, hours = divmod(math.ceil(hours + minutes / 60), 24)
     return Message("{days} d {hours} h", days=days, hours=hours)
 
 

@@ -20,8 +20,9 @@ from gpr20_operator.ground.trace_events import (
     AnnotationStored,
 )
 from gpr20_operator.plan.spec import Keys, Tile
-from gpr20_operator.robot.events import AnnotationDefaults, Answer, Request
+from gpr20_operator.robot.events import Answer, Request, RobotDefaults
 from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -95,8 +96,13 @@ def test_closing_without_saving_changes_nothing(window, sheet):
 
 def test_the_defaults_of_the_robot_fill_what_is_empty(window):
     window.control.next_annotation.value = Annotation(site="here")
-    window.on_event(AnnotationDefaults(Annotation("Ana", "elsewhere")))
+    defaults = RobotDefaults("127.0.0.1", Site(site="elsewhere", operator="Ana"))
+    show(window, snapshot(SurveyState.IDLE, defaults=defaults))
     assert window.control.next_annotation.value == Annotation("Ana", "here")
+    # Once: an operator may empty a field.
+    window.control.next_annotation.value = EMPTY
+    show(window, snapshot(SurveyState.IDLE, defaults=defaults))
+    assert window.control.next_annotation.value == EMPTY
 
 
 def test_a_wrong_position_cannot_be_accepted_and_says_why(window, sheet):

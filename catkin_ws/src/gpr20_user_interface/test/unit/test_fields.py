@@ -20,8 +20,8 @@ from gpr20_operator.plan.fields import (
 from gpr20_operator.plan.form import PlanForm, check_plan
 from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.spec import MAX_GRID_POINTS, Keys, Tile
-from gpr20_operator.plan.texts import stepped
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_operator.words import stepped
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

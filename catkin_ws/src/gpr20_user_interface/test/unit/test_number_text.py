@@ -8,8 +8,13 @@ from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_operator.plan.texts import hertz_from_megahertz, rotations_from_text
-from gpr20_operator.words import decimal_from_text, number_from_text, plain_text
+from gpr20_operator.words import (
+    decimal_from_text,
+    hertz_from_megahertz,
+    number_from_text,
+    plain_text,
+    rotations_from_text,
+)
 
 
 def test_point_and_comma_are_the_same():

@@ -11,7 +11,6 @@ from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
     AxisMeasured,
-    ControlParameters,
     ControlState,
     CurrentPosition,
     MeasuredHeight,
@@ -99,7 +98,7 @@ def test_start_is_not_locked_for_ever_by_a_survey_that_never_showed(model, clock
 
 def test_parameters_are_those_of_the_survey_that_runs(model):
     parameters = default_parameters()
-    model.handle(ControlParameters(parameters))
+    model.handle(parameters)
     model.handle(state(SurveyState.CONFIGURED))
     assert model.snapshot().survey_parameters is None
     model.handle(state(SurveyState.SURVEYING))

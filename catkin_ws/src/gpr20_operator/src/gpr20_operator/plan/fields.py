@@ -8,16 +8,16 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.plan import presets
 from gpr20_operator.plan.spec import MAX_GRID_POINTS, FieldSpec, Keys, Kind, Limits, Tile
-from gpr20_operator.plan.texts import (
+from gpr20_operator.words import (
     HERTZ_PER_MEGAHERTZ,
     hertz_from_megahertz,
     megahertz_text,
+    number_from_text,
     number_text,
     rotations_from_text,
     rotations_text,
     whole_from_text,
 )
-from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import (
     MAX_NAME_CHARACTERS,
     MAX_NOTES_CHARACTERS,
@@ -212,10 +212,6 @@ PLAN: Specs = (
         presets=presets.soils,
     ),
 )
-
-
-def _annotation(values: Mapping[str, Any]) -> Annotation:
-    return Annotation(**values)
 
 
 def _people(name: str, title: Message, most: int = MAX_NAME_CHARACTERS, **more: Any) -> FieldSpec:

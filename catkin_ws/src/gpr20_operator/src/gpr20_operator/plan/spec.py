@@ -8,7 +8,7 @@ from typing import Any, Callable, FrozenSet, List, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.plan.presets import Preset, PresetContext
-from gpr20_operator.plan.texts import stepped
+from gpr20_operator.words import stepped
 from gpr20_survey.plan.survey_parameters import RobotTravel, Rule
 
 # The arrows stop here; the checks limit the size of the whole survey.

@@ -13,10 +13,15 @@ from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
 from gpr20_operator.plan.form import PlanCheck, problem_of
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.spec import TILE_TITLES, Tile
-from gpr20_operator.plan.texts import number_text
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.words import decimal_from_text, duration, number_from_text, plain_text
+from gpr20_operator.words import (
+    decimal_from_text,
+    duration,
+    number_from_text,
+    number_text,
+    plain_text,
+)
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.radar.soils import soil_of

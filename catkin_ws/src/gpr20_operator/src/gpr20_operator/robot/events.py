@@ -9,7 +9,6 @@ from typing import Mapping, Optional
 from gpr20_common.message import Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.site import Site
@@ -17,7 +16,6 @@ from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
     RobotTravel,
-    SurveyParameters,
     Travel,
 )
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -190,13 +188,6 @@ class AxisLimits:
 
 
 @dataclass(frozen=True)
-class ControlParameters:
-    """The parameters of the survey that runs, or of the next one."""
-
-    parameters: SurveyParameters
-
-
-@dataclass(frozen=True)
 class ServiceActivity:
     """One message of `service_status`: what is done for maintenance; None: nothing."""
 
@@ -249,13 +240,6 @@ class Accepted:
 
     total_points: int
     estimated_s: float
-
-
-@dataclass(frozen=True)
-class AnnotationDefaults:
-    """Operator, site and position of surveys that are started without."""
-
-    annotation: Annotation
 
 
 @dataclass(frozen=True)

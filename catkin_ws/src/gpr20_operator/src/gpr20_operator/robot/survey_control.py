@@ -26,13 +26,7 @@ class SurveyControl(Protocol):
     def start_survey(
         self, parameters: SurveyParameters, annotation: Annotation, refines: str
     ) -> None:
-        """Ask to accept the parameters and to start.
-
-        Args:
-            parameters: What to measure.
-            annotation: What people add to the survey.
-            refines: Id of the survey that this one measures more finely; empty: none.
-        """
+        """Ask to accept the parameters and to start; `refines`: id of a coarser survey."""
 
     def stop(self) -> None:
         """Ask whatever moves to stop, whoever moves it."""
@@ -43,13 +37,7 @@ class SurveyControl(Protocol):
     def resume_survey(
         self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
     ) -> None:
-        """Ask to resume the paused survey, or one by its id or the name of its folder.
-
-        Args:
-            survey_id: Id or folder; empty: the paused survey.
-            accept_analyzer: Identity of another analyzer that the operator accepts.
-            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
-        """
+        """Ask to resume the paused survey, or one by its id or the name of its folder."""
 
     def check_master(self) -> None:
         """Check that the master answers; the answer is an event with the limits of the axes."""

@@ -15,7 +15,6 @@ from gpr20_operator.robot.events import (
     AxisLimits,
     AxisMeasured,
     AxisReport,
-    ControlParameters,
     ControlState,
     CurrentPosition,
     MeasuredHeight,
@@ -191,8 +190,8 @@ class SurveyModel:
         self._limits = event if event.master_alive else replace(self._limits, master_alive=False)
 
     @handle.register
-    def _(self, event: ControlParameters) -> None:
-        self._parameters = event.parameters
+    def _(self, event: SurveyParameters) -> None:
+        self._parameters = event
 
     @handle.register
     def _(self, event: ServiceActivity) -> None:

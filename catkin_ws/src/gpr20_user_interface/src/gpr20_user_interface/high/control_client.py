@@ -31,7 +31,6 @@ from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurv
 from gpr20_operator import faults
 from gpr20_operator.robot.events import (
     Accepted,
-    AnnotationDefaults,
     Answer,
     AxisLimits,
     AxisMeasured,
@@ -187,10 +186,8 @@ class ControlClient(RosEvents):
             self._checking_master.release()
 
     def _on_robot(self, message: RobotConfiguration) -> None:
-        limits = self._limits = axis_limits(message)
-        self._emit(limits)
-        if limits.defaults is not None and not self._senders.replay:
-            self._emit(AnnotationDefaults(limits.defaults.site.annotation))
+        self._limits = axis_limits(message)
+        self._emit(self._limits)
 
     def _ask_start(self, parameters: SurveyParameters, annotation: Annotation, refines: str) -> Any:
         message = conversions.parameters_message(parameters)

@@ -12,7 +12,7 @@ from gpr20_msgs.msg import ControlStatus, Replay, SurveyCoverage, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
-from gpr20_operator.robot.events import ControlParameters, ControlState, Progress
+from gpr20_operator.robot.events import ControlState, Progress
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
@@ -42,11 +42,11 @@ def annotation_message(annotation: Annotation) -> AnnotationMessage:
     return AnnotationMessage(**annotation.fields())
 
 
-def parameters(message: SurveyParametersMessage) -> ControlParameters:
+def parameters(message: SurveyParametersMessage) -> SurveyParameters:
     """Convert `survey_parameters`."""
     values = {name: getattr(message, name) for name in message.__slots__}
     values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
-    return ControlParameters(SurveyParameters(**values))
+    return SurveyParameters(**values)
 
 
 def control_state(message: ControlStatus) -> ControlState:

@@ -27,7 +27,7 @@ from gpr20_operator.plan.tiles import (
     tile_lines,
     tile_problem,
 )
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, AnnotationDefaults, Answer, Request
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
@@ -132,11 +132,6 @@ class PlanPage(TranslatedWidget, Page):
         self.annotation.on_event(event)
 
     @on_event.register
-    def _(self, event: AnnotationDefaults) -> None:
-        self.next_annotation.take_defaults(event.annotation)
-        self._show_tiles()
-
-    @on_event.register
     def _(self, event: Answer) -> None:
         if event.request is Request.START and event.success:
             self.values.last_area = self._asked_area
@@ -150,9 +145,12 @@ class PlanPage(TranslatedWidget, Page):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         before, self._snapshot = self._snapshot, snapshot
-        changed = self.form.propose_address(
-            snapshot.defaults.vna_address if snapshot.defaults else ""
-        )
+        changed, defaults = False, snapshot.defaults
+        if defaults is not None and (before is None or defaults != before.defaults):
+            changed = self.form.propose_address(defaults.vna_address)
+            if snapshot.replay is None:
+                self.next_annotation.take_defaults(defaults.site.annotation)
+                changed = True
         travel = snapshot.travel or DOCUMENTED_TRAVEL
         if travel != self.form.travel:
             self.form.travel, changed = travel, True
