@@ -38,7 +38,7 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
 def new_interface(model: Union[SurveyModel, ReplayModel], languages: Languages) -> UserInterface:
     """Return a window that is connected to the graph; it remembers nothing of another one."""
     folder = Path(tempfile.gettempdir()) / "gpr20_no_profiles"
-    return UserInterface(model, languages, Profiles(folder)), NoSettings()
+    return UserInterface(model, languages, Profiles(folder), NoSettings())
 
 
 class NoSettings:
