@@ -18,6 +18,7 @@ from waiting import LIMIT_S
 from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
+from gpr20_doctor.mid.node_health import HealthLevel
 from gpr20_operator.plan.spec import Tile
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
@@ -35,7 +36,8 @@ class WindowOnRobot(WindowCase):
 
     def knows_the_robot(self) -> bool:
         snapshot = self.window.survey.snapshot
-        known = snapshot.figures is not None and snapshot.health.free_disk_mb is not None
+        storage = snapshot.health.node("vna_processing")
+        known = snapshot.figures is not None and storage.level is not HealthLevel.STALE
         return known and "start" in self.enabled()
 
     def visited(self) -> int:
@@ -80,8 +82,9 @@ class WindowOnRobot(WindowCase):
         held = self.visited()
         self.assertLess(held, 18)
         self.window.show_tab(TabName.ROBOT)
-        health = self.window.survey
-        wait_until(lambda: health.snapshot.health.calibration != "", "calibration is known")
+        survey = self.window.survey
+        analyzer = lambda: survey.snapshot.health.node("vna_acquisition")  # noqa: E731
+        wait_until(lambda: analyzer().reported.calibration != "", "calibration is known")
         self.keep_picture("robot_status")
         self.click("resume")
         wait_until(lambda: self.visited() > held, "completion moves again")

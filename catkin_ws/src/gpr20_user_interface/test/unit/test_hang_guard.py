@@ -7,7 +7,7 @@ from case_kit import each_case
 
 PROGRAM = """
 import threading, time
-from gpr20_user_interface.low.hang_guard import HangGuard
+from gpr20_user_interface.low.process import HangGuard
 
 def hang_here():
     {hang}

@@ -266,16 +266,3 @@ def test_other_sensors_have_tiles_below_the_nodes(service, clock):
     assert service.minimumSizeHint().height() <= 480
     clock.advance(5.0)
     assert tracker.report().node("sensors/soil").level is HealthLevel.STALE
-
-
-def test_disk_and_calibration_are_known_only_while_they_are_reported():
-    report = HealthReport(
-        (
-            NodeHealth("vna_acquisition", HealthLevel.OK, verbatim("x"), {"calibration": "HIGH"}),
-            NodeHealth("vna_processing", HealthLevel.OK, verbatim("x"), {"free disk [MB]": "12.5"}),
-        )
-    )
-    assert (report.free_disk_mb, report.calibration) == (12.5, "HIGH")
-    silent = tuple(replace(one, level=HealthLevel.STALE) for one in report.nodes)
-    for unknown in (HealthReport(), HealthReport(silent)):
-        assert (unknown.free_disk_mb, unknown.calibration) == (None, "")

@@ -14,7 +14,7 @@ from gpr20_operator.robot.events import ControlState, Request
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound, robots_on_master
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.low.next_window import NAMESPACE, command, with_namespace
+from gpr20_user_interface.low.process import NAMESPACE, command, with_namespace
 
 MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)
 

@@ -8,7 +8,7 @@ from queue import SimpleQueue
 import pytest
 
 from gpr20_operator.robot.events import StopRequested
-from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 
 pytestmark = pytest.mark.real_time
 

@@ -158,12 +158,10 @@ class RobotDefaults:
     Attributes:
         vna_address: Address of the analyzer.
         site: The robot, its place and its operator.
-        data: Folder of the surveys, on the computer of the storage; empty if it is not known.
     """
 
     vna_address: str
     site: Site
-    data: str = ""
 
 
 @dataclass(frozen=True)

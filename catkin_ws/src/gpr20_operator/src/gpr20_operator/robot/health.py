@@ -24,8 +24,6 @@ from gpr20_operator import faults
 STALE_S = 4.0
 # Listed once it has reported.
 SIMULATOR = "simulator"
-ANALYZER = "vna_acquisition"
-STORAGE = "vna_processing"
 # Not what a survey needs: the state says how the main control is, and images can wait.
 NOT_NEEDED = (MAIN_CONTROL, IMAGING)
 
@@ -71,22 +69,6 @@ class HealthReport:
         if len(found) > 1:
             return in_a_row(found)
         return found[0] if found else None
-
-    @property
-    def free_disk_mb(self) -> Optional[float]:
-        """Space for recordings [MB]; None if it is not known now."""
-        storage = self._reporting(STORAGE)
-        return None if storage is None else storage.reported.free_disk_mb
-
-    @property
-    def calibration(self) -> str:
-        """Calibration of the VNA when it was last read; empty if that is not known now."""
-        analyzer = self._reporting(ANALYZER)
-        return "" if analyzer is None else analyzer.reported.calibration
-
-    def _reporting(self, name: str) -> Optional[NodeHealth]:
-        node = self.node(name)
-        return None if node is None or node.level is HealthLevel.STALE else node
 
 
 class HealthTracker:

@@ -18,7 +18,7 @@ from gpr20_survey.plan.robot_description import ANALYZER, NodeDescription, robot
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
 
-CONTROL, STORAGE = "main_control", "vna_processing"
+CONTROL = "main_control"
 UNKNOWN = Message("the limits of the axes are not known").with_fault(faults.LIMITS_UNKNOWN)
 
 
@@ -41,8 +41,7 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
 def _defaults(nodes: Mapping[str, NodeDescription], site_json: str) -> RobotDefaults:
     site = _record(Site, json.loads(site_json))
     address = nodes[ANALYZER].configuration.get("address", "")
-    data = nodes[STORAGE].configuration.get("data", "") if STORAGE in nodes else ""
-    return RobotDefaults(str(address), site, str(data))
+    return RobotDefaults(str(address), site)
 
 
 def _record(record_class: Any, values: Any) -> Any:

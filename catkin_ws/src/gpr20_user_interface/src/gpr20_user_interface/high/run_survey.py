@@ -24,7 +24,7 @@ from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.link_watch import LinkWatch
 from gpr20_user_interface.high.master import join_graph
-from gpr20_user_interface.low.stop_signals import SecondStopSignal, StopSignals, leave_now
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.displays import (
     BarDisplay,
     PlainDisplay,

@@ -50,10 +50,8 @@ from gpr20_user_interface.high.robots_client import RobotsClient
 from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.low.hang_guard import HangGuard
-from gpr20_user_interface.low.next_window import open_in
+from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in
 from gpr20_user_interface.low.screen_saver import ScreenSaver
-from gpr20_user_interface.low.stop_signals import StopSignals, leave_now
 from gpr20_user_interface.window.main_window import MainWindow
 from gpr20_user_interface.window.placement import ScreenPlacement
 from gpr20_user_interface.window.presenters import Presenters

@@ -1,0 +1,120 @@
+"""This process: signals that ask it to stop, its end when it hangs, another window in its place."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import signal
+import sys
+from types import FrameType
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence
+
+NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
+# Far longer than anything that the window does between two events [s].
+HANG_LIMIT_S = 30.0
+# roslaunch gives a name; in another namespace it could be that of a window that is open there.
+OWN_NAMES = ("__ns:=", "__name:=")
+NAMESPACE = "ROS_NAMESPACE"
+
+
+class SecondStopSignal(BaseException):
+    """A second signal: leave at once.
+
+    Not an Exception, so that no handler of failures catches it.
+    """
+
+
+def _raise_second() -> None:
+    raise SecondStopSignal
+
+
+class StopSignals:
+    """While entered, the first signal calls one callable, each further one another.
+
+    Both are called in the main thread between any two steps of the program: they may set a
+    flag, use `queue.SimpleQueue.put` or raise, but not wait for a lock.
+
+    Args:
+        on_first: Called with the name of the first signal.
+        on_next: Called at each further one; by default raises SecondStopSignal.
+    """
+
+    def __init__(
+        self, on_first: Callable[[str], None], on_next: Callable[[], None] = _raise_second
+    ) -> None:
+        self._on_first = on_first
+        self._on_next = on_next
+        self._count = 0
+        self._former: Dict[int, Any] = {}
+
+    @property
+    def received(self) -> bool:
+        """Whether there was a signal."""
+        return self._count > 0
+
+    def __enter__(self) -> StopSignals:
+        for number in NAMES:
+            self._former[number] = signal.signal(number, self._receive)
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        for number, handler in self._former.items():
+            signal.signal(number, handler)
+
+    def _receive(self, number: int, _frame: Optional[FrameType]) -> None:
+        self._count += 1
+        if self._count == 1:
+            self._on_first(NAMES[signal.Signals(number)])
+        else:
+            self._on_next()
+
+
+def leave_now(status: int) -> NoReturn:
+    """End the process without the exit handlers of libraries, which may wait for the network."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
+
+
+class HangGuard:
+    """Ends this process with a traceback of every thread unless `beat` is called again and again.
+
+    The time is measured outside Python: it also ends a process whose interpreter hangs.
+    """
+
+    def __init__(self, limit_s: float = HANG_LIMIT_S) -> None:
+        self._limit_s = limit_s
+
+    def beat(self) -> None:
+        """Say that the window still handles its events."""
+        faulthandler.dump_traceback_later(self._limit_s, exit=True)
+
+    def end(self) -> None:
+        """Expect no further beat."""
+        faulthandler.cancel_dump_traceback_later()
+
+
+def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]) -> NoReturn:
+    """Run this program for another robot in this process, with the same options.
+
+    The process stays the one that roslaunch started: it ends with its launch.
+
+    Args:
+        namespace: Namespace of the robot.
+        words: Program and options of this process, as in `sys.argv`.
+        environment: Environment of this process.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execve(sys.executable, command(namespace, words), with_namespace(namespace, environment))
+
+
+def command(namespace: str, words: Sequence[str]) -> List[str]:
+    """Return the command of the window of another robot."""
+    kept = [word for word in words if not word.startswith(OWN_NAMES)]
+    return [sys.executable, *kept, f"__ns:={namespace}"]
+
+
+def with_namespace(namespace: str, environment: Mapping[str, str]) -> Dict[str, str]:
+    """Return the environment of the window of another robot."""
+    return {**environment, NAMESPACE: namespace}
