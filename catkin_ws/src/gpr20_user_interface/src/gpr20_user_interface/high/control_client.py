@@ -47,7 +47,6 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.master import MasterWatch
 from gpr20_user_interface.high.robot_stop import RobotStop
-from gpr20_user_interface.high.robot_travel import axis_limits
 from gpr20_user_interface.high.ros_events import (
     CONTROL_SILENT,
     RosEvents,
@@ -186,7 +185,7 @@ class ControlClient(RosEvents):
             self._checking_master.release()
 
     def _on_robot(self, message: RobotConfiguration) -> None:
-        self._limits = axis_limits(message)
+        self._limits = conversions.axis_limits(message)
         self._emit(self._limits)
 
     def _ask_start(self, parameters: SurveyParameters, annotation: Annotation, refines: str) -> Any:

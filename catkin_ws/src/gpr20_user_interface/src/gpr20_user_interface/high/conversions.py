@@ -3,22 +3,38 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Dict, Sequence
+import json
+from typing import Any, Dict, Mapping, Sequence
 
+from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
 from gpr20_common.sent_message import message_from, received_message
+from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import Annotation as AnnotationMessage
-from gpr20_msgs.msg import ControlStatus, Replay, SurveyCoverage, SurveyData
+from gpr20_msgs.msg import ControlStatus, Replay, RobotConfiguration, SurveyCoverage, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_operator import faults
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
-from gpr20_operator.robot.events import ControlState, Progress
+from gpr20_operator.robot.events import (
+    AxisLimits,
+    ControlState,
+    Progress,
+    RobotDefaults,
+    RobotFigures,
+)
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.robot_description import ANALYZER, robot_config
+from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
+from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import summary_from
 from gpr20_survey.trace.trace_block import block_from
+
+LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(faults.LIMITS_UNKNOWN)
 
 
 def replay_mark(message: Replay) -> ReplayMark:
@@ -68,15 +84,14 @@ def progress(message: SurveyData) -> Progress:
 
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     """Convert `survey_coverage`."""
+    verdict = received_message(message.verdict, message.verdict_json)
     return CoverageRuns(
         survey_id=message.survey_id,
         planned=message.planned,
         starts=tuple(message.run_starts),
         states=tuple(bytearray(message.run_states)),
         failures=_reasons(message.failures, message.failures_json),
-        verdict=received_message(message.verdict, message.verdict_json)
-        if message.verdict
-        else None,
+        verdict=verdict if message.verdict else None,
     )
 
 
@@ -105,3 +120,28 @@ def _reasons(texts: Sequence[str], messages_json: Sequence[str]) -> Dict[int, Me
             message_json = messages_json[number] if number < len(messages_json) else ""
             found[int(index)] = received_message(text, message_json)
     return found
+
+
+def axis_limits(message: RobotConfiguration) -> AxisLimits:
+    """Return the limits of the three axes and the figures of the robot, or why they are unknown."""
+    nodes = descriptions(message)
+    if not message.known:
+        return AxisLimits(None, message_from(message), nodes=nodes)
+    try:
+        config = robot_config(nodes)
+        settings = _record(SurveySettings, nodes["main_control"].configuration)
+        site = _record(Site, json.loads(message.site_json))
+        address = str(nodes[ANALYZER].configuration.get("address", ""))
+    except (Gpr20Error, ValueError, KeyError, TypeError) as error:
+        return AxisLimits(None, LIMITS_UNKNOWN.with_details(error))
+    figures, defaults = RobotFigures(config, settings), RobotDefaults(address, site)
+    return AxisLimits(config.travel, figures=figures, defaults=defaults, nodes=nodes)
+
+
+def _record(record_class: Any, values: Any) -> Any:
+    # Another version of the node may have fields that this one does not know.
+    if not isinstance(values, Mapping):
+        raise InvalidValueError(LIMITS_UNKNOWN)
+    names = {field.name for field in dataclasses.fields(record_class)}
+    known = {name: value for name, value in values.items() if name in names}
+    return record_from(record_class, known, record_class.__name__)

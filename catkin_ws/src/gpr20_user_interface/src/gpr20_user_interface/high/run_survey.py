@@ -22,8 +22,7 @@ from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, ControlState, Request
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.high.control_client import ControlClient
-from gpr20_user_interface.high.link_watch import LinkWatch
-from gpr20_user_interface.high.master import join_graph
+from gpr20_user_interface.high.master import LinkWatch, join_graph
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.displays import (
     BarDisplay,
