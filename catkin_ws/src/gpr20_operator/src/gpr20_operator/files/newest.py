@@ -9,11 +9,7 @@ Value = TypeVar("Value")
 
 
 class Newest(Generic[Value]):
-    """Calls a function with the newest value in a thread: a slow disk never delays the window.
-
-    Args:
-        act: Called in a thread of this class, for one value at a time.
-    """
+    """Calls a function with the newest value in a thread: a slow disk never delays the window."""
 
     def __init__(self, act: Callable[[Value], None]) -> None:
         self._act = act

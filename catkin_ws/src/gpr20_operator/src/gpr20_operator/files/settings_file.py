@@ -37,11 +37,7 @@ def write_values(path: Path, values: Mapping[str, Any]) -> None:
 
 
 class SettingsFile:
-    """Reads and writes one group of values.
-
-    Args:
-        path: The YAML file; it need not exist.
-    """
+    """Reads and writes one group of values, in a YAML file that need not exist."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -99,12 +95,7 @@ class SettingsFile:
 def settings_writer(
     settings: SettingsFile, failed: Callable[[Message], None]
 ) -> Newest[Mapping[str, Any]]:
-    """Return what writes the newest values in a thread of its own.
-
-    Args:
-        settings: Where to.
-        failed: Called from that thread if they cannot be written.
-    """
+    """Return what writes the newest values in a thread of its own, which reports failures."""
 
     def write(values: Mapping[str, Any]) -> None:
         try:

@@ -54,21 +54,13 @@ class JobState(enum.Enum):
 
 @dataclass(frozen=True)
 class Delivery:
-    """An answer on its way from the thread of a client into the one of its job.
-
-    Attributes:
-        deliver: Called in the thread of the job.
-    """
+    """An answer on its way from the thread of a client into the one of its job."""
 
     deliver: Callable[[], None]
 
 
 class Ticket(Generic[Result]):
-    """One request of a job; its answers count while it is the job's last one, and not cancelled.
-
-    Attributes:
-        request_id: A name that no other request has.
-    """
+    """One request of a job; answers count while it is the last one, and not cancelled."""
 
     def __init__(self, job: Job[Result]) -> None:
         self.request_id = uuid.uuid4().hex
@@ -130,33 +122,21 @@ class Job(Generic[Result]):
         return self._now_s() - self._started_s if self.running else 0.0
 
     def ask(self, **wanted: Any) -> None:
-        """Send a request; one that runs is ended.
-
-        Args:
-            **wanted: Fields of the request.
-        """
+        """Send a request with these fields; one that runs is ended."""
         self.end()
         self._ticket, self._started_s = Ticket(self), self._now_s()
         self._set(JobState.RUNNING)
         self._send(self._ticket, **wanted)
 
     def end(self, reason: Optional[Message] = None) -> None:
-        """End a request that runs, and forget the result.
-
-        Args:
-            reason: What people read of it; None: nothing.
-        """
+        """End a request that runs, and forget the result; people read the reason."""
         ticket, self._ticket = self._ticket, None
         if ticket is not None:
             self._cancel(ticket.request_id)
         self._set(JobState.READY, problem=reason)
 
     def cancel(self, stage: Message) -> None:
-        """Ask to end the request that runs; how it ends, its answer says.
-
-        Args:
-            stage: What people read until then.
-        """
+        """Ask to end the request that runs; people read the stage until its answer comes."""
         if self._ticket is not None:
             self._cancel(self._ticket.request_id)
             self._set(JobState.RUNNING, stage=stage)

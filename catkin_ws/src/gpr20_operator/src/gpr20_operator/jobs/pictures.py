@@ -37,11 +37,7 @@ class StoredSurvey(NamedTuple):
 
 
 class Pictures:
-    """Images and hiding maps of surveys, for every page.
-
-    Attributes:
-        revision: Changes with every picture.
-    """
+    """Images and hiding maps of surveys, for every page."""
 
     def __init__(self) -> None:
         self.revision = 0
@@ -133,11 +129,7 @@ class Imaging:
         self._shown.ask(survey=wanted.survey_id, permittivity=wanted.permittivity)
 
     def focus(self, survey_id: str, permittivity: float) -> bool:
-        """Ask for the image of another survey than the one that is shown.
-
-        Returns:
-            Whether that was possible: one image at a time.
-        """
+        """Ask for the image of another survey, if none is awaited; return whether it was asked."""
         if self._others.running:
             return False
         self._others.ask(survey=survey_id, permittivity=permittivity)

@@ -247,11 +247,7 @@ class SurveyResult:
         self.search.end(CANCELLED)
 
     def set_permittivity(self, permittivity: Optional[float]) -> None:
-        """Use another permittivity from now on, and search with it.
-
-        Args:
-            permittivity: None: it is not known.
-        """
+        """Use another permittivity from now on, and search with it; None: not known."""
         if self.record is None or permittivity == self.permittivity:
             return
         survey_id = self.record.survey_id

@@ -48,12 +48,7 @@ MEANINGS: Dict[Flag, Message] = {
 
 
 def headline(found: CandidateList, first: int = 0) -> Message:
-    """Return how many places there are, and how many of them are shown now.
-
-    Args:
-        found: The list.
-        first: Number of the first place that is shown, from 0.
-    """
+    """Return how many places there are, and which are shown, from a number on (from 0)."""
     shown = len(found.candidates[first : first + PLACES_SHOWN])
     last = first + shown
     if not found.total:

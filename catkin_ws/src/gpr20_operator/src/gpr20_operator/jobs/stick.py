@@ -32,14 +32,8 @@ REPORT = frozenset({ExportPart.REPORT_PDF})
 class StickExport:
     """One export at a time. Belongs to one thread.
 
-    Args:
-        imaging: The imaging node.
-
     Attributes:
         job: The export; its result are the names of the files on the stick.
-        listing: The list of sticks.
-        sticks: Those of the last list.
-        parts: What is written.
         choosing: Whether a person chooses the parts; else the only stick is written at once.
     """
 
@@ -79,13 +73,7 @@ class StickExport:
         return self.writable[0] if len(self.writable) == 1 else None
 
     def begin(self, survey: str, permittivity: float, language: str) -> None:
-        """Write the report on a survey, as soon as it is clear to which stick.
-
-        Args:
-            survey: Its id.
-            permittivity: Of the ground.
-            language: Code of the language of the report.
-        """
+        """Write the report on a survey, as soon as it is clear to which stick."""
         if self.job.running:
             return
         self.job.end()

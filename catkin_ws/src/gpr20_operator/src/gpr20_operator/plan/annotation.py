@@ -95,9 +95,6 @@ class NextAnnotation:
     """Operator and site stay for the surveys that follow, and their names are numbered.
 
     Notes and position are for one survey.
-
-    Attributes:
-        value: The annotation.
     """
 
     def __init__(self) -> None:

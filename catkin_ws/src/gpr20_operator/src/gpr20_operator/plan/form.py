@@ -54,13 +54,7 @@ def problem_of(name: str, check: PlanCheck) -> Optional[Message]:
 def check_plan(
     texts: Mapping[str, str], following: Iterable[str], travel: RobotTravel
 ) -> PlanCheck:
-    """Check the texts of all fields.
-
-    Args:
-        texts: By the name of the field.
-        following: The axes whose number of points follows from the spacing.
-        travel: What the axes allow.
-    """
+    """Check all texts; the points of the axes in `following` follow from the spacing."""
     values: Dict[str, Any] = {}
     problems: Dict[str, Message] = {}
     # A spacing that follows from the points is not judged.
@@ -110,11 +104,7 @@ def _correction(spec: FieldSpec, rule: Rule, travel: RobotTravel) -> Message:
 
 
 class PlanForm:
-    """The texts of all fields. The points follow from the spacing, or the spacing from the points.
-
-    Args:
-        travel: What the axes allow.
-    """
+    """The texts of all fields. Points follow from the spacing, or the spacing from the points."""
 
     def __init__(self, travel: RobotTravel) -> None:
         self.travel = travel
@@ -163,11 +153,7 @@ class PlanForm:
             self._following.add(axis)
 
     def propose_address(self, address: str) -> bool:
-        """Take over the address of the robot's configuration, unless another one was entered.
-
-        Returns:
-            Whether the text has changed.
-        """
+        """Take over the robot's address unless another was entered; return whether it changed."""
         if address in ("", self.proposed_address):
             return False
         former = self._texts["vna_address"]
@@ -209,12 +195,7 @@ class PlanForm:
 
 
 def points_for(length_mm: float, spacing_mm: float) -> int:
-    """Return the fewest points along a length that are not farther apart than a spacing.
-
-    Args:
-        length_mm: From the first to the last point [mm].
-        spacing_mm: Wanted spacing [mm], above 0.
-    """
+    """Return the fewest points along a length that are no farther apart than a spacing."""
     intervals = length_mm / (spacing_mm * (1.0 + ROUNDING))
     return max(MIN_GRID_POINTS, math.ceil(min(intervals, MAX_GRID_POINTS)) + 1)
 

@@ -28,9 +28,7 @@ class HoldQuestion:
     """What a sheet says, and the button that must be held.
 
     Attributes:
-        title: What is asked.
         rows: What will happen: names and values.
-        warning: What to mind.
         hold: The text of the button; None: there is nothing to hold for.
         doubt: Why the plan may not serve its purpose; None: no reason is known.
     """
@@ -49,15 +47,7 @@ def plan_question(
     annotation: Annotation,
     start: bool = True,
 ) -> HoldQuestion:
-    """Return everything that a plan will do.
-
-    Args:
-        parameters: What it measures.
-        permittivity: Relative permittivity of the soil.
-        known: The figures that follow from them.
-        annotation: What people have added to it.
-        start: Whether to ask to start it; else also what it can show of the ground.
-    """
+    """Return all that a plan will do; without `start` also what it can show of the ground."""
     rows, doubt = plan_rows(parameters, permittivity, known, annotation), spacing_warning(known)
     if start:
         title = Message("Start this survey?")
@@ -67,12 +57,7 @@ def plan_question(
 
 
 def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) -> HoldQuestion:
-    """Return what is asked before the paused survey is resumed.
-
-    Args:
-        progress: Of the survey; None if it is not known.
-        zeros_unproven: Whether the operator must decide about the zeros of the axes.
-    """
+    """Return what is asked before the paused survey is resumed; progress None: not known."""
     rows: Tuple[Row, ...] = ()
     if progress is not None and progress.total_points:
         rows = (
@@ -89,12 +74,7 @@ def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) 
 
 
 def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQuestion:
-    """Return what is asked before a survey that ended early is resumed.
-
-    Args:
-        folder: The survey's folder.
-        survey: What the list says about it; None if it is not in the list.
-    """
+    """Return what is asked before a survey that ended early is resumed."""
     name = folder if survey is None or not survey.name else shortened(survey.name)
     rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name)),)
     if survey is not None:

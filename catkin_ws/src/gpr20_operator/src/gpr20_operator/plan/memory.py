@@ -87,12 +87,7 @@ class PlanMemoryFailed:
 
 
 class PlanMemory:
-    """Reads the plan once, and writes it beside the window's thread.
-
-    Args:
-        settings: The file.
-        listener: Called with PlanMemoryFailed from another thread.
-    """
+    """Reads the plan once, and writes it beside the window's thread; failures are events."""
 
     def __init__(
         self, settings: SettingsFile, listener: Callable[[PlanMemoryFailed], None]

@@ -21,12 +21,7 @@ AREA_FIELDS = ("x_start_mm", "x_stop_mm", "y_start_mm", "y_stop_mm")
 
 @dataclass(frozen=True)
 class Preset:
-    """What a touch fills in.
-
-    Attributes:
-        title: What it is called.
-        texts: The new texts, by the name of the field.
-    """
+    """What a touch fills in: its title, and the new texts by the name of the field."""
 
     title: Message
     texts: Mapping[str, str]

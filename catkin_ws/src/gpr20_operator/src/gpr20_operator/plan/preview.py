@@ -46,12 +46,7 @@ class SurveyPreview:
 
 
 def quarter_wavelength_mm(parameters: SurveyParameters, permittivity: float) -> float:
-    """Return the coarsest spacing that samples the echoes of the ground completely [mm].
-
-    Args:
-        parameters: Their centre frequency counts.
-        permittivity: Relative permittivity of the ground.
-    """
+    """Return the coarsest spacing that samples the echoes of the ground completely [mm]."""
     centre_hz = (parameters.start_frequency_hz + parameters.stop_frequency_hz) / 2.0
     return 1000.0 * quarter_wavelength_m(centre_hz, permittivity)
 
@@ -61,10 +56,6 @@ def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
 
     A stepped-frequency radar ranges unambiguously to c / (2 df) and resolves echoes by c / (2 B)
     in air. In soil both are shorter by the square root of its relative permittivity.
-
-    Args:
-        parameters: What to measure.
-        permittivity: Relative permittivity of the soil.
     """
     p = parameters
     bandwidth_hz = p.stop_frequency_hz - p.start_frequency_hz
@@ -89,13 +80,7 @@ class CostEstimated:
 
 
 class CostEstimator:
-    """Estimates beside the window's thread: a large survey takes seconds.
-
-    Only the newest request counts.
-
-    Args:
-        listener: Called with each CostEstimated, from a thread of this class.
-    """
+    """Estimates beside the window's thread: a large survey takes seconds. The newest counts."""
 
     def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
         self._listener = listener

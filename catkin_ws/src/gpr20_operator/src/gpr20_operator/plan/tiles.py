@@ -36,13 +36,7 @@ MOST_ROTATIONS = 6
 
 
 def tile_lines(tile: Tile, texts: Mapping[str, str], annotation: Annotation) -> Lines:
-    """Return the two lines of a tile.
-
-    Args:
-        tile: The tile.
-        texts: Of all fields of the plan.
-        annotation: What people add to the survey.
-    """
+    """Return the two lines of a tile."""
     return {
         Tile.AREA: lambda: (_range("x", texts), _range("y", texts)),
         Tile.SPACING: lambda: _spacing(texts),
@@ -63,14 +57,7 @@ def tile_problem(tile: Tile, check: PlanCheck) -> Optional[Message]:
 def plan_rows(
     parameters: SurveyParameters, permittivity: float, known: SurveyPreview, annotation: Annotation
 ) -> Tuple[Row, ...]:
-    """Return everything that a survey will do, as the tiles call it.
-
-    Args:
-        parameters: What it measures.
-        permittivity: Relative permittivity of the soil.
-        known: The figures that follow from them.
-        annotation: What people have added to it.
-    """
+    """Return everything that a survey will do, as the tiles call it."""
     texts = {
         **texts_of(parameters),
         "x_spacing_mm": number_text(known.x_spacing_mm),
@@ -142,12 +129,7 @@ def spacing_warning(known: SurveyPreview) -> Optional[Message]:
 
 
 def start_lock(snapshot: Optional[Snapshot], check: PlanCheck) -> Optional[Message]:
-    """Return why no survey can be started now; None if one can.
-
-    Args:
-        snapshot: What is known of the robot; None: nothing yet.
-        check: Of the plan.
-    """
+    """Return why no survey can be started now; None if one can."""
     if snapshot is None or (not snapshot.control_alive and snapshot.replay is None):
         return Message("No contact with the robot")
     if snapshot.replay is not None:
@@ -161,12 +143,7 @@ def start_lock(snapshot: Optional[Snapshot], check: PlanCheck) -> Optional[Messa
 
 
 def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[SurveySummary]:
-    """Return the last survey if it ended early and can be resumed now; None if it cannot.
-
-    Args:
-        past: The list of surveys.
-        snapshot: What is known of the robot; None: nothing yet.
-    """
+    """Return the last survey if it ended early and can be resumed now; None if it cannot."""
     if snapshot is None or not snapshot.can_start:
         return None
     measured = (one for one in past.surveys if past.ending_of(one) is not Ending.IMPORTED)

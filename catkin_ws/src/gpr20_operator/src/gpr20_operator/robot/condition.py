@@ -34,13 +34,7 @@ class JobLevel(enum.Enum):
 
 @dataclass(frozen=True)
 class Condition:
-    """What the band says.
-
-    Attributes:
-        level: How it is going.
-        title: The state in a word or two.
-        message: What the robot does, or what is wrong; with its fault.
-    """
+    """What the band says: a level, the state in a word or two, and all of it with its fault."""
 
     level: JobLevel
     title: Message

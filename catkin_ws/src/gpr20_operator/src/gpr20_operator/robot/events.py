@@ -153,12 +153,7 @@ class RobotFigures:
 
 @dataclass(frozen=True)
 class RobotDefaults:
-    """What the robot's configuration proposes for a survey.
-
-    Attributes:
-        vna_address: Address of the analyzer.
-        site: The robot, its place and its operator.
-    """
+    """What the robot's configuration proposes: address of the VNA, place and operator."""
 
     vna_address: str
     site: Site
@@ -194,13 +189,7 @@ class ServiceActivity:
 
 @dataclass(frozen=True)
 class AxisMeasured:
-    """One message of an axis's `current_coord`.
-
-    Attributes:
-        axis: Which axis.
-        position: Its state.
-        owner: Full name of the node that holds it; empty: nobody, or it is not known.
-    """
+    """One message of an axis's `current_coord`; owner: the node that holds it, or empty."""
 
     axis: AxisId
     position: AxisPosition

@@ -30,10 +30,9 @@ NOT_NEEDED = (MAIN_CONTROL, IMAGING)
 
 @dataclass(frozen=True)
 class HealthReport:
-    """Health of every node.
+    """Health of every node, in the order to be shown; one that does not report is STALE.
 
     Attributes:
-        nodes: In the order to be shown; a node that does not report is STALE.
         settled: Whether each node had the time to report once.
     """
 

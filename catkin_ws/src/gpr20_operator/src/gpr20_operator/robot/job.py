@@ -68,11 +68,7 @@ def remaining(progress: Progress) -> Message:
 
 
 def survey_name(description: str) -> Tuple[str, str]:
-    """Return the id of a survey, and its name or its site; empty what it does not have.
-
-    Args:
-        description: The text of its survey.json.
-    """
+    """Return id, and name or site, of a survey.json; empty what it does not have."""
     try:
         values = json.loads(description)
         annotation = values.get("annotation") or {}

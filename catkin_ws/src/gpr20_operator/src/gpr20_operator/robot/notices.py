@@ -97,12 +97,7 @@ def refusal_notice(refused: Refused, reason: Message) -> Notice:
 
 
 def stop_notice(answer: Answer, known: Message) -> Notice:
-    """Return what a dialog says after a STOP that stopped no survey; every axis rests.
-
-    Args:
-        answer: Of the main control.
-        known: What is known of each axis and of the main control.
-    """
+    """Return what a dialog says after a STOP that stopped no survey; every axis rests."""
     if answer.contact:
         return Notice(Message("Every axis rests."), known, details=_details(answer.message))
     return Notice(
@@ -137,12 +132,7 @@ def remedy(reason: Message) -> Message:
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:
-    """Return what the question says before a survey is continued with another analyzer.
-
-    Args:
-        reason: The refusal of the main control, which names both analyzers.
-        identity: What the present analyzer says it is.
-    """
+    """Return what is asked before a survey is continued with another analyzer."""
     return Notice(
         Message("The VNA is not the one of this survey."),
         reason,

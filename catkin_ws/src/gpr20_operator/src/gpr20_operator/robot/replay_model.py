@@ -23,11 +23,7 @@ class StoppedClock(Clock):
 
 
 class ReplayModel:
-    """Takes what a player sends, gives snapshots of a replay. Belongs to one thread.
-
-    Attributes:
-        survey_id: The recorded survey; empty while it is not known.
-    """
+    """Takes what a player sends, gives snapshots of a replay. Belongs to one thread."""
 
     def __init__(self) -> None:
         self.survey_id = ""

@@ -37,7 +37,6 @@ class ListedRobot:
     Attributes:
         namespace: Its namespace, with a slash in front.
         state: What it does; None: it has not said so yet.
-        is_shown: Whether the window shows it now.
     """
 
     namespace: str
@@ -63,11 +62,7 @@ class ListedRobot:
 
 
 def robots_on_master(services: Iterable[str]) -> FrozenSet[str]:
-    """Return the namespaces of the robots.
-
-    Args:
-        services: Full names of all services of the master.
-    """
+    """Return the namespaces of the robots, from the full names of all services."""
     names = set(services)
     first = SERVICES[0]
     spaces = {name[: -len(first)] for name in names if name.endswith(f"/{first}")}
@@ -134,11 +129,6 @@ class Robots:
         )
 
     def must_choose(self, control_seen: bool, open_s: float) -> bool:
-        """Return whether there is no robot in the window's namespace, but another one.
-
-        Args:
-            control_seen: Whether the window has had contact with its robot.
-            open_s: For how long the window has been open [s].
-        """
+        """Return whether there is no robot in the window's namespace, but another one."""
         missing = self.own not in self._found and not control_seen and open_s > STARTING_S
         return self.can_choose and missing

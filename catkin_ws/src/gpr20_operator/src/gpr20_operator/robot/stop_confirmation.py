@@ -24,12 +24,7 @@ EFFECT_S = 0.2
 
 @dataclass(frozen=True)
 class StopWarning:
-    """What is shown over everything until a STOP is confirmed.
-
-    Attributes:
-        title: What to do.
-        text: What is known about the stop.
-    """
+    """What is shown over everything until a STOP is confirmed."""
 
     title: Message
     text: Message

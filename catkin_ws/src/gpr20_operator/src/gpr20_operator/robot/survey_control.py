@@ -93,12 +93,7 @@ class WindowPresenter:
         return self.snapshot
 
     def set_plan(self, parameters: Optional[SurveyParameters], permittivity: float) -> None:
-        """Preview another plan.
-
-        Args:
-            parameters: What to measure; None: something in the fields is wrong.
-            permittivity: Relative permittivity of the soil.
-        """
+        """Preview another plan; parameters None: something in the fields is wrong."""
         self._parameters, self._permittivity = parameters, permittivity
         self.preview = None if parameters is None else preview(parameters, permittivity)
         if parameters is not None and self.snapshot.figures is not None:
@@ -115,12 +110,7 @@ class WindowPresenter:
         self._control.check_master()
 
     def start(self, parameters: SurveyParameters, annotation: Annotation) -> None:
-        """Ask for a survey.
-
-        Args:
-            parameters: What to measure.
-            annotation: What people add to the survey.
-        """
+        """Ask for a survey."""
         self._model.request_sent(Request.START)
         refines = "" if self.finer is None else self.finer.refined_by(parameters)
         self._control.start_survey(parameters, annotation, refines)
@@ -136,12 +126,7 @@ class WindowPresenter:
         self._control.pause_survey()
 
     def resume(self, folder: str = "", accept_zeros: bool = False) -> None:
-        """Ask to resume the paused survey, or one that ended early.
-
-        Args:
-            folder: Of the one that ended early; empty: the paused survey.
-            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
-        """
+        """Ask to resume the paused survey, or the one of a folder, which ended early."""
         self._resumed = folder
         self._model.request_sent(Request.RESUME)
         self._control.resume_survey(folder, accept_zeros=accept_zeros)

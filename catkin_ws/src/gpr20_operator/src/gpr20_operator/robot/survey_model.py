@@ -39,8 +39,6 @@ class Refusal:
     """A request that was refused or failed, and why.
 
     Attributes:
-        request: What was asked for.
-        reason: Why it was refused.
         other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
             if the operator has nothing to accept.
     """

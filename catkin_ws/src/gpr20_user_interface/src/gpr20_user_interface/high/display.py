@@ -22,13 +22,10 @@ LOST = "connection broke"
 
 
 def draw_without_opengl(environment: MutableMapping[str, str]) -> None:
-    """Keep Qt from loading OpenGL, which the window does not use.
+    """Keep Qt from loading OpenGL, unless the user has set something there.
 
     It costs memory and time at the start, and crashes when the display closes while the
     window is made.
-
-    Args:
-        environment: `os.environ`; what the user has set there stays.
     """
     environment.setdefault("QT_XCB_GL_INTEGRATION", "none")
 
@@ -65,11 +62,7 @@ def check_display(environment: Mapping[str, str]) -> None:
 
 
 def wait_for_display(say: Callable[[str], None]) -> None:
-    """Return when a window can be shown; a screen may start later than the robot.
-
-    Args:
-        say: Gets the reason of the waiting, once.
-    """
+    """Return when a window can be shown; say once why not: a screen may start later."""
     said = False
     while True:
         try:
@@ -83,12 +76,9 @@ def wait_for_display(say: Callable[[str], None]) -> None:
 
 
 def on_display_lost(leave: Callable[[], None]) -> None:
-    """Call a function when the connection to the display breaks, instead of Qt's own end.
+    """Call a function, which ends the process, when the connection to the display breaks.
 
     Qt aborts, or calls exit() and so the destructors of what other threads still use.
-
-    Args:
-        leave: Ends the process without exit handlers.
     """
 
     def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:

@@ -130,11 +130,7 @@ class LinkWatch:
     """Asks the main control for its process, and reports when the link breaks and is back."""
 
     def __init__(self, listener: Callable[[LinkState], None]) -> None:
-        """Begin to ask.
-
-        Args:
-            listener: Called with each change, from a thread of its own.
-        """
+        """Begin to ask; the listener gets each change, from a thread of its own."""
         node = rospy.resolve_name("main_control")
         master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
         self._probe = NodeProbe(master_uri, own_name, node, ANSWER_LIMIT_S)

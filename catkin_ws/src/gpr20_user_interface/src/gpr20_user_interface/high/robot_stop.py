@@ -72,12 +72,7 @@ class RobotStop:
         self._clock = Clock()
 
     def remember(self) -> None:
-        """Ask the master where to stop the robot.
-
-        Raises:
-            OSError: The master does not answer.
-            rosgraph.MasterException: Its answer makes no sense.
-        """
+        """Ask the master where to stop the robot; raises as `DirectServiceClient.remember`."""
         for service in (*self._axes.values(), self._control):
             service.remember()
 

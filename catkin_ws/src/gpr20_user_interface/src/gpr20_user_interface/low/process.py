@@ -95,14 +95,9 @@ class HangGuard:
 
 
 def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]) -> NoReturn:
-    """Run this program for another robot in this process, with the same options.
+    """Run this program for the robot of a namespace in this process, with the same options.
 
     The process stays the one that roslaunch started: it ends with its launch.
-
-    Args:
-        namespace: Namespace of the robot.
-        words: Program and options of this process, as in `sys.argv`.
-        environment: Environment of this process.
     """
     sys.stdout.flush()
     sys.stderr.flush()

@@ -35,22 +35,14 @@ def run_program(command: List[str]) -> str:
 
 
 class ScreenSaver:
-    """Switches the screen saver and the power saving off, and back to what they were.
-
-    Args:
-        run: Runs a command and returns what it prints.
-    """
+    """Switches the screen saver and the power saving off, and back to what they were."""
 
     def __init__(self, run: Run = run_program) -> None:
         self._run = run
         self._restore: List[str] = []
 
     def switch_off(self) -> Optional[str]:
-        """Keep the screen on.
-
-        Returns:
-            Why that is not possible, for the log; None if it is.
-        """
+        """Keep the screen on; return why that is not possible, for the log."""
         try:
             self._restore = _settings(self._run([PROGRAM, "q"]))
             self._run([PROGRAM, "s", "off", "-dpms"])
@@ -61,11 +53,7 @@ class ScreenSaver:
         return None
 
     def restore(self) -> Optional[str]:
-        """Set what there was before; nothing if it was not changed.
-
-        Returns:
-            Why that is not possible, for the log; None if it is.
-        """
+        """Set what there was before, if it was changed; return why that is not possible."""
         settings, self._restore = self._restore, []
         if not settings:
             return None

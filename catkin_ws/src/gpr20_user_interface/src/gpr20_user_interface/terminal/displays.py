@@ -110,12 +110,7 @@ class BarDisplay(PlainDisplay):
 
 
 def is_confirmed(question: str, cancelled: Callable[[], bool]) -> bool:
-    """Ask, and return whether a person answers with yes.
-
-    Args:
-        question: One line.
-        cancelled: Called repeatedly while nothing is entered; true ends the question with no.
-    """
+    """Ask, and return whether a person answers with yes before it is cancelled."""
     print(f"{printable(question)} ", end="", flush=True)
     while not cancelled():
         ready, _, _ = select.select([sys.stdin], [], [], POLL_S)

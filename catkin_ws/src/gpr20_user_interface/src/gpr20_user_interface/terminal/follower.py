@@ -40,11 +40,9 @@ class ExitStatus(enum.IntEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """How it ended: a number for the shell and a sentence.
+    """How it ended: a status for the shell and a sentence.
 
     Attributes:
-        status: For the shell.
-        message: What happened.
         other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
             if there is nothing to accept.
     """

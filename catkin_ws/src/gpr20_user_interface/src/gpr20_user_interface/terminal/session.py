@@ -51,11 +51,7 @@ _RESUME_HINT = Message(
 
 
 class ReplayFollower:
-    """Takes events and gives in the end an outcome.
-
-    Attributes:
-        outcome: How it ended; None while it has not.
-    """
+    """Takes events and gives in the end an outcome."""
 
     def __init__(self) -> None:
         self.outcome: Optional[Outcome] = None
@@ -102,12 +98,6 @@ Follower = Union[SurveyFollower, ReplayFollower]
 class SurveySession:
     """Carries events to the follower and the display, and requests to the main control.
 
-    Args:
-        follower: Decides what an event means for the survey.
-        events: In the order in which they happen.
-        send: Sends a request without waiting; its answer comes as an event.
-        display: The terminal.
-
     Attributes:
         simulated: Whether the robot is simulated.
         stored: Whether a trace of the survey is stored, so that it can be resumed.
@@ -130,11 +120,7 @@ class SurveySession:
         self.stored = False
 
     def run(self, requests: Sequence[Request] = ()) -> Outcome:
-        """Return when the survey has ended: how it ended.
-
-        Args:
-            requests: To send first.
-        """
+        """Send requests, and return when the survey has ended: how it ended."""
         try:
             for request in requests:
                 self._send(request)
@@ -222,14 +208,7 @@ def first_step(message: Message) -> Message:
 def outcome_lines(
     outcome: Outcome, survey_id: str, simulated: bool, stored: bool = False
 ) -> List[Message]:
-    """Return the last lines of the client.
-
-    Args:
-        outcome: How it ended.
-        survey_id: Of the survey; empty if there was none.
-        simulated: Whether the robot is.
-        stored: Whether a trace of the survey is stored.
-    """
+    """Return the last lines of the client; stored: whether a trace of the survey is."""
     lines = [_HEADLINES[outcome.status], outcome.message]
     unknown = outcome.status in _UNSUCCESSFUL and not outcome.message.faults
     if unknown or outcome.message.failure is not None:

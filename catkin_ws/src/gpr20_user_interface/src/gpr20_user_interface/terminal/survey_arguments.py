@@ -71,11 +71,7 @@ def terminal_language(arguments: Sequence[str], environment: Mapping[str, str]) 
 
 
 def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
-    """Read the command line.
-
-    Args:
-        arguments: Without the program's name and without ROS remappings.
-        catalogue: Language of the help and of the messages.
+    """Read the command line, without the name of the program and without ROS remappings.
 
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.

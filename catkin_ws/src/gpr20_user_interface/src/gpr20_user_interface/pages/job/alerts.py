@@ -80,14 +80,6 @@ class StopWarningView(Overlay):
 class Alerts(Page):
     """Passes PAUSE, RESUME and STOP on; opens the card of each fault and of each refusal.
 
-    Args:
-        window: The window that the cards cover.
-        survey: The survey that runs.
-        top_bar: State, PAUSE and STOP.
-        ask_resume: Asks whether to resume the paused survey.
-        ask_resume_with: Asks whether to continue it with another analyzer.
-        clock: Measures how long a STOP is not confirmed.
-
     Attributes:
         notice: The card.
         question: The question about another analyzer.

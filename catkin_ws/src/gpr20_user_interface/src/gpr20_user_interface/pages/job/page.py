@@ -24,11 +24,7 @@ UNKNOWN = "—"
 
 
 class JobPage(TranslatedWidget, Page):
-    """Percentage, time that is left, line, a small map; what is wrong, and what to do first.
-
-    Args:
-        traces: The traces, for the small map.
-    """
+    """Percentage, time that is left, line, a small map; what is wrong, and what to do first."""
 
     notes_pressed = pyqtSignal()
     # The operator wants to see all that is known of the condition.

@@ -50,7 +50,6 @@ class AnnotationSheet(Overlay):
         running: Returns the id of the survey that runs; empty: none.
 
     Attributes:
-        confirm: What asks before the records of a survey are changed.
         survey: The survey of the records, an id or the name of its folder; empty: the next one.
     """
 
@@ -95,12 +94,7 @@ class AnnotationSheet(Overlay):
         self.failed.emit(event.reason)
 
     def show_annotation(self, survey: str, annotation: Annotation) -> None:
-        """Open with an annotation.
-
-        Args:
-            survey: The survey's id, or the name of its folder; empty: the next one.
-            annotation: What it has now.
-        """
+        """Open with the annotation of a survey, by id or folder; empty: of the next one."""
         self.survey, self._before = survey, annotation
         self.texts = annotation_texts(annotation)
         self.retranslate()

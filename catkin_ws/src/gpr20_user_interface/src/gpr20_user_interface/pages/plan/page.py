@@ -51,19 +51,9 @@ RETRY_REFRESHES = 40
 class PlanPage(TranslatedWidget, Page):
     """Shows the plan; a touch on a tile opens its sheet, and START says why it is locked.
 
-    Args:
-        window: What the sheets cover.
-        survey: The survey that runs, and the figures of the plan.
-        traces: The storage, and the list of past surveys.
-        profiles: Plans that are stored under a name.
-        memory: What was planned last.
-
     Attributes:
-        next_annotation: What people add to the next survey.
-        values: The sheet of a tile.
         summary: The sheet with everything that the plan does.
         annotation: The sheet of name, operator, site, position and notes of a survey.
-        profiles: The sheet of the stored plans.
     """
 
     # Carries SurveyParameters, the permittivity of the soil, and an Annotation.

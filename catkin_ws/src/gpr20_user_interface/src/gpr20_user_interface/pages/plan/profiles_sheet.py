@@ -52,11 +52,7 @@ class ProfilesSheet(Overlay):
         self.retranslate()
 
     def show_profiles(self, parameters: Optional[SurveyParameters]) -> None:
-        """Open with the names of all profiles.
-
-        Args:
-            parameters: What can be saved: the values of the fields; None: they are wrong.
-        """
+        """Open with all names; parameters None: the fields are wrong and cannot be saved."""
         self._parameters = parameters
         self._try(self._list)
 

@@ -16,12 +16,7 @@ EDGE_PX = 2
 
 
 class PlanTile(QPushButton):
-    """A title, and below it lines or one sentence; a touch opens their sheet.
-
-    Args:
-        name: Which rules of the style sheet apply.
-        lines: How many lines there are below the title.
-    """
+    """A title, and below it lines or one sentence; a touch opens their sheet."""
 
     def __init__(self, name: str = "tile", lines: int = 2) -> None:
         super().__init__()

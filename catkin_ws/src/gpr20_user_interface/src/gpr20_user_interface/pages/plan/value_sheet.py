@@ -40,12 +40,7 @@ MAX_LENGTH = 80
 class ValueSheet(Overlay):
     """Writes in the plan at once; UNDO brings back what there was when it was opened.
 
-    Args:
-        window: What it covers.
-        form: The plan.
-
     Attributes:
-        fields: A tile for each field of the plan's tile.
         last_area: Texts of the area of the survey before; empty if there is none.
         arrow_step: By how much an arrow changes a number.
     """

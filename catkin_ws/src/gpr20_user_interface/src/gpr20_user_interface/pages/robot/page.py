@@ -15,12 +15,7 @@ from gpr20_user_interface.widgets.page import Page
 
 
 class RobotPage(QStackedWidget, Page):
-    """Shows the robot while it is in front; leaving it ends the service.
-
-    Args:
-        model: What is known of the robot and its service.
-        show_notice: Opens a card.
-    """
+    """Shows the robot while it is in front; leaving it ends the service."""
 
     def __init__(self, model: ServiceModel, show_notice: Callable[[Notice], None]) -> None:
         super().__init__()

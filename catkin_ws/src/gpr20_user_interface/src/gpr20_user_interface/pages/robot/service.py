@@ -139,13 +139,7 @@ class AxisRows(TranslatedWidget):
 
 
 class Instruments(TranslatedWidget):
-    """A column for the height sensor, the VNA and the daily check: a button, and what came back.
-
-    Attributes:
-        measure: Measures a height.
-        analyzer: Tests the VNA.
-        daily: Takes the next step of the daily check.
-    """
+    """Height sensor, VNA and daily check: for each a button, and what came back."""
 
     def __init__(self) -> None:
         super().__init__()
