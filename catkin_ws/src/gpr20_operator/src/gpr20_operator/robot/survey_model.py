@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import singledispatchmethod
-from typing import Dict, FrozenSet, Generic, Optional, Set, TypeVar
+from typing import Any, Dict, FrozenSet, Optional, Set, Tuple, Type, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -83,23 +83,7 @@ class RequestOutcome:
         return request if state.code in NOT_BEGUN else None
 
 
-Value = TypeVar("Value")
-
-
-class _Latest(Generic[Value]):
-    """The last value of something that goes stale."""
-
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
-        self._value: Optional[Value] = None
-        self._received_s = -math.inf
-
-    def set(self, value: Value) -> None:
-        self._value = value
-        self._received_s = self._clock.now_s()
-
-    def fresh(self) -> Optional[Value]:
-        return self._value if self._clock.now_s() - self._received_s <= STALE_S else None
+Event = TypeVar("Event")
 
 
 class SurveyModel:
@@ -111,10 +95,8 @@ class SurveyModel:
         self._changed_s = self._progressed_s = clock.now_s()
         self._state: Optional[ControlState] = None
         self._progress: Optional[Progress] = None
-        self._current: _Latest[CurrentPosition] = _Latest(clock)
-        self._target: _Latest[TargetPosition] = _Latest(clock)
-        self._height: _Latest[MeasuredHeight] = _Latest(clock)
-        self._ignored: _Latest[SenderIgnored] = _Latest(clock)
+        # What goes stale, and when it came [s].
+        self._latest: Dict[type, Tuple[Any, float]] = {}
         self._pending: Set[Request] = set()
         self._limits = AxisLimits(None)
         self._parameters: Optional[SurveyParameters] = None
@@ -170,17 +152,12 @@ class SurveyModel:
             self._progressed_s = now_s
         self._progress = event
 
-    @handle.register
-    def _(self, event: CurrentPosition) -> None:
-        self._current.set(event)
-
-    @handle.register
-    def _(self, event: TargetPosition) -> None:
-        self._target.set(event)
-
-    @handle.register
-    def _(self, event: MeasuredHeight) -> None:
-        self._height.set(event)
+    @handle.register(CurrentPosition)
+    @handle.register(TargetPosition)
+    @handle.register(MeasuredHeight)
+    @handle.register(SenderIgnored)
+    def _(self, event: object) -> None:
+        self._latest[type(event)] = event, self._clock.now_s()
 
     @handle.register
     def _(self, event: AxisLimits) -> None:
@@ -206,20 +183,16 @@ class SurveyModel:
     def _(self, event: NodeHealth) -> None:
         self._health.note(event)
 
-    @handle.register
-    def _(self, event: SenderIgnored) -> None:
-        self._ignored.set(event)
-
     def snapshot(self) -> Snapshot:
         """Return what is known now."""
-        now_s, ignored = self._clock.now_s(), self._ignored.fresh()
+        now_s, ignored = self._clock.now_s(), self._fresh(SenderIgnored)
         silent_s = None if self._received_s is None else now_s - self._received_s
         return Snapshot(
             control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
             control_silent_s=silent_s,
             state=self._state,
             progress=self._progress,
-            current=self._current.fresh(),
+            current=self._fresh(CurrentPosition),
             target=self._known_target(),
             height_m=self._known_height_m(),
             pending=frozenset(self._pending | self._beginning()),
@@ -250,10 +223,15 @@ class SurveyModel:
         known = self._state is not None and self._state.survey_id == self._started_id
         return {Request.START} if recent and not known else set()
 
+    def _fresh(self, kind: Type[Event]) -> Optional[Event]:
+        """Return the last event of a kind; None if it is too old, or there was none."""
+        event, received_s = self._latest.get(kind, (None, -math.inf))
+        return event if self._clock.now_s() - received_s <= STALE_S else None
+
     def _known_target(self) -> Optional[TargetPosition]:
-        target = self._target.fresh()
+        target = self._fresh(TargetPosition)
         return None if target is None or target.is_none else target
 
     def _known_height_m(self) -> Optional[float]:
-        height = self._height.fresh()
+        height = self._fresh(MeasuredHeight)
         return height.height_m if height is not None and math.isfinite(height.height_m) else None
