@@ -192,11 +192,10 @@ def test_only_the_progress_of_the_export_that_runs_is_shown(imaging, services, e
     job.ask(survey=SURVEY)
     client = imaging._requests
     stage = message_fields(verbatim("copying"))
-    client._on_progress(SimpleNamespace(request_id="another", **stage))
+    assert client._on_progress(SimpleNamespace(request_id="another", **stage)) is None
     services.wait_for(1)
     own = services.asked[0][1]["request_id"]
-    client._on_progress(SimpleNamespace(request_id=own, **stage))
-    deliver(events)
+    client._on_progress(SimpleNamespace(request_id=own, **stage)).deliver()
     assert str(job.stage) == "copying" and events.empty()
     services.waits.set()
     deliver(events)

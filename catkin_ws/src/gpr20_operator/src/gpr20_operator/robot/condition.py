@@ -7,8 +7,9 @@ still comes first. No dialog and no request changes the result.
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
-from typing import Callable, Dict, Optional, Tuple
+from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_common.remedies import first_step
@@ -48,46 +49,45 @@ class Condition:
 
 MOVES = Message("ROBOT MOVES")
 NO_CONTACT = Message("NO CONTACT")
-# Who moves the axes for a survey, where the axis knows it: the band says so by its colour.
 _CONTROL = "main_control"
 _SURVEY = ("", _CONTROL)
-_MOVERS: Dict[Optional[SurveyState], Tuple[str, ...]] = {
-    # An axis that still slows down when a check begins.
-    SurveyState.CHECKING: (_CONTROL,),
-    SurveyState.HOMING: _SURVEY,
-    SurveyState.SURVEYING: _SURVEY,
-    SurveyState.PAUSING: _SURVEY,
-    SurveyState.STOPPING: _SURVEY,
-}
 # An axis says that it rests up to this time [s] after the main control has seen it.
 REPORT_S = 0.5
 # The main control reports twice a second; after this time [s] its last word may be out of date.
 CONTROL_LATE_S = 2.5
-# Without a motion, a trace or a new state for so long [s], something is wrong. The main control
-# says much earlier which part it waits for: this finds a main control that waits for nothing.
-STILL_S: Dict[Optional[SurveyState], float] = {
-    SurveyState.CHECKING: 20.0,
-    SurveyState.HOMING: 10.0,
-    SurveyState.SURVEYING: 10.0,
-    SurveyState.PAUSING: 10.0,
-    SurveyState.STOPPING: 15.0,
-}
 # Beside it, for the sweep of a slow analyzer: so many times the mean time of a trace.
 STILL_TRACES = 3.0
-_LEVELS: Dict[Optional[SurveyState], JobLevel] = {
-    SurveyState.CHECKING: JobLevel.WORKING,
-    SurveyState.HOMING: JobLevel.WORKING,
-    SurveyState.SURVEYING: JobLevel.WORKING,
-    SurveyState.PAUSING: JobLevel.PAUSED,
-    SurveyState.PAUSED: JobLevel.PAUSED,
-    SurveyState.STOPPING: JobLevel.ATTENTION,
-    SurveyState.FINISHED: JobLevel.DONE,
-    SurveyState.FAILED: JobLevel.FAULT,
+
+
+class _Usual(NamedTuple):
+    """How it goes in a state, who moves the axes for the survey, and how long nothing happens."""
+
+    level: JobLevel
+    movers: Tuple[str, ...] = ()
+    # Without a motion, a trace or a new state. The main control says much earlier which part it
+    # waits for: this finds a main control that waits for nothing.
+    still_s: float = math.inf
+
+
+_USUAL: Dict[Optional[SurveyState], _Usual] = {
+    # An axis that still slows down when a check begins.
+    SurveyState.CHECKING: _Usual(JobLevel.WORKING, (_CONTROL,), 20.0),
+    SurveyState.HOMING: _Usual(JobLevel.WORKING, _SURVEY, 10.0),
+    SurveyState.SURVEYING: _Usual(JobLevel.WORKING, _SURVEY, 10.0),
+    SurveyState.PAUSING: _Usual(JobLevel.PAUSED, _SURVEY, 10.0),
+    SurveyState.PAUSED: _Usual(JobLevel.PAUSED),
+    SurveyState.STOPPING: _Usual(JobLevel.ATTENTION, _SURVEY, 15.0),
+    SurveyState.FINISHED: _Usual(JobLevel.DONE),
+    SurveyState.FAILED: _Usual(JobLevel.FAULT),
 }
 # Codes of the main control while it waits for a part.
 WAITS = ("survey.waiting_for_part", "survey.takes_long")
 # Levels of a state that trouble elsewhere does not make better.
 _KEPT = (JobLevel.PAUSED, JobLevel.FAULT)
+
+
+def _usual(snapshot: Snapshot) -> _Usual:
+    return _USUAL.get(snapshot.code, _Usual(JobLevel.REST))
 
 
 def condition_of(snapshot: Snapshot) -> Condition:
@@ -133,7 +133,7 @@ def _is_survey(snapshot: Snapshot, axis: AxisReport) -> bool:
         return False
     if _name(axis) == _CONTROL and snapshot.state_s < REPORT_S:
         return True
-    return _name(axis) in _MOVERS.get(snapshot.code, ())
+    return _name(axis) in _usual(snapshot).movers
 
 
 def _axis(axis: AxisReport) -> Message:
@@ -181,7 +181,7 @@ def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
 def _of_state(snapshot: Snapshot) -> Condition:
     """Return what the state says, or what contradicts it."""
     state, percent = snapshot.state, percent_of(snapshot)
-    level = _LEVELS.get(snapshot.code, JobLevel.REST)
+    level = _usual(snapshot).level
     title, message = NO_CONTACT, Message("Waiting for the robot.")
     if state is not None:
         title, message = state.code.label, state.message
@@ -221,10 +221,7 @@ def _warning(snapshot: Snapshot) -> Optional[Message]:
 
 
 def _stands_still(snapshot: Snapshot) -> Optional[Message]:
-    limit_s = STILL_S.get(snapshot.code)
-    if limit_s is None:
-        return None
-    if snapshot.still_s <= limit_s + STILL_TRACES * _trace_s(snapshot):
+    if snapshot.still_s <= _usual(snapshot).still_s + STILL_TRACES * _trace_s(snapshot):
         return None
     return Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
         faults.STANDS_STILL
@@ -267,7 +264,7 @@ def left_of(snapshot: Snapshot) -> Optional[Message]:
 
 
 def _time_passes(snapshot: Snapshot) -> bool:
-    if snapshot.code not in STILL_S or snapshot.code is SurveyState.STOPPING:
+    if _usual(snapshot).still_s == math.inf or snapshot.code is SurveyState.STOPPING:
         return False
     warning = _warning(snapshot)
     if warning is not None and any(one.code in WAITS for one in warning.faults):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Set, Tuple
+from typing import List, Optional, Set, Tuple
 
 from gpr20_common import remedies
 from gpr20_common.message import Message
@@ -40,45 +40,29 @@ class Notice:
 
 
 class Refused(enum.Enum):
-    """What did not succeed: a request to the robot, or the use of a profile."""
+    """What did not succeed, and what to do when its cause is gone."""
 
-    START = "start"
-    PAUSE = "pause"
-    RESUME = "resume"
-    PROFILE = "profile"
-    NOTES = "notes"
-    PLAN = "plan"
-    MARKER = "marker"
-
-
-# What was refused, and what to do when its cause is gone.
-_REFUSALS: Dict[Refused, Tuple[Message, Message]] = {
-    Refused.START: (
-        Message("The survey was not started."),
-        Message("Then start the survey again."),
-    ),
-    Refused.PAUSE: (
+    START = Message("The survey was not started."), Message("Then start the survey again.")
+    PAUSE = (
         Message("The survey was not paused."),
         Message("STOP ends the survey at once; it can be resumed later."),
-    ),
-    Refused.RESUME: (
-        Message("The survey was not resumed."),
-        Message("Then resume the survey again."),
-    ),
-    Refused.PROFILE: (Message("The profile cannot be used."), Message("Or use another profile.")),
-    Refused.NOTES: (
+    )
+    RESUME = Message("The survey was not resumed."), Message("Then resume the survey again.")
+    PROFILE = Message("The profile cannot be used."), Message("Or use another profile.")
+    NOTES = (
         Message("The notes of the survey cannot be read or stored."),
         Message("Then press SAVE again."),
-    ),
-    Refused.PLAN: (
+    )
+    PLAN = (
         Message("The values of the last survey are not remembered."),
         Message("Next: check all values on SURVEY before START."),
-    ),
-    Refused.MARKER: (
+    )
+    MARKER = (
         Message("The markers of the survey were not changed."),
         Message("Next: remove the cause, then set or remove the marker again."),
-    ),
-}
+    )
+
+
 _FAULTS = {
     SurveyState.PAUSED: Message("The survey is PAUSED by a fault."),
     SurveyState.FAILED: Message("The survey has FAILED."),
@@ -91,7 +75,7 @@ _START_NEXT = Message("Then start the survey again, or resume it in ARCHIVE.")
 
 def refusal_notice(refused: Refused, reason: Message) -> Notice:
     """Return what a dialog says about something that did not succeed."""
-    title, then = _REFUSALS[refused]
+    title, then = refused.value
     final = refused is Refused.RESUME and not reason.can_continue
     return Notice(title, reason, remedy(reason), None if final else then, _details(reason))
 

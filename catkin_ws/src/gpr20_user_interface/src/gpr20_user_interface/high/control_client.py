@@ -34,6 +34,7 @@ from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
     AxisMeasured,
+    ControlState,
     CurrentPosition,
     MeasuredHeight,
     Request,
@@ -96,32 +97,26 @@ class ControlClient(RosEvents):
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey."""
-        self._subscribe_raw("control_status", ControlStatus, self._on_status, None)
+        self._subscribe("control_status", ControlStatus, self._state, None)
         self._subscribe("replay", Replay, conversions.replay_mark, None)
         if self._senders.replay:
             # Recordings of earlier versions lack the one topic, imported surveys the other.
             topics = tuple(self._subscribers)
             self._player = Periodic(PLAYER_PERIOD_S, lambda: self._check_player(topics))
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
-        self._subscribe_raw("robot_configuration", RobotConfiguration, self._on_robot, None)
+        self._subscribe("robot_configuration", RobotConfiguration, self._robot_limits, None)
 
     def listen_to_robot(self) -> None:
         """Subscribe to motion, position, height and health of the robot."""
         subscribe = self._subscribe
         for axis in AxisId:
-            self._subscribe_raw(
-                f"{axis.value}_axis/current_coord",
-                CurrentCoordinate,
-                partial(self._on_axis, axis),
-                1,
-            )
+            topic = f"{axis.value}_axis/current_coord"
+            subscribe(topic, CurrentCoordinate, partial(self._measured, axis), 1)
         subscribe("control_current_coordinate", Coordinates, _position(CurrentPosition), 1)
         subscribe("control_target_coordinate", Coordinates, _position(TargetPosition), 1)
         subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
         subscribe("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1)
-        self._subscribers.append(
-            self._diagnostics_subscriber(lambda health, _message: self._emit(health))
-        )
+        self._subscribers.append(self._diagnostics_subscriber(lambda health, _message: health))
 
     def start_survey(
         self, parameters: SurveyParameters, annotation: Annotation = EMPTY, refines: str = ""
@@ -164,7 +159,14 @@ class ControlClient(RosEvents):
     def set_replay_paused(self, paused: bool) -> None:
         """Ask the replay to pause or to continue; its next mark shows whether it did."""
         service = self._pause_replay if paused else self._continue_replay
-        in_background(lambda: _call_or_log(service))
+
+        def ask() -> None:
+            try:
+                service.call(PAUSE_TIMEOUT_S)
+            except ServiceUnavailableError as error:
+                rospy.logwarn("the replay did not answer: %s", error)
+
+        in_background(ask)
 
     def check_master(self) -> None:
         """Check that the master answers; the answer is an event with the limits of the axes."""
@@ -184,9 +186,9 @@ class ControlClient(RosEvents):
         finally:
             self._checking_master.release()
 
-    def _on_robot(self, message: RobotConfiguration) -> None:
+    def _robot_limits(self, message: RobotConfiguration) -> AxisLimits:
         self._limits = conversions.axis_limits(message)
-        self._emit(self._limits)
+        return self._limits
 
     def _ask_start(self, parameters: SurveyParameters, annotation: Annotation, refines: str) -> Any:
         message = conversions.parameters_message(parameters)
@@ -198,21 +200,32 @@ class ControlClient(RosEvents):
         return self._start.call(START_TIMEOUT_S, annotation=note, refines=refines)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
-        in_background(lambda: self._emit(_answer(request, ask)))
+        def work() -> None:
+            try:
+                response = ask()
+            except (ServiceUnavailableError, rospy.ROSException) as error:
+                silent = no_answer(CONTROL_SILENT, error)
+                self._emit(Answer(request, False, silent, contact=False))
+                return
+            survey_id = getattr(response, "survey_id", "")
+            other = getattr(response, "other_analyzer", "")
+            said = message_from(response)
+            self._emit(Answer(request, response.success, said, survey_id, other))
 
-    def _on_axis(self, axis: AxisId, message: CurrentCoordinate) -> None:
+        in_background(work)
+
+    def _measured(self, axis: AxisId, message: CurrentCoordinate) -> Optional[AxisMeasured]:
         now_s = self._clock.now_s()
         moved, reported_s = self._reports.get(axis, (False, -math.inf))
         # A motion that begins is passed on at once, however short it is.
         begins = message.moving and not moved
         if now_s - reported_s < AXIS_PERIOD_S and not begins:
-            return
+            return None
         self._reports[axis] = message.moving, now_s
-        self._emit(AxisMeasured(axis, axis_position(message), message.owner))
+        return AxisMeasured(axis, axis_position(message), message.owner)
 
-    def _on_status(self, message: ControlStatus) -> None:
-        state = conversions.control_state(message)
-        self._emit(replace(state, replay=self._senders.replay))
+    def _state(self, message: ControlStatus) -> ControlState:
+        return replace(conversions.control_state(message), replay=self._senders.replay)
 
     def _check_player(self, topics: Tuple[rospy.Subscriber, ...]) -> None:
         connected = any(one.get_num_connections() for one in topics)
@@ -221,25 +234,5 @@ class ControlClient(RosEvents):
             self._emit(PlayerLink(connected))
 
 
-def _call_or_log(service: ServiceClient) -> None:
-    try:
-        service.call(PAUSE_TIMEOUT_S)
-    except ServiceUnavailableError as error:
-        rospy.logwarn("the replay did not answer: %s", error)
-
-
 def _position(kind: Any) -> Callable[[Coordinates], Any]:
     return lambda one: kind(one.x_mm, one.y_mm, one.z_deg)
-
-
-def _answer(request: Request, ask: Callable[[], Any]) -> Answer:
-    try:
-        return _answer_from(request, ask())
-    except (ServiceUnavailableError, rospy.ROSException) as error:
-        return Answer(request, False, no_answer(CONTROL_SILENT, error), contact=False)
-
-
-def _answer_from(request: Request, response: Any) -> Answer:
-    survey_id = getattr(response, "survey_id", "")
-    other_analyzer = getattr(response, "other_analyzer", "")
-    return Answer(request, response.success, message_from(response), survey_id, other_analyzer)

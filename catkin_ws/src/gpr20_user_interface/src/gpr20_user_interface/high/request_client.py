@@ -108,7 +108,7 @@ class RequestClient(RosEvents):
 
     def listen(self) -> None:
         """Subscribe to the progress of requests."""
-        self._subscribe_raw("imaging_progress", ImagingProgress, self._on_progress, 20)
+        self._subscribe("imaging_progress", ImagingProgress, self._on_progress, 20)
 
     def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
         """Call a service in the background, and let the ticket take the answer."""
@@ -141,7 +141,8 @@ class RequestClient(RosEvents):
         except (RequestError, Gpr20Error) as error:
             return partial(ticket.fail, error.message)
 
-    def _on_progress(self, message: ImagingProgress) -> None:
-        ticket, stage = self._exporting, message_from(message)
-        if ticket is not None and message.request_id == ticket.request_id:
-            self._emit(Delivery(partial(ticket.progress, stage)))
+    def _on_progress(self, message: ImagingProgress) -> Optional[Delivery]:
+        ticket = self._exporting
+        if ticket is None or message.request_id != ticket.request_id:
+            return None
+        return Delivery(partial(ticket.progress, message_from(message)))

@@ -77,21 +77,16 @@ class RobotWatchClient(RosEvents):
             self._watched = self._subscriptions() if self._wanted else []
 
     def _subscriptions(self) -> List[rospy.Subscriber]:
-        endstops = [
-            self._subscriber(
-                f"{axis.value}_axis/endstop", Bool, partial(self._on_endstop, axis), 10
-            )
-            for axis in ENDSTOP_AXES
-        ]
-        return [*endstops, self._diagnostics_subscriber(self._on_health)]
+        def endstop(axis: AxisId) -> rospy.Subscriber:
+            topic = f"{axis.value}_axis/endstop"
+            return self._subscriber(topic, Bool, lambda one: EndstopState(axis, one.data), 10)
 
-    def _on_endstop(self, axis: AxisId, message: Bool) -> None:
-        self._emit(EndstopState(axis, message.data))
-
-    def _on_health(self, health: NodeHealth, message: DiagnosticArray) -> None:
-        offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
-        self._emit(ClockOffset(health.name, offset_s))
+        return [*map(endstop, ENDSTOP_AXES), self._diagnostics_subscriber(_offset)]
 
 
 def _activity(message: ServiceStatus) -> ServiceActivity:
     return ServiceActivity(message_from(message) if message.busy else None)
+
+
+def _offset(health: NodeHealth, message: DiagnosticArray) -> ClockOffset:
+    return ClockOffset(health.name, (rospy.Time.now() - message.header.stamp).to_sec())

@@ -89,43 +89,41 @@ class RosEvents:
     def _subscribe(
         self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
     ) -> None:
-        """Emit an event for each message of a topic; `queue_size` None: any number may wait."""
-        self._subscribe_raw(
-            name, message_class, lambda message: self._emit(convert(message)), queue_size
-        )
-
-    def _subscribe_raw(
-        self, name: str, message_class: Any, received: Callable[[Any], None], queue_size: Any
-    ) -> None:
-        """Call a function for each message of a topic; it may `_emit` any number of events."""
-        self._subscribers.append(self._subscriber(name, message_class, received, queue_size))
+        """Emit an event for each message of a topic, until the client is closed."""
+        self._subscribers.append(self._subscriber(name, message_class, convert, queue_size))
 
     def _subscriber(
-        self, name: str, message_class: Any, received: Callable[[Any], None], queue_size: Any
+        self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
     ) -> rospy.Subscriber:
-        def check(message: Any) -> None:
-            if self._takes(message):
-                received(message)
+        """Emit an event for each message of a topic, none where `convert` returns None.
 
-        return rospy.Subscriber(name, message_class, check, queue_size=queue_size)
+        Without a `queue_size` any number of messages may wait.
+        """
+
+        def received(message: Any) -> None:
+            event = convert(message) if self._takes(message) else None
+            if event is not None:
+                self._emit(event)
+
+        return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
 
     def _diagnostics_subscriber(
-        self, received: Callable[[NodeHealth, DiagnosticArray], None]
+        self, convert: Callable[[NodeHealth, DiagnosticArray], Any]
     ) -> rospy.Subscriber:
-        """Call a function for each report of a node of this robot on `/diagnostics`."""
+        """Emit an event for each report of a node of this robot on `/diagnostics`."""
 
-        def check(message: DiagnosticArray) -> None:
+        def received(message: DiagnosticArray) -> None:
             for health in self._healths(message):
                 # Every node of the graph publishes there about itself: only who speaks for a node
                 # of this robot is no such node.
                 foreign = health.name not in EXPECTED_NODES
                 if self._takes(message, is_usual=foreign):
-                    received(health, message)
+                    self._emit(convert(health, message))
 
         # Players put a prefix before the topics; behind it, a robot may have had a namespace.
         prefix, _, _ = self._senders.namespace.strip("/").partition("/")
         below = f"/{prefix}" if prefix and self._senders.replay else ""
-        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, check, queue_size=20)
+        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, received, queue_size=20)
 
     def _healths(self, message: DiagnosticArray) -> List[NodeHealth]:
         namespace = self._senders.namespace

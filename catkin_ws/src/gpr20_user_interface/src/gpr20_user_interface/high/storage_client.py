@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import String
@@ -39,6 +39,7 @@ from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.trace import Trace
 from gpr20_user_interface.high import conversions
 from gpr20_user_interface.high.ros_events import (
     STORAGE_SILENT,
@@ -73,7 +74,7 @@ class StorageClient(RosEvents):
         self._subscribe("survey_metadata", String, lambda one: SurveyDescribed(one.data), 1)
         self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
         # As it was sent: the converter of traces reads these bytes.
-        self._subscribe_raw("trace", rospy.AnyMsg, self._on_trace, TRACE_QUEUE)
+        self._subscribe("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""
@@ -184,13 +185,13 @@ class StorageClient(RosEvents):
     def _description(self, survey: str) -> Any:
         return parse_object(self._read(survey).metadata_json, "survey.json", MAX_FILE_BYTES)
 
-    def _on_trace(self, message: rospy.AnyMsg) -> None:
-        try:
-            trace = trace_message.decode(message._buff, connection_header(message)["md5sum"])
-        except TraceRefusedError as error:
-            rospy.logwarn("not shown: %s", error)
-        else:
-            self._emit(trace)
+
+def _trace(message: rospy.AnyMsg) -> Optional[Trace]:
+    try:
+        return trace_message.decode(message._buff, connection_header(message)["md5sum"])
+    except TraceRefusedError as error:
+        rospy.logwarn("not shown: %s", error)
+        return None
 
 
 def _answer(client: ServiceClient, timeout_s: float, **fields: Any) -> Any:
