@@ -10,11 +10,11 @@ from view_kit import moving, snapshot
 
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import message_fields, message_from
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.robot.condition import JobLevel, condition_of
-from gpr20_operator.robot.events import ControlState, Request
+from gpr20_operator.robot.events import ControlState
 from gpr20_operator.robot.notices import (
     CardWatch,
     Refused,
@@ -24,7 +24,6 @@ from gpr20_operator.robot.notices import (
 )
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.high.control_client import _answer_from
 from gpr20_user_interface.high.conversions import control_state
 
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
@@ -275,7 +274,7 @@ def test_a_status_of_a_version_without_faults_is_a_fault_with_its_text():
 def test_a_refusal_of_another_version_is_shown_with_its_text():
     for fault_code in ("", "mast.warped", "no code"):
         fields = {**message_fields(verbatim("warped")), "fault_code": fault_code}
-        answer = _answer_from(Request.START, CommandResponse(success=False, **fields))
-        notice = refusal_notice(Refused.START, answer.message)
+        reason = message_from(CommandResponse(success=False, **fields))
+        notice = refusal_notice(Refused.START, reason)
         assert str(notice.text) == "warped" and notice.first == remedies.CHECK_STATUS
         assert notice.details == ((fault_code,) if "." in fault_code else ())
