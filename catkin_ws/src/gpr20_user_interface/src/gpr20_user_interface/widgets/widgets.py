@@ -5,9 +5,37 @@ from __future__ import annotations
 from typing import Callable, Sequence
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QWidget
+from PyQt5.QtWidgets import (
+    QBoxLayout,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QPushButton,
+    QScrollArea,
+    QWidget,
+)
 
+from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
+
+
+def fill(layout: QBoxLayout, *parts: object) -> None:
+    """Add widgets and layouts in their order; a pair is one of them and its stretch."""
+    for part in parts:
+        what, stretch = part if isinstance(part, tuple) else (part, 0)
+        if isinstance(what, QLayout):
+            layout.addLayout(what, stretch)
+        else:
+            layout.addWidget(what, stretch)
+
+
+def space(widget: QWidget, outer: QLayout, *inner: QLayout) -> None:
+    """Set the gap of the look around the outermost layout, and between the parts of all."""
+    gap_px = look_of(widget).px(GAP_PX)
+    outer.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+    for layout in (outer, *inner):
+        layout.setSpacing(gap_px)
 
 
 def new_button(act: Callable[[], None], text: str = "") -> QPushButton:

@@ -30,6 +30,7 @@ from gpr20_user_interface.widgets.labels import LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
+from gpr20_user_interface.widgets.widgets import fill
 
 
 class StopWarningView(Overlay):
@@ -46,9 +47,7 @@ class StopWarningView(Overlay):
         self.text = LinesLabel()
         self.close_button = HoldButton()
         self._layout = QVBoxLayout(self)
-        self._layout.addWidget(self.title, 3)
-        self._layout.addWidget(self.text, 1)
-        self._layout.addWidget(self.close_button)
+        fill(self._layout, (self.title, 3), (self.text, 1), self.close_button)
         self.retranslate()
 
     def show_warning(self, warning: Optional[StopWarning]) -> None:

@@ -12,13 +12,12 @@ from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.condition import condition_of, left_of
 from gpr20_operator.robot.job import area_of, line_of, percent_of, survey_name
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import ASKING
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import fill, new_button, space
 
 UNKNOWN = "—"
 
@@ -60,10 +59,7 @@ class JobPage(TranslatedWidget, Page):
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        gap_px = look_of(self).px(GAP_PX)
-        self._grid.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
-        self._grid.setSpacing(gap_px)
-        self._buttons.setSpacing(gap_px)
+        space(self, self._grid, self._buttons)
 
     def on_event(self, event: object) -> None:
         """Follow the name of the survey."""
@@ -110,13 +106,9 @@ class JobPage(TranslatedWidget, Page):
         self.percent.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignLeft)
         words = QVBoxLayout()
         words.setSpacing(0)
-        for label in (self.percent, self.left, self.line, self.area):
-            words.addWidget(label)
-        words.addWidget(self.message, 1)
-        words.addWidget(self.remedy)
+        fill(words, self.percent, self.left, self.line, self.area, (self.message, 1), self.remedy)
         self._buttons = QHBoxLayout()
-        for button in (self.card, self.notes):
-            self._buttons.addWidget(button, 1)
+        fill(self._buttons, (self.card, 1), (self.notes, 1))
         self._grid = QGridLayout(self)
         self._grid.addLayout(words, 0, 0)
         self._grid.addWidget(self.map, 0, 1, 2, 1)

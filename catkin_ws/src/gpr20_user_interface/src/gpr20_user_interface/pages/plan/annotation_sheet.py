@@ -19,14 +19,14 @@ from gpr20_operator.plan.fields import PEOPLE, SPECS
 from gpr20_operator.plan.hold_question import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
+from gpr20_user_interface.look.look import TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.plan.tile import PlanTile
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import fill, new_button, space
 
 BUTTON_PX = 130
 # Row, column, and how many columns.
@@ -115,10 +115,7 @@ class AnnotationSheet(Overlay):
     def restyle(self) -> None:
         """Take the sizes of the look."""
         look = look_of(self)
-        gap_px = look.px(GAP_PX)
-        for layout in (self._rows, self._top, self._grid):
-            layout.setSpacing(gap_px)
-        self._rows.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        space(self, self._rows, self._top, self._grid)
         for button in (self.save, self.close_button):
             button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
@@ -157,16 +154,12 @@ class AnnotationSheet(Overlay):
         self.pad.ask(deliver, shown_text(spec.title), hint, self.texts[name], judge, spec.kind.keys)
 
     def _lay_out(self) -> None:
-        self._top = QHBoxLayout()
-        self._top.addWidget(self.title, 1)
-        self._top.addWidget(self.close_button)
-        self._top.addWidget(self.save)
+        self._top, self._rows = QHBoxLayout(), QVBoxLayout(self)
+        fill(self._top, (self.title, 1), self.close_button, self.save)
         self._grid = QGridLayout()
         for name, (row, column, columns) in PLACES.items():
             self._grid.addWidget(self.tiles[name], row, column, 1, columns)
         for column in range(2):
             self._grid.setColumnStretch(column, 1)
         self._grid.setRowStretch(2, 1)
-        self._rows = QVBoxLayout(self)
-        self._rows.addLayout(self._top)
-        self._rows.addLayout(self._grid, 1)
+        fill(self._rows, self._top, (self._grid, 1))

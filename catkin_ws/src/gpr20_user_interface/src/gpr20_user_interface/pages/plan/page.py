@@ -34,7 +34,6 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
 from gpr20_user_interface.pages.plan.profiles_sheet import ProfilesSheet
@@ -42,6 +41,7 @@ from gpr20_user_interface.pages.plan.tile import PlanTile
 from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.widgets import space
 
 COLUMNS, ROWS = 3, 4
 # How long to wait for the list of surveys, in refreshes, before it is requested again.
@@ -194,9 +194,7 @@ class PlanPage(TranslatedWidget, Page):
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        gap_px = look_of(self).px(GAP_PX)
-        self._grid.setSpacing(gap_px)
-        self._grid.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        space(self, self._grid)
 
     def _plan(self) -> RememberedPlan:
         return RememberedPlan(

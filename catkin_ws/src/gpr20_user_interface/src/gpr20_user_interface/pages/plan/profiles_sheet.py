@@ -15,7 +15,7 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import fill, new_button
 
 
 class ProfilesSheet(Overlay):
@@ -41,14 +41,11 @@ class ProfilesSheet(Overlay):
         self.close_button = new_button(self.hide)
         self.names.currentRowChanged.connect(lambda _row: self._show_buttons())
         row = QHBoxLayout()
-        for button in (self.load, self.save, self.delete, self.close_button):
-            row.addWidget(button, 1)
+        fill(row, (self.load, 1), (self.save, 1), (self.delete, 1), (self.close_button, 1))
         # Below the top bar: other sheets have their buttons to hold farther down.
         layout = QVBoxLayout(self)
         layout.setContentsMargins(16, 10, 16, 10)
-        layout.addLayout(row)
-        layout.addWidget(self.title)
-        layout.addWidget(self.names, 1)
+        fill(layout, row, self.title, (self.names, 1))
         self.retranslate()
 
     def show_profiles(self, parameters: Optional[SurveyParameters]) -> None:

@@ -27,7 +27,7 @@ from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.plan.tile import PlanTile
 from gpr20_user_interface.widgets.keys import CLEAR, DOWN, ERASE, STEP, UP, KeyBlock
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
+from gpr20_user_interface.widgets.widgets import fill, in_two_lines, new_button, set_look, space
 
 FIELDS_PX, PRESETS_PX, KEYS_PX, BUTTON_PX, FIELD_PX = 252, 232, 284, 134, 84
 MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
@@ -120,10 +120,7 @@ class ValueSheet(Overlay):
     def restyle(self) -> None:
         """Take the sizes of the look."""
         look = look_of(self)
-        gap_px = look.px(GAP_PX)
-        for layout in (self._rows, self._top, self._body, self._left, self._grid):
-            layout.setSpacing(gap_px)
-        self._rows.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
+        space(self, self._rows, self._top, self._body, self._left, self._grid)
         self._fields.setFixedWidth(look.px(FIELDS_PX))
         self._presets.setFixedWidth(look.px(PRESETS_PX))
         for field in self.fields:
@@ -221,15 +218,11 @@ class ValueSheet(Overlay):
         return button
 
     def _lay_out(self) -> None:
-        self._top = QHBoxLayout()
-        self._top.addWidget(self.title)
-        self._top.addWidget(self.hint, 1)
-        self._top.addWidget(self.undo)
-        self._top.addWidget(self.done)
+        self._top, self._body, self._rows = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
+        fill(self._top, self.title, (self.hint, 1), self.undo, self.done)
         self._fields, self._presets = QWidget(), QWidget()
         self._left = QVBoxLayout(self._fields)
-        for field in self.fields:
-            self._left.addWidget(field, 10)
+        fill(self._left, *((field, 10) for field in self.fields))
         self._left.addStretch(1)
         self._grid = QGridLayout(self._presets)
         for number, button in enumerate(self.presets):
@@ -239,10 +232,5 @@ class ValueSheet(Overlay):
             self._grid.setColumnStretch(column, 1)
         for layout in (self._left, self._grid):
             layout.setContentsMargins(0, 0, 0, 0)
-        self._body = QHBoxLayout()
-        self._body.addWidget(self._fields)
-        self._body.addWidget(self._presets)
-        self._body.addWidget(self.keys, 1)
-        self._rows = QVBoxLayout(self)
-        self._rows.addLayout(self._top)
-        self._rows.addLayout(self._body, 1)
+        fill(self._body, self._fields, self._presets, (self.keys, 1))
+        fill(self._rows, self._top, (self._body, 1))

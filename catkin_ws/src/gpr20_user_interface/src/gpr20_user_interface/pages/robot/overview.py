@@ -25,7 +25,14 @@ from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, scroll_area, set_look
+from gpr20_user_interface.widgets.widgets import (
+    fill,
+    in_two_lines,
+    new_button,
+    scroll_area,
+    set_look,
+    space,
+)
 
 FINDING_COLOURS: Dict[Level, TextColours] = {
     Level.OK: TextColours.GOOD,
@@ -170,11 +177,8 @@ class Overview(TranslatedWidget):
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        gap_px = look_of(self).px(GAP_PX)
         self.enter_button.setMinimumWidth(look_of(self).px(ENTER_PX))
-        self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
-        for layout in (self._layout, self._top, self._bottom, self._content):
-            layout.setSpacing(gap_px)
+        space(self, self._layout, self._top, self._bottom, self._content)
         self._write_findings()
 
     def _write_findings(self) -> None:
@@ -220,19 +224,12 @@ class Overview(TranslatedWidget):
         content = QWidget()
         self._content = QVBoxLayout(content)
         self._content.setContentsMargins(0, 0, 0, 0)
-        for widget in (self.findings, self._parts_title, self.parts):
-            self._content.addWidget(widget)
+        fill(self._content, self.findings, self._parts_title, self.parts)
         self._content.addStretch(1)
         words = QVBoxLayout()
-        words.addWidget(self._headline)
-        words.addWidget(self.hint)
+        fill(words, self._headline, self.hint)
         # Not at the bottom, where sheets are closed: a second touch must not begin the service.
-        self._top, self._bottom = QHBoxLayout(), QHBoxLayout()
-        self._top.addLayout(words, 2)
-        self._top.addWidget(self.enter_button, 1)
-        for button in (self.fold_button, self.check_button):
-            self._bottom.addWidget(button, 1)
-        self._layout = QVBoxLayout(self)
-        self._layout.addLayout(self._top)
-        self._layout.addWidget(scroll_area(content), 1)
-        self._layout.addLayout(self._bottom)
+        self._top, self._bottom, self._layout = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
+        fill(self._top, (words, 2), (self.enter_button, 1))
+        fill(self._bottom, (self.fold_button, 1), (self.check_button, 1))
+        fill(self._layout, self._top, (scroll_area(content), 1), self._bottom)

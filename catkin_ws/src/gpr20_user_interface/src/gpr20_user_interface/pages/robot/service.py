@@ -33,7 +33,7 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.widgets import in_two_lines, new_button, set_look
+from gpr20_user_interface.widgets.widgets import fill, in_two_lines, new_button, set_look, space
 
 UNKNOWN = "—"
 DISTANCES = (*(-step for step in reversed(STEPS)), *STEPS)
@@ -85,8 +85,7 @@ class AxisRows(TranslatedWidget):
         for line, row in enumerate(self.rows):
             words = QVBoxLayout()
             words.setSpacing(0)
-            for label in (row.place, row.lamp):
-                words.addWidget(label)
+            fill(words, row.place, row.lamp)
             self._grid.addLayout(words, line, 0)
             for column, button in enumerate([*row.jogs, row.home], 1):
                 self._grid.addWidget(button, line, column)
@@ -266,13 +265,9 @@ class ServiceScreen(TranslatedWidget):
         self._pages = QStackedWidget()
         for page in (self.axes, self.instruments):
             self._pages.addWidget(page)
-        self._bottom = QHBoxLayout()
-        self._bottom.addWidget(self.outcome, 1)
-        self._bottom.addWidget(self.switch_button)
-        self._bottom.addWidget(self.leave_button)
-        self._layout = QVBoxLayout(self)
-        self._layout.addWidget(self._pages, 1)
-        self._layout.addLayout(self._bottom)
+        self._bottom, self._layout = QHBoxLayout(), QVBoxLayout(self)
+        fill(self._bottom, (self.outcome, 1), self.switch_button, self.leave_button)
+        fill(self._layout, (self._pages, 1), self._bottom)
         self.retranslate()
 
     def begin(self) -> None:
@@ -288,10 +283,7 @@ class ServiceScreen(TranslatedWidget):
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
-        gap_px = look_of(self).px(GAP_PX)
-        self._layout.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
-        for layout in (self._layout, self._bottom):
-            layout.setSpacing(gap_px)
+        space(self, self._layout, self._bottom)
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""

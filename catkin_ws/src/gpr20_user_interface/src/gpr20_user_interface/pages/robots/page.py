@@ -16,7 +16,7 @@ from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import new_button, scroll_area
+from gpr20_user_interface.widgets.widgets import fill, new_button, scroll_area
 
 MARGIN_PX = 24
 COLUMNS = 2
@@ -135,7 +135,4 @@ class RobotsPage(Overlay, Page):
         for column in range(COLUMNS):
             self._grid.setColumnStretch(column, 1)
         self._layout = QVBoxLayout(self)
-        self._layout.addWidget(self.title)
-        self._layout.addWidget(scroll_area(content), 1)
-        self._layout.addWidget(self.hint)
-        self._layout.addWidget(self.close_button)
+        fill(self._layout, self.title, (scroll_area(content), 1), self.hint, self.close_button)
