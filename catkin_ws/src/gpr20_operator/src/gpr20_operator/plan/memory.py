@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, FrozenSet, Mapping, Optional
+from typing import Any, Callable, Dict, FrozenSet, List, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
@@ -48,23 +48,23 @@ def plan_from(values: Mapping[str, Any]) -> RememberedPlan:
     """
     if not values:
         return RememberedPlan()
-    people = _texts(values, SURVEY, REMEMBERED_PEOPLE)
-    following, step = values.get(FOLLOWING), values.get(STEP)
-    if following not in ("", "x", "y", "xy"):
-        raise _damaged(FOLLOWING)
-    if isinstance(step, bool) or step not in ARROW_STEPS:
-        raise _damaged(STEP)
-    address = values.get(PROPOSED_ADDRESS)
-    if not isinstance(address, str):
-        raise _damaged(PROPOSED_ADDRESS)
-    return RememberedPlan(
-        _texts(values, FIELDS, REMEMBERED),
-        frozenset(following),
-        int(step),
-        _annotation(people),
-        _texts(values, LAST_AREA, AREA_FIELDS),
-        address,
-    )
+    found: List[Any] = [values.get(key) for key in (FOLLOWING, STEP, PROPOSED_ADDRESS)]
+    following, step, address = found
+    for key, right in (
+        (FOLLOWING, following in ("", "x", "y", "xy")),
+        (STEP, step in ARROW_STEPS and not isinstance(step, bool)),
+        (PROPOSED_ADDRESS, isinstance(address, str)),
+    ):
+        if not right:
+            raise _damaged(key)
+    people: Mapping[str, Any] = _texts(values, SURVEY, REMEMBERED_PEOPLE)
+    try:
+        annotation = Annotation(**people)
+    except ValueError as error:
+        raise _damaged(SURVEY) from error
+    texts = _texts(values, FIELDS, REMEMBERED)
+    last_area = _texts(values, LAST_AREA, AREA_FIELDS)
+    return RememberedPlan(texts, frozenset(following), step, annotation, last_area, address)
 
 
 def values_of(plan: RememberedPlan) -> Dict[str, Any]:
@@ -125,15 +125,6 @@ def _texts(values: Mapping[str, Any], key: str, names: Any) -> Dict[str, str]:
         if name not in names or not isinstance(text, str) or len(text) > MAX_NAME_CHARACTERS:
             raise _damaged(f"{key}.{name}")
     return found
-
-
-def _annotation(people: Mapping[str, str]) -> Annotation:
-    try:
-        return Annotation(
-            people.get("operator", ""), people.get("site", ""), name=people.get("name", "")
-        )
-    except ValueError as error:
-        raise _damaged(SURVEY) from error
 
 
 def _damaged(key: str) -> SettingsError:

@@ -7,9 +7,8 @@ import os
 import sys
 import threading
 import time
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, NoReturn, Optional, Union
+from typing import Any, Callable, NoReturn, Optional, Tuple, Union
 
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
@@ -170,58 +169,48 @@ class UserInterface:
         return WARN, Message("no contact with the main control"), values
 
 
-@dataclass(frozen=True)
-class Ending:
-    """How the program ends: with a status, or with a window for another robot in its place."""
-
-    status: int
-    next_robot: str = ""
-
-
 def main() -> NoReturn:
     """Show the window until it is closed, ROS asks it to end or a signal comes."""
-    ending = _run(_parser().parse_known_args(rospy.myargv()[1:])[0])
-    if ending.next_robot:
-        open_in(ending.next_robot, sys.argv, os.environ)
-    # Without the exit handlers and destructors of libraries: their threads still run.
-    leave_now(ending.status)
-
-
-def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("user_interface", description="The window of the operator.")
     parser.add_argument(
         "--wait-for-display", action="store_true", help="wait until there is a screen"
     )
-    return parser
+    waits = parser.parse_known_args(rospy.myargv()[1:])[0].wait_for_display
+    status, next_robot = _run(waits)
+    if next_robot:
+        open_in(next_robot, sys.argv, os.environ)
+    # Without the exit handlers and destructors of libraries: their threads still run.
+    leave_now(status)
 
 
-def _run(given: argparse.Namespace) -> Ending:
+def _run(waits_for_display: bool) -> Tuple[int, str]:
+    """Return the exit status, and the robot of a window in place of this one; empty: none."""
     draw_without_opengl(os.environ)
     try:
         # First: there are no threads yet.
-        if given.wait_for_display:
+        if waits_for_display:
             wait_for_display(_say)
         else:
             check_display(os.environ)
     except DisplayUnavailableError as error:
         _say(str(error))
-        return Ending(EXIT_NO_DISPLAY)
+        return EXIT_NO_DISPLAY, ""
     with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
             _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
-            return Ending(EXIT_NO_MASTER)
+            return EXIT_NO_MASTER, ""
         on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
             # Only the window of a robot is started again.
-            guard = HangGuard() if given.wait_for_display else None
+            guard = HangGuard() if waits_for_display else None
             return _show(application, signals, guard)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
-            return Ending(EXIT_WRONG_PARAMETER)
+            return EXIT_WRONG_PARAMETER, ""
 
 
 def _say(sentence: str) -> None:
@@ -249,7 +238,7 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
 
 def _show(
     application: QApplication, signals: StopSignals, guard: Optional[HangGuard] = None
-) -> Ending:
+) -> Tuple[int, str]:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
@@ -287,7 +276,7 @@ def _show(
     # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")
     del diagnostics
-    return Ending(status, "" if signals.received else interface.next_robot)
+    return status, "" if signals.received else interface.next_robot
 
 
 def _plan_file(namespace: str) -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import resource
-import select
 import signal
-import time
+import tempfile
 from typing import Callable, NoReturn, Optional
 
 # A screen over a slow network opens within this time [s].
@@ -28,23 +28,19 @@ def display_problem(
         open_display: Opens the display, such as the constructor of an application.
         limit_s: How long the attempt may take [s].
     """
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
-        _attempt(open_display, writing)
-    os.close(writing)
-    try:
-        words = _words(reading, limit_s)
-        if words is None:
-            os.kill(child, signal.SIGKILL)
-    finally:
-        os.close(reading)
-        _, status = os.waitpid(child, 0)
-    if words is None:
-        return NO_ANSWER.format(limit_s=limit_s)
-    # Warnings are no problem.
-    return None if status == 0 else _first_line(words)
+    with tempfile.TemporaryFile() as words:
+        fork = multiprocessing.get_context("fork")
+        child = fork.Process(target=_attempt, args=(open_display, words.fileno()))
+        child.start()
+        child.join(limit_s)
+        if child.exitcode is None:
+            child.kill()
+            child.join()
+            return NO_ANSWER.format(limit_s=limit_s)
+        words.seek(0)
+        # Warnings are no problem.
+        said = words.read(MAX_WORDS_BYTES).decode(errors="replace")
+        return None if child.exitcode == 0 else _first_line(said)
 
 
 def _attempt(open_display: Callable[[], object], writing: int) -> NoReturn:
@@ -61,20 +57,6 @@ def _attempt(open_display: Callable[[], object], writing: int) -> NoReturn:
         os.write(writing, repr(error).encode())
     finally:
         os._exit(status)
-
-
-def _words(reading: int, limit_s: float) -> Optional[str]:
-    """Return what the child prints until it has ended; None if that takes too long."""
-    deadline_s = time.monotonic() + limit_s
-    words = b""
-    while True:
-        left_s = deadline_s - time.monotonic()
-        if left_s <= 0 or not select.select([reading], [], [], left_s)[0]:
-            return None
-        read = os.read(reading, 4096)
-        if not read:
-            return words.decode(errors="replace")
-        words = (words + read)[:MAX_WORDS_BYTES]
 
 
 def _first_line(words: str) -> str:
