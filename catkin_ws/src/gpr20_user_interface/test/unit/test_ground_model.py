@@ -17,6 +17,7 @@ from gpr20_operator.ground.records import Axis, Place
 from gpr20_operator.ground.shown_survey import ShownSurvey
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.pages.ground.marks import marks_above, marks_in_section
@@ -383,12 +384,32 @@ def test_stops_that_are_not_loaded_look_like_one_near_them_and_are_said_to_load(
     assert model.waiting is None
 
 
-def test_the_soil_of_the_plan_is_used_until_another_one_is_chosen_here(model):
-    model.take_plan(8.0)
-    assert model.settings.permittivity == 8.0
+def test_the_soil_of_the_survey_is_used_until_another_one_is_chosen_here(model):
+    model.take_soil(SURVEY, 8.0)
+    assert (model.settings.permittivity, model.other_permittivity) == (8.0, None)
     model.change(permittivity=5.0)
-    model.take_plan(8.0)
-    model.take_plan(None)
-    assert model.settings.permittivity == 5.0
-    model.take_plan(9.0)
+    model.take_soil(SURVEY, 8.0)
+    assert (model.settings.permittivity, model.other_permittivity) == (5.0, 8.0)
+    model.take_soil(SURVEY, 9.0)
+    assert (model.settings.permittivity, model.other_permittivity) == (9.0, None)
+    model.change(permittivity=5.0)
+    model.take_soil(PAST, 9.0)
     assert model.settings.permittivity == 9.0
+
+
+def test_of_unknown_soil_the_depths_are_those_of_its_image(model):
+    model.take_soil(SURVEY, None)
+    assert model.settings.permittivity == ANY_SOIL.permittivity
+    image = image_of(model.survey.map.grid)
+    model.additions.pictures.add_image(image)
+    model.take_soil(SURVEY, None)
+    assert model.settings.permittivity == image.found.permittivity == 4.0
+    assert model.wanted_permittivity is None
+
+
+def test_image_and_candidates_of_another_permittivity_are_not_shown(model):
+    model.additions.pictures.add_image(image_of(model.survey.map.grid))
+    model.take_soil(SURVEY, 4.0)
+    assert model.image is not None and model.additions.candidates
+    model.change(permittivity=9.0)
+    assert model.image is None and not model.additions.candidates

@@ -1,15 +1,26 @@
 """GROUND in the window: touches, layers, candidates, markers, finer surveys, what it says."""
 
+import dataclasses
 import itertools
 
 import numpy as np
 import pytest
+from candidate_examples import candidate, candidate_list
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from picture_kit import colours, drag, touch
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
 from test_ground_model import image_of
-from view_kit import PAST, SURVEY, description, make_grid, snapshot, state_of, trace_at
+from view_kit import (
+    PAST,
+    SURVEY,
+    depth_echo,
+    description,
+    make_grid,
+    snapshot,
+    state_of,
+    trace_at,
+)
 from window_helpers import click, close, hold, opened_window, show
 
 from gpr20_common.catalogue import Language
@@ -460,6 +471,54 @@ def test_an_image_that_is_not_there_yet_is_said_to_be_on_its_way(window, view):
     refreshed(view)
     assert view.pictures.above.numbers.shape == (13, 21)
     assert "Focused with permittivity 4." in view.note.text()
+
+
+def test_depths_follow_the_soil_of_the_survey_whatever_the_plan_says(window, view):
+    grid = make_grid(permittivity=9.0)
+    window.control.form.set_text("permittivity", "15")
+    window.control.show_plan()
+    # So few that nothing is removed as background.
+    fill(window, 6, grid=grid, s21=depth_echo(0.06, permittivity=9.0))
+    shades, places = view.pictures.trace.points
+    assert places[np.argmax(shades)] == pytest.approx(60.0, abs=5)
+    window.ground.model.change(permittivity=4.0)
+    refreshed(view)
+    shades, places = view.pictures.trace.points
+    assert places[np.argmax(shades)] == pytest.approx(90.0, abs=7)
+    assert "Depths with permittivity 4; the survey has 9." in view.note.text()
+    # Another screen stores another one.
+    window.traces.live.begin(make_grid(permittivity=4.0))
+    window.draw()
+    assert "Depths with" not in view.note.text()
+
+
+def test_an_image_is_asked_for_with_the_permittivity_that_is_chosen(window, monkeypatch):
+    asked = []
+    monkeypatch.setattr(window.ground._imaging, "keep", asked.append)
+    fill(window)
+    assert asked[-1].permittivity == 4.0
+    window.ground.model.change(permittivity=9.0)
+    window.draw()
+    assert asked[-1].permittivity == 9.0
+
+
+def test_over_a_candidate_nothing_is_said_to_be_nothing(window, view):
+    fill(window)
+    faint = candidate_list([candidate(level_db=7.0)], survey_id=SURVEY)
+    image = dataclasses.replace(image_of(window.traces.live.map.grid, level_db=7.0), found=faint)
+    window.additions.pictures.add_image(image)
+    model = window.ground.model
+    model.switch(Layer.FOCUSED)
+    model.choose_mark(faint.candidates[0])
+    refreshed(view)
+    assert not model.pictures(()).above.above_noise
+    for plot in (view.pictures.above, view.pictures.sections[0]):
+        assert "Nothing above" not in plot.notice
+    model.choose_place(200.0, 50.0)
+    model.set_depth(0.25)
+    refreshed(view)
+    for plot in (view.pictures.above, view.pictures.sections[0]):
+        assert "Nothing above the clutter" in plot.notice
 
 
 def test_nothing_is_drawn_while_nobody_can_see_it(window, view):

@@ -1,5 +1,7 @@
 """When the window asks for a focused image, and what it makes of the answer."""
 
+import dataclasses
+
 import map_kit
 import pytest
 from result_kit import Now, Requests
@@ -118,3 +120,20 @@ def test_of_many_images_those_that_are_looked_at_stay():
         pictures.add_image(map_kit.focused(survey_id=str(number)))
     kept = [one for one in range(3 * MOST_IMAGES) if pictures.image(str(one)) is not None]
     assert len(kept) == MOST_IMAGES - 1 and kept[-1] == 3 * MOST_IMAGES - 1
+
+
+def test_an_image_that_another_page_has_replaced_is_made_again(imaging, node, now):
+    wanted = Wanted(SURVEY, 20, 9.0)
+    imaging.keep(wanted)
+    found = map_kit.focused().found
+    node.ticket("focus").done(
+        dataclasses.replace(map_kit.focused(), found=dataclasses.replace(found, permittivity=9.0))
+    )
+    now.s += PERIOD_S
+    imaging.keep(wanted)
+    assert len(node.of("focus")) == 1
+    imaging.pictures.add_image(map_kit.focused())  # with 4
+    for _ in range(3):
+        imaging.keep(wanted)
+        now.s += PERIOD_S
+    assert node.of("focus")[1:] == [(SURVEY, 9.0)]

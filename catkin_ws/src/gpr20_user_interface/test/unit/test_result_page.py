@@ -10,7 +10,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton
 from result_kit import BLUE, ELEVEN, RED, noted, plug_in, search, stored
 from view_kit import SURVEY, description, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, show
+from window_helpers import click, hold, show, start
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
@@ -93,16 +93,22 @@ def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_surve
     window, page, node
 ):
     show(window, snapshot())
+    start(window)
+    planned = window.control.permittivity
+    # Edited before the main control answers.
+    window.control.form.set_text("permittivity", "15")
+    window.control.show_plan()
+    assert window.control.permittivity == 15.0 != planned
     window.on_event(Answer(Request.START, True, verbatim(""), SURVEY))
     assert node.of("note") == []
     window.on_event(SurveyDescribed(description()))
     ((survey, _kind, values),) = node.of("note")
-    assert (survey, values["permittivity"]) == (SURVEY, window.control.permittivity)
+    assert (survey, values["permittivity"]) == (SURVEY, planned)
     show(window, RUNS)
     show(window, ENDED)
     node.ticket("read").done(stored())
     show(window, ENDED)
-    assert node.of("focus") == [(SURVEY, window.control.permittivity)]
+    assert node.of("focus") == [(SURVEY, planned)]
 
 
 def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):

@@ -37,7 +37,10 @@ def moving(*axes, owner=""):
     return tuple(AxisReport(axis, axis in axes, owner, math.inf) for axis in AxisId)
 
 
-def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVEY, **changes):
+def make_grid(
+    x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVEY, permittivity=4.0, **changes
+):
+    """Return the grid of a survey with which a permittivity is stored, unless it is None."""
     values = {
         "vna_address": "127.0.0.1",
         "start_frequency_hz": 0.6e9,
@@ -52,7 +55,9 @@ def make_grid(x_points=5, y_points=4, rotations_deg=(0.0, 90.0), survey_id=SURVE
         "polarizations_deg": tuple(rotations_deg),
     }
     parameters = SurveyParameters(**{**values, **changes})
-    return planned_grid(survey_id, True, parameters, TRAVEL)
+    grid = planned_grid(survey_id, True, parameters, TRAVEL)
+    grid.permittivity = permittivity
+    return grid
 
 
 def description(**changes):

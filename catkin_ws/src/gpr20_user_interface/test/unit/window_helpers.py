@@ -35,6 +35,7 @@ class Survey:
         self.asked = []
         self.annotations = []
         self.finer = None
+        self.started_permittivity = None
 
     def refresh(self):
         return self.snapshot
@@ -57,7 +58,8 @@ class Survey:
     def check_master(self):
         pass
 
-    def start(self, parameters, annotation):
+    def start(self, parameters, permittivity, annotation):
+        self.started_permittivity = permittivity
         self.asked.append(parameters)
         self.annotations.append(annotation)
 

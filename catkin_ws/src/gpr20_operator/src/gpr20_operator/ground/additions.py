@@ -104,6 +104,7 @@ class AdditionsPresenter:
         markers: Its markers.
         related: The surveys that refine it, and the one that it refines.
         plan: A finer survey that is planned, but did not begin yet.
+        permittivity: That of the image which may be shown; None: any.
     """
 
     def __init__(
@@ -119,8 +120,9 @@ class AdditionsPresenter:
         self.markers: Tuple[Marker, ...] = ()
         self.related: Tuple[RelatedSurvey, ...] = ()
         self.plan: Optional[FinerPlan] = None
+        self.permittivity: Optional[float] = None
         self._revision = 0
-        self._asked_images: Set[str] = set()
+        self._asked_images: Set[Tuple[str, float]] = set()
         self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
         self._can_read = False
         # After so many refreshes it is read again; 0: not at all.
@@ -133,8 +135,14 @@ class AdditionsPresenter:
 
     @property
     def image(self) -> Optional[FocusedImage]:
-        """The focused image of the survey that is shown; None: none yet."""
-        return self.pictures.image(self.survey_id)
+        """The focused image of the survey that is shown; None: none yet.
+
+        Nor is one that was made with another permittivity: its depths are others.
+        """
+        image = self.pictures.image(self.survey_id)
+        if image is not None and self.permittivity in (None, image.found.permittivity):
+            return image
+        return None
 
     @property
     def hiding(self) -> Optional[HidingMap]:
@@ -149,8 +157,8 @@ class AdditionsPresenter:
 
     @property
     def finer_images(self) -> Tuple[FocusedImage, ...]:
-        """The images of the surveys that refine the one that is shown."""
-        found = (self.pictures.image(one.survey_id) for one in self.related if one.is_finer)
+        """The images of the surveys that refine the one that is shown, with its permittivity."""
+        found = (self._alike(one.survey_id) for one in self.related if one.is_finer)
         return tuple(one for one in found if one is not None)
 
     @property
@@ -190,10 +198,10 @@ class AdditionsPresenter:
         if image is None:
             return
         for one in self.related:
-            known = one.survey_id in self._asked_images or self.pictures.image(one.survey_id)
-            if one.is_finer and not known:
-                if self._focus(one.survey_id, image.found.permittivity) is not False:
-                    self._asked_images.add(one.survey_id)
+            wanted = one.survey_id, image.found.permittivity
+            if one.is_finer and wanted not in self._asked_images and not self._alike(one.survey_id):
+                if self._focus(*wanted) is not False:
+                    self._asked_images.add(wanted)
                 return  # the next one later
 
     def refresh(self) -> None:
@@ -243,6 +251,13 @@ class AdditionsPresenter:
         """Keep a finer survey for later; None: it has begun, or is not wanted."""
         self.plan = plan
         self._revision += 1
+
+    def _alike(self, survey_id: str) -> Optional[FocusedImage]:
+        """Return the image of another survey, with the permittivity of the one that is shown."""
+        own, image = self.image, self.pictures.image(survey_id)
+        if own is None or image is None or image.found.permittivity != own.found.permittivity:
+            return None
+        return image
 
     def _take(self, markers: Tuple[Marker, ...], related: Tuple[RelatedSurvey, ...]) -> None:
         self.markers, self.related = markers, related

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.records import Place, ascending
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.soil_note import noted_permittivity
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.recorded_plan import recorded_plan
@@ -53,6 +54,7 @@ class SurveyGrid:
         rotations_deg: Polarizations.
         tolerances: How far a trace may be from its place along x and y [mm], and z [deg].
         plan: What the survey measures, and the limits of the axes; None: it was imported.
+        permittivity: Of the ground, as stored with the survey; None: it is not known.
     """
 
     survey_id: str
@@ -62,6 +64,7 @@ class SurveyGrid:
     rotations_deg: Tuple[float, ...]
     tolerances: Tuple[float, float, float]
     plan: Optional[Tuple[SurveyParameters, RobotTravel]] = None
+    permittivity: Optional[float] = None
 
     @property
     def shape(self) -> Tuple[int, int]:
@@ -182,8 +185,11 @@ def grid_from_description(text: str) -> SurveyGrid:
             )
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False
+        permittivity = noted_permittivity(log_entries(values)[0])
         if not is_imported(values):
-            return planned_grid(survey_id, simulated, *recorded_plan(values))
+            own = planned_grid(survey_id, simulated, *recorded_plan(values))
+            own.permittivity = permittivity
+            return own
         found = imported_grid(values)
     except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(
@@ -191,4 +197,17 @@ def grid_from_description(text: str) -> SurveyGrid:
             fault=faults.PLAN_UNREADABLE,
         ) from error
     places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
-    return SurveyGrid(survey_id, simulated, *places, 3 * (TOLERANCE,))
+    tolerances = (TOLERANCE, TOLERANCE, TOLERANCE)
+    return SurveyGrid(survey_id, simulated, *places, tolerances, permittivity=permittivity)
+
+
+def log_entries(values: Mapping[str, Any]) -> Tuple[List[Dict[str, Any]], int]:
+    """Return the readable entries of the log in a survey.json, and how many are not readable."""
+    log = values.get("log")
+    entries = log if isinstance(log, list) else []
+    readable = [
+        one
+        for one in entries
+        if isinstance(one, dict) and isinstance(one.get("values") or {}, dict)
+    ]
+    return readable, len(entries) - len(readable)

@@ -80,6 +80,8 @@ class ShownSurvey:
             self._lacking = NOTHING
             self.radar.begin(grid)
             self.map.set_grid(grid)
+        else:
+            own.permittivity = grid.permittivity
 
     def take_traces(self, traces: Iterable[Trace]) -> Tuple[Message, ...]:
         """Take those traces that are of this survey; return why some of them cannot be shown.

@@ -6,6 +6,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
+from gpr20_operator.jobs.known_soils import KnownSoils
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
@@ -92,16 +93,16 @@ class Imaging:
 
     Attributes:
         pictures: What it has found.
-        permittivities: Of the ground of surveys, by their ids, as people entered them here; None:
-            they are not known.
+        soils: The permittivity of the ground of each survey.
     """
 
     def __init__(self, requests: Requests, now_s: Callable[[], float]) -> None:
         self._requests = requests
         self.now_s = now_s
         self.pictures = Pictures()
-        self.permittivities: Dict[str, Optional[float]] = {}
-        self._shown = self.job(Service.FOCUS, self.pictures.add_image)
+        self.soils = KnownSoils()
+        self._shown = self.job(Service.FOCUS, self._take_image)
+        self._made: Optional[FocusedImage] = None
         self._others = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked: Optional[Wanted] = None
         self._ended_s: Optional[float] = None
@@ -123,7 +124,7 @@ class Imaging:
             return
         if self._ended_s is None:
             self._ended_s = self.now_s()
-        if wanted == self._asked or not self._is_due(wanted):
+        if (wanted == self._asked and not self._is_replaced()) or not self._is_due(wanted):
             return
         self._asked, self._ended_s = wanted, None
         self._shown.ask(survey=wanted.survey_id, permittivity=wanted.permittivity)
@@ -139,6 +140,20 @@ class Imaging:
         """End what is awaited."""
         self._shown.end()
         self._others.end()
+
+    def _take_image(self, image: FocusedImage) -> None:
+        self._made = image
+        self.pictures.add_image(image)
+
+    def _is_replaced(self) -> bool:
+        """Return whether another page has an image with another permittivity made since."""
+        made = self._made
+        image = None if made is None else self.pictures.image(made.survey_id)
+        return (
+            image is not None
+            and made is not None
+            and image.found.permittivity != made.found.permittivity
+        )
 
     def _is_due(self, wanted: Wanted) -> bool:
         asked, now_s = self._asked, self.now_s()

@@ -6,19 +6,19 @@ import hashlib
 import json
 import math
 from dataclasses import dataclass
-from typing import Callable, Optional, Set, Tuple
+from typing import Callable, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
+from gpr20_operator.ground.grid import SurveyGrid, grid_from_description, log_entries
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
-from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
+from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.candidate_json import json_text
@@ -48,7 +48,6 @@ class Record:
         outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
         name: What people call it; empty: nothing.
         operator: Who measured; empty: it is not known.
-        permittivity: Of the ground, as people entered it; None: they did not.
         found: What people found at its candidates.
     """
 
@@ -57,7 +56,6 @@ class Record:
     outcome: str = ""
     name: str = ""
     operator: str = ""
-    permittivity: Optional[float] = None
     found: Tuple[Found, ...] = ()
     unreadable: int = 0
 
@@ -76,10 +74,8 @@ def record_of(stored: StoredSurvey) -> Record:
     """
     grid = grid_from_description(stored.text)
     values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
-    log = values.get("log")
-    entries = log if isinstance(log, list) else []
-    readable = [one for one in entries if _is_entry(one)]
-    finds, unreadable = [], len(entries) - len(readable)
+    readable, unreadable = log_entries(values)
+    finds = []
     for one in readable:
         noted = one.get("values") or {}
         if one.get("kind") == Kind.FOUND.value and noted.get("format") == FOUND_FORMAT:
@@ -95,14 +91,9 @@ def record_of(stored: StoredSurvey) -> Record:
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
-        noted_permittivity(readable),
         tuple(present(finds)),
         unreadable,
     )
-
-
-def _is_entry(entry: object) -> bool:
-    return isinstance(entry, dict) and isinstance(entry.get("values") or {}, dict)
 
 
 def list_sum(found: CandidateList) -> str:
@@ -144,8 +135,6 @@ class SurveyResult:
         self.hiding: Job[HidingMap] = imaging.job(Service.HIDE, self._take_hiding)
         self.noting: Job[Message] = imaging.job(Service.NOTE, lambda _said: self._read_again())
         self._soil: Job[Message] = imaging.job(Service.NOTE, lambda _said: self._soil_is_stored())
-        # Surveys whose permittivity was entered here and is not stored yet.
-        self._unstored: Set[str] = set()
         self._storing = ""
         self.export = StickExport(imaging)
         self._list_sum = ""
@@ -170,7 +159,7 @@ class SurveyResult:
         record = self.record
         if record is None:
             return None
-        return self._imaging.permittivities.get(record.survey_id, record.permittivity)
+        return self._imaging.soils.of(record.survey_id)
 
     @property
     def soil_problem(self) -> Optional[Message]:
@@ -254,21 +243,20 @@ class SurveyResult:
         self.search.end()
         self.hiding.end()
         self._imaging.pictures.drop_hiding(survey_id)
-        self.note_plan(survey_id, permittivity)
+        self._imaging.soils.enter(survey_id, permittivity)
         self.store_soil(survey_id)
         self.first, self.chosen, self._wanted = 0, None, True
 
     def note_plan(self, survey_id: str, permittivity: Optional[float]) -> None:
         """Note the permittivity of the plan of a survey that begins."""
-        self._imaging.permittivities[survey_id] = permittivity
-        self._unstored.add(survey_id)
+        self._imaging.soils.enter(survey_id, permittivity)
 
     def store_soil(self, survey_id: str) -> None:
         """Store the permittivity that was entered for a survey with it, durably; if one was."""
-        if survey_id in self._unstored:
+        soils = self._imaging.soils
+        if soils.is_unstored(survey_id):
             self._storing = survey_id
-            permittivity = self._imaging.permittivities[survey_id]
-            values = soil_values(permittivity, self._time_us())
+            values = soil_values(soils.of(survey_id), self._time_us())
             self._soil.ask(survey=survey_id, kind=SOIL_KIND.value, values_json=json.dumps(values))
 
     def choose_target(self, target: Targets) -> None:
@@ -339,16 +327,14 @@ class SurveyResult:
         except (SurveyNotReadableError, InvalidValueError) as error:
             self.reading.refuse(error.message)
             return
-        survey_id, noted = self.record.survey_id, self.record.permittivity
-        if survey_id not in self._unstored and noted is not None:
-            # Somebody at another screen may have entered it since.
-            self._imaging.permittivities[survey_id] = noted
-        elif not self._soil.running:
-            # The storage could not keep it when the survey began.
+        survey_id = self.record.survey_id
+        self._imaging.soils.take(survey_id, self.record.grid.permittivity)
+        if not self._soil.running:
+            # The storage may have been unable to keep it when the survey began.
             self.store_soil(survey_id)
 
     def _soil_is_stored(self) -> None:
-        self._unstored.discard(self._storing)
+        self._imaging.soils.note_stored(self._storing)
 
     def _take_image(self, image: FocusedImage) -> None:
         if self._is_other(image.survey_id):

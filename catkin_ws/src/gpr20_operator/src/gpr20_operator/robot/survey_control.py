@@ -53,6 +53,8 @@ class WindowPresenter:
         snapshot: What the window shows now.
         preview: What the survey of the fields will be; None while they are wrong.
         finer: The finer survey that was put into the fields; None: none.
+        started_permittivity: Of the soil, in the plan of the survey that was started last; None:
+            none was.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class WindowPresenter:
         self._resumed = ""
         self.preview: Optional[SurveyPreview] = None
         self.finer: Optional[FinerPlan] = None
+        self.started_permittivity: Optional[float] = None
         self.snapshot = model.snapshot()
 
     def on_event(self, event: object) -> Optional[Refusal]:
@@ -109,8 +112,11 @@ class WindowPresenter:
         """Check that the master answers."""
         self._control.check_master()
 
-    def start(self, parameters: SurveyParameters, annotation: Annotation) -> None:
+    def start(
+        self, parameters: SurveyParameters, permittivity: float, annotation: Annotation
+    ) -> None:
         """Ask for a survey."""
+        self.started_permittivity = permittivity
         self._model.request_sent(Request.START)
         refines = "" if self.finer is None else self.finer.refined_by(parameters)
         self._control.start_survey(parameters, annotation, refines)

@@ -180,7 +180,7 @@ class StartSheet(HoldSheet, Page):
             known = self._survey.preview_of(parameters)
             return plan_question(parameters, permittivity, known, annotation)
 
-        self._ask(make, CAN_START, lambda: self._survey.start(parameters, annotation))
+        self._ask(make, CAN_START, lambda: self._survey.start(parameters, permittivity, annotation))
 
     def ask_resume(self) -> None:
         """Ask whether to resume the survey that is paused."""

@@ -190,7 +190,7 @@ class MainWindow(TranslatedWidget):
         self.result = ResultPage(
             *(self, SurveyResult(self._imaging), languages),
             lambda: self.control.next_annotation.value.operator,
-            lambda: self.control.permittivity,
+            lambda: self.survey.started_permittivity,
         )
         self.past = SurveysPage(self, traces.past)
         self.job = JobPage(traces)
@@ -231,9 +231,6 @@ class MainWindow(TranslatedWidget):
         self.past.resume_requested.connect(self.start_sheet.ask_resume_past)
         self.past.result_requested.connect(self._show_result)
         self.job.notes_pressed.connect(self.control.show_notes)
-        self.control.plan_changed.connect(
-            lambda: self.ground.model.take_plan(self.control.permittivity)
-        )
 
     def _name_sheets(self) -> None:
         """Name what lies over the tabs; the bindings open and close it."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Tuple
+from typing import Optional, Tuple
 
-from gpr20_operator.ground.records import Axis
+from gpr20_operator.ground.records import Axis, Place
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.pages.ground.model import IMAGES, Found, GroundModel, Layer
@@ -33,14 +33,27 @@ def marks_in_section(model: GroundModel, along: Axis) -> Tuple[GroundMark, ...]:
     if place is None or model.hyperbola is not None:
         # Nothing lies over the hyperbola while it is fitted.
         return ()
-    found = []
-    for one in _marked(model):
-        away_mm, across_mm = one.y_mm - place.y_mm, one.x_mm
-        if along is Axis.Y_MM:
-            away_mm, across_mm = one.x_mm - place.x_mm, one.y_mm
-        if abs(away_mm) <= NEAR_MM and one.depth_mm is not None:
-            found.append(_mark(model, one, across_mm, one.depth_mm, True))
-    return tuple(found)
+    return tuple(
+        _mark(model, one, one.x_mm if along is Axis.X_MM else one.y_mm, one.depth_mm, True)
+        for one in _marked(model)
+        if one.depth_mm is not None and _lies_in(one, place, along)
+    )
+
+
+def has_candidate(model: GroundModel, along: Optional[Axis]) -> bool:
+    """Return whether a candidate lies in the section along an axis; None: at the depth shown."""
+    place, depth_mm = model.place, model.settings.depth_m * 1000.0
+    return any(
+        abs(one.depth_mm - depth_mm) <= NEAR_MM
+        if along is None
+        else place is not None and _lies_in(one, place, along)
+        for one in model.additions.candidates
+    )
+
+
+def _lies_in(one: Found, place: Place, along: Axis) -> bool:
+    away_mm = one.y_mm - place.y_mm if along is Axis.X_MM else one.x_mm - place.x_mm
+    return abs(away_mm) <= NEAR_MM
 
 
 def _marked(model: GroundModel) -> Tuple[Found, ...]:

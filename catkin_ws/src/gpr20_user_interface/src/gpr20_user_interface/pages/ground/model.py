@@ -24,6 +24,7 @@ from gpr20_survey.radar.depth import (
     two_way_delay_s,
 )
 from gpr20_survey.radar.hyperbola import Hyperbola
+from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 
@@ -85,7 +86,8 @@ class GroundModel:
         self.settings = RadarSettings()
         self.layers: FrozenSet[Layer] = frozenset(Layer) - {Layer.FOCUSED}
         self._focused: Optional[FocusedSource] = None
-        self._planned_permittivity: Optional[float] = None
+        self._soil: Tuple[str, Optional[float]] = ("", None)
+        self._chosen_permittivity: Optional[float] = None
         self._placed: Tuple[object, Optional[Place]] = (None, None)
         self._chosen: Optional[Place] = None
         self.mark: Optional[Found] = None
@@ -120,7 +122,7 @@ class GroundModel:
         return (
             *(shown, shown.map.revision, shown.map.current, shown.radar.revision),
             *(self.settings, self.layers, self._chosen, self.mark, self.hyperbola),
-            *(self.additions.revision, id(self.image)),
+            *(self.additions.revision, id(self.image), self.other_permittivity),
         )
 
     @property
@@ -308,16 +310,36 @@ class GroundModel:
         """Change some of the settings, by their names."""
         self.settings = dataclasses.replace(self.settings, **changes)
         if "permittivity" in changes:
+            self._chosen_permittivity = self.settings.permittivity
+            self.take_soil(*self._soil)
             self.set_depth(self.settings.depth_m)
 
-    def take_plan(self, permittivity: Optional[float]) -> None:
-        """Use the soil of the plan when it changes; None: it is wrong, keep the last one.
+    def take_soil(self, survey_id: str, permittivity: Optional[float]) -> None:
+        """Use the permittivity of the survey that is shown; None: it is not known.
 
-        A soil that is chosen here after that stays until the plan has another one.
+        One that is chosen here stays until the survey has another one.
         """
-        if permittivity is not None and permittivity != self._planned_permittivity:
-            self._planned_permittivity = permittivity
-            self.change(permittivity=permittivity)
+        if (survey_id, permittivity) != self._soil:
+            self._soil, self._chosen_permittivity = (survey_id, permittivity), None
+        used = self.wanted_permittivity
+        self.additions.permittivity = used
+        if used is None:
+            image = self.additions.image
+            used = ANY_SOIL.permittivity if image is None else image.found.permittivity
+        if used != self.settings.permittivity:
+            self.settings = dataclasses.replace(self.settings, permittivity=used)
+            self.set_depth(self.settings.depth_m)
+
+    @property
+    def wanted_permittivity(self) -> Optional[float]:
+        """That of images: the one chosen here, or else that of the survey; None: not known."""
+        return self._chosen_permittivity or self._soil[1]
+
+    @property
+    def other_permittivity(self) -> Optional[float]:
+        """That of the survey, if another one was chosen here; None: it is used, or not known."""
+        known = self._soil[1]
+        return None if known == self.wanted_permittivity else known
 
     def next_polarization(self) -> None:
         """Show the next antenna rotation."""

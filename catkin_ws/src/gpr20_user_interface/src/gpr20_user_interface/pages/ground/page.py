@@ -13,6 +13,7 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.additions import AdditionsPresenter, MarkingFailed
 from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Wanted
 from gpr20_operator.plan.spec import Keys
@@ -66,6 +67,7 @@ class GroundPage(QObject, Page):
         self._survey, self._traces, self._additions = survey, traces, additions
         self._imaging, self._show_refusal = imaging, show_refusal
         self._running = self._replay = False
+        self._described: Tuple[Optional[SurveyGrid], Optional[float]] = (None, None)
         # A place of another survey, which is shown as soon as that is here.
         self._awaited: Optional[Tuple[str, float, float, float]] = None
         self.model = GroundModel(traces.shown, additions)
@@ -126,6 +128,7 @@ class GroundPage(QObject, Page):
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""
         self._traces.refresh()
+        self._follow_soil()
         self._keep_image()
         self.view.problem = self._imaging.problem
         self.view.carriage_mm = self._traces.carriage_mm
@@ -218,9 +221,18 @@ class GroundPage(QObject, Page):
         states = shown.map.trace_states
         if self._replay or states is None or not self.view.isVisible():
             return
-        known = self._imaging.permittivities.get(shown.survey_id, self.model.settings.permittivity)
         stored = int(np.count_nonzero(is_stored(states)))
-        self._imaging.keep(Wanted(shown.survey_id, stored, known or NOT_KNOWN))
+        permittivity = self.model.wanted_permittivity or NOT_KNOWN
+        self._imaging.keep(Wanted(shown.survey_id, stored, permittivity))
+
+    def _follow_soil(self) -> None:
+        """Use the permittivity of the survey that is shown."""
+        grid, soils = self._traces.shown.map.grid, self._imaging.soils
+        if grid is not None:
+            if (grid, grid.permittivity) != self._described:
+                self._described = grid, grid.permittivity
+                soils.take(grid.survey_id, grid.permittivity)
+            self.model.take_soil(grid.survey_id, soils.of(grid.survey_id))
 
 
 def _problem_of_text(text: str) -> str:

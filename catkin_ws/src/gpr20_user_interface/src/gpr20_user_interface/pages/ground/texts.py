@@ -11,6 +11,7 @@ from gpr20_operator.ground.grid import Cell
 from gpr20_operator.ground.records import Axis, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
+from gpr20_user_interface.pages.ground.marks import has_candidate
 from gpr20_user_interface.pages.ground.model import IMAGES, GroundModel, Layer, Shown
 
 STATE_NAMES: Dict[StopState, Message] = {
@@ -147,6 +148,12 @@ def remark(model: GroundModel) -> Message:
         )
     if Layer.HIDING in model.layers and model.additions.hiding is not None:
         return Message("Hatched: a mine could hide here.")
+    if model.other_permittivity is not None:
+        return Message(
+            "Depths with permittivity {value:g}; the survey has {own:g}.",
+            value=settings.permittivity,
+            own=model.other_permittivity,
+        )
     if radar.given_up:
         return Message("Cannot be shown: {count}.", count=len(radar.given_up))
     if model.shows_focused and model.image is not None:
@@ -174,15 +181,20 @@ def above_notice(model: GroundModel, shown: Shown, problem: Optional[Message]) -
         return ()
     if shown.above is None:
         return (Message("No height was measured: the depth is unknown."),)
-    return nothing_in(model, shown.above, is_slice=True)
+    return nothing_in(model, shown.above, None)
 
 
-def nothing_in(model: GroundModel, picture: Picture, is_slice: bool) -> Lines:
-    """Return that nothing is seen in a picture; never while a part of it is not here."""
+def nothing_in(model: GroundModel, picture: Picture, along: Optional[Axis]) -> Lines:
+    """Return that nothing is seen in a section, or in the view from above if `along` is None.
+
+    Never while a part of it is not here, nor over a candidate: a list has fainter ones, too.
+    """
     if not picture.measured or picture.above_noise or model.waiting is not None:
         return ()
+    if has_candidate(model, along):
+        return ()
     partial = (Message("A part is not measured."),) if model.is_partial else ()
-    return (NOTHING[is_slice, model.shows_focused], *partial, NO_CLEARANCE)
+    return (NOTHING[along is None, model.shows_focused], *partial, NO_CLEARANCE)
 
 
 def section_title(model: GroundModel, along: Axis, in_time: bool) -> Tuple[str, Message]:

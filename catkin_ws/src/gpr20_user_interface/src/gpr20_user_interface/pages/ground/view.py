@@ -192,7 +192,7 @@ class GroundView(TranslatedWidget):
             return
         plot.set_crosshair(place.along(along), model.second_of(model.settings.depth_m, plot.axis))
         plot.set_marks(() if in_time else marks_in_section(model, along))
-        notice = texts.nothing_in(model, picture, is_slice=False)
+        notice = texts.nothing_in(model, picture, along)
         plot.set_notice("" if self.is_fitting else _sentences(notice))
         fits = along is model.settings.along
         plot.set_hyperbola(model.hyperbola_points(picture) if fits else None)

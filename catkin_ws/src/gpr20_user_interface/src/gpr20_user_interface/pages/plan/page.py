@@ -60,8 +60,6 @@ class PlanPage(TranslatedWidget, Page):
     start_pressed = pyqtSignal(object, float, object)
     # Carries the folder of the survey that ended early.
     resume_pressed = pyqtSignal(str)
-    # The parameters or the soil have changed.
-    plan_changed = pyqtSignal()
     # Carries what did not succeed, a Refused, and the reason, a Message.
     refused = pyqtSignal(object, object)
 
@@ -176,7 +174,6 @@ class PlanPage(TranslatedWidget, Page):
         self._survey.set_plan(self.parameters, self.permittivity or 1.0)
         self._show_tiles()
         self._show_commands()
-        self.plan_changed.emit()
 
     def show_notes(self) -> None:
         """Open the records of the survey that runs, or of the next one."""

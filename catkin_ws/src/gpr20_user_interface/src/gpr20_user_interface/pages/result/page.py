@@ -108,7 +108,7 @@ class ResultPage(TranslatedWidget, Page):
         result: The result.
         languages: Languages of the window.
         operator: Returns who operates the robot now.
-        permittivity: Returns that of the plan; None: its text is wrong.
+        permittivity: Returns that of the plan which was started last; None: none was.
     """
 
     # Id and folder of a survey; X, Y and depth of a place in mm.
