@@ -89,12 +89,10 @@ class Job(Generic[Result]):
         done: Called with each result.
 
     Attributes:
-        state: What the job does.
         stage: What is being done; None: it is not known, or nothing is.
         problem: Why there is no result; None: there is no problem.
         result: The last result; None unless the job is done.
-        revision: Changes with everything above.
-        changed_s: When it changed last.
+        revision: Changes with everything above, the last time at `changed_s`.
     """
 
     def __init__(

@@ -31,13 +31,7 @@ _RELATIONS = frozenset(
 
 @dataclass(frozen=True)
 class PlanCheck:
-    """The result of the checks of all fields.
-
-    Attributes:
-        parameters: What the survey measures; None if any field is wrong.
-        permittivity: Relative permittivity of the ground; None if its text is wrong.
-        problems: What each wrong field allows, by its name.
-    """
+    """What the texts say, None where one is wrong, and what each wrong field allows."""
 
     parameters: Optional[SurveyParameters]
     permittivity: Optional[float]

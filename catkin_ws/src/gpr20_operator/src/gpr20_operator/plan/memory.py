@@ -21,13 +21,10 @@ REMEMBERED = tuple(one.name for one in PLAN if one.remembered)
 
 @dataclass(frozen=True)
 class RememberedPlan:
-    """What the window starts with.
+    """What the window starts with; fields that are missing have their defaults.
 
     Attributes:
-        texts: Of the fields, by their names; fields that are missing have their defaults.
         following: The axes whose number of points follows from the spacing.
-        arrow_step: By how much an arrow changes a number.
-        annotation: Name, operator and site.
         last_area: Texts of the area of the last survey; empty if there was none.
         configured_address: The address that was proposed when the texts were entered.
     """

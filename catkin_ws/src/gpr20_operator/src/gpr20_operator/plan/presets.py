@@ -32,7 +32,6 @@ class PresetContext:
     """What presets depend on.
 
     Attributes:
-        travel: What the axes allow.
         last_area: Texts of the area of the survey before; empty if there is none.
         address: Of the VNA in the robot's configuration; empty if it is not known.
         quarter_wavelength_mm: In the soil [mm]; None if frequencies or permittivity are wrong.

@@ -56,9 +56,7 @@ class Kind:
     """A kind of value: which keys write its text, and how the text is read and written.
 
     Attributes:
-        keys: The keys.
         read: Makes the value from a text, or raises InvalidValueError.
-        write: Makes the text from a value.
         metavar: What the command line calls it.
     """
 

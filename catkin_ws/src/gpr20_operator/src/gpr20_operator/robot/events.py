@@ -27,8 +27,6 @@ class AxisReport:
     """The last report of an axis.
 
     Attributes:
-        axis: Which axis.
-        moving: Whether it moves.
         owner: Full name of the node that holds it; empty: nobody, or it is not known.
         received_s: When the report came [s].
         silent: Whether none came for longer than usual.
@@ -161,15 +159,11 @@ class RobotDefaults:
 
 @dataclass(frozen=True)
 class AxisLimits:
-    """The limits of the axes, as far as they are known.
+    """The limits of the axes and what else the nodes say about the robot; None: not known.
 
     Attributes:
-        travel: Ranges and steps; None if they are not known.
         reason: Why something is not known; None if all is.
-        figures: Everything else about the robot; None if it is not known.
-        defaults: What the robot's configuration proposes; None if it is not known.
         master_alive: Whether the ROS master answered.
-        nodes: What the nodes say they are.
     """
 
     travel: Optional[RobotTravel]
@@ -234,9 +228,6 @@ class Answer:
     """How a request ended: the answer of the main control, or that there was none.
 
     Attributes:
-        request: What was asked for.
-        success: Whether it was accepted.
-        message: What the main control says.
         survey_id: Of the survey that begins; empty if none does.
         other_analyzer: Identity of the present analyzer, if it is not that of the survey, which
             is resumed only if the operator accepts it; else empty.

@@ -20,16 +20,7 @@ NO_REPORT = Message("no report")
 
 @dataclass(frozen=True)
 class Notice:
-    """The texts of a dialog.
-
-    Attributes:
-        title: What this is about, or what was refused.
-        text: What happened.
-        first: What to do first; None: nothing.
-        then: What to do after that; None: nothing.
-        details: Technical lines that are not translated.
-        resumable: Whether the survey can be resumed from the dialog.
-    """
+    """The texts of a dialog; the details are technical lines that are not translated."""
 
     title: Message
     text: Message

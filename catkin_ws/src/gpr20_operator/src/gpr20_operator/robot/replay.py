@@ -20,13 +20,10 @@ class ReplayPhase(enum.IntEnum):
 
 @dataclass(frozen=True)
 class ReplayMark:
-    """One message of `replay`.
+    """One message of `replay`; texts are empty where they are not known.
 
     Attributes:
-        survey_id: UUID of the survey; empty if it is not known.
-        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
-        folder: Name of its folder; empty if it is not known.
-        phase: What the replay does.
+        started: Start of the survey, ISO 8601, UTC.
         rate: How many times faster than it was recorded; 0: its player does not report it.
     """
 
@@ -58,7 +55,6 @@ class ReplayView:
     """What a client shows of a replay.
 
     Attributes:
-        mark: What is known of the survey.
         connected: Whether its player is; None: none has been yet.
         state: The last state of the recorded survey; None before the first.
     """

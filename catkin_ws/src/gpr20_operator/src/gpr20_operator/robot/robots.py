@@ -79,7 +79,6 @@ class Robots:
 
     Args:
         own: Namespace of the robot that the window shows.
-        may_choose: Whether the window may show another robot.
         watch: Begins or ends to listen to what each robot does.
         show: Shows the robot of a namespace in place of this one.
     """

@@ -74,14 +74,7 @@ class HeightTested:
 
 @dataclass(frozen=True)
 class AxisState:
-    """What is known about an axis.
-
-    Attributes:
-        axis: Which axis.
-        coordinate: Where it is [mm or deg]; None: not known.
-        homed: Whether its zero is known; None: not known now.
-        pressed: Whether its endstop is pressed; None: not known now, or there is none.
-    """
+    """What is known about an axis; the coordinate in mm or deg; None: not known now."""
 
     axis: AxisId
     coordinate: Optional[float]
@@ -119,9 +112,6 @@ class ServiceModel:
 
     Attributes:
         entered: Whether the axes may be moved.
-        moving: The request for an axis; what it did in a sentence.
-        height: The request for a height.
-        analyzer: The test of the VNA.
         daily: A step of the daily check; the result is the verdict.
     """
 

@@ -66,9 +66,8 @@ def in_background(work: Callable[[], None]) -> None:
 class RosEvents:
     """Base of the clients: subscriptions, and a listener that may be gone after `close`.
 
-    Args:
-        listener: Called with each event, from threads of ROS and of the client.
-        senders: Decides which messages count; the others are never passed on.
+    It is called with each event, from threads of ROS and of the client; messages of others than
+    the `senders` that count are never passed on.
     """
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:

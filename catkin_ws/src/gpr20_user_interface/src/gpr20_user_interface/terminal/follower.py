@@ -98,12 +98,7 @@ _FIRST_REQUEST = {Mode.START: Request.START, Mode.RESUME: Request.RESUME}
 
 
 class SurveyFollower:
-    """Takes events and the passing of time, gives requests and in the end an outcome.
-
-    Attributes:
-        outcome: How it ended; None while it has not.
-        survey_id: The survey that is followed; empty while it is not known.
-    """
+    """Takes events and the passing of time, gives requests and in the end an outcome."""
 
     def __init__(self, mode: Mode, on_pause: OnPause, limits: Limits, clock: Clock) -> None:
         self._mode = mode

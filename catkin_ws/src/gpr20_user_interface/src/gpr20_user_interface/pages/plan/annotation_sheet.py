@@ -44,11 +44,6 @@ class AnnotationSheet(Overlay):
 
     What somebody wrote about a survey that exists is changed only by a hold.
 
-    Args:
-        window: What it covers.
-        source: The storage.
-        running: Returns the id of the survey that runs; empty: none.
-
     Attributes:
         survey: The survey of the records, an id or the name of its folder; empty: the next one.
     """

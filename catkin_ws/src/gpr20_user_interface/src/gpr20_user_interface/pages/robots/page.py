@@ -26,15 +26,7 @@ LONGEST_IN_BAR = 16
 
 
 class RobotsPage(Overlay, Page):
-    """Lists the robots of the ROS master; a touch of one shows it in this window.
-
-    Args:
-        window: The window.
-        robots: The robots of the master.
-        open_button: Opens the list; it is seen while there is a choice.
-        show_name: Names the robot in the top bar; empty: there is only one.
-        clock: Measures how long the window has been open.
-    """
+    """Lists the robots of the ROS master; a touch of one shows it in this window."""
 
     def __init__(
         self,
