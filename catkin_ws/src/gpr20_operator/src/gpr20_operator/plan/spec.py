@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Any, Callable, FrozenSet, List, Mapping, Optional, Tuple
+from typing import Any, Callable, FrozenSet, List, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.plan.presets import Preset, PresetContext
@@ -17,26 +17,15 @@ Limits = Callable[[RobotTravel], Tuple[float, float]]
 
 
 class Tile(enum.Enum):
-    """The groups of values, in the order of the screen."""
+    """The groups of values and their titles, in the order of the screen."""
 
-    AREA = "area"
-    SPACING = "spacing"
-    SOIL = "soil"
-    FREQUENCIES = "frequencies"
-    ANTENNAS = "antennas"
-    VNA = "vna"
-    NAME = "name"
-
-
-TILE_TITLES: Mapping[Tile, Message] = {
-    Tile.AREA: Message("Where"),
-    Tile.SPACING: Message("How close"),
-    Tile.SOIL: Message("Soil"),
-    Tile.FREQUENCIES: Message("Radar"),
-    Tile.ANTENNAS: Message("Antennas"),
-    Tile.VNA: Message("VNA"),
-    Tile.NAME: Message("Name"),
-}
+    AREA = Message("Where")
+    SPACING = Message("How close")
+    SOIL = Message("Soil")
+    FREQUENCIES = Message("Radar")
+    ANTENNAS = Message("Antennas")
+    VNA = Message("VNA")
+    NAME = Message("Name")
 
 
 class Keys(enum.Enum):

@@ -12,7 +12,7 @@ from gpr20_operator.plan.annotation import shortened
 from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
 from gpr20_operator.plan.form import PlanCheck, problem_of
 from gpr20_operator.plan.preview import SurveyPreview
-from gpr20_operator.plan.spec import TILE_TITLES, Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import (
@@ -64,7 +64,7 @@ def plan_rows(
         "y_spacing_mm": number_text(known.y_spacing_mm),
         "permittivity": number_text(permittivity),
     }
-    rows = [(TILE_TITLES[tile], _joined(tile_lines(tile, texts, annotation))) for tile in Tile]
+    rows = [(tile.value, _joined(tile_lines(tile, texts, annotation))) for tile in Tile]
     size = Message("{traces} at {stops} stops", traces=known.traces, stops=known.stops)
     return (*rows, (Message("Traces"), size), (Message("Time"), cost_text(known)))
 
@@ -139,7 +139,7 @@ def start_lock(snapshot: Optional[Snapshot], check: PlanCheck) -> Optional[Messa
     if snapshot.running:
         return Message("A survey is running")
     wrong = next((tile for tile in Tile if tile_problem(tile, check) is not None), None)
-    return None if wrong is None else Message("Correct first: {tile}", tile=TILE_TITLES[wrong])
+    return None if wrong is None else Message("Correct first: {tile}", tile=wrong.value)
 
 
 def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[SurveySummary]:

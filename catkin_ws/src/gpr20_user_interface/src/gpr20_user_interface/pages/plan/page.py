@@ -17,7 +17,7 @@ from gpr20_operator.plan.memory import PlanMemory, PlanMemoryFailed, RememberedP
 from gpr20_operator.plan.presets import AREA_FIELDS
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.spec import TILE_TITLES, Tile
+from gpr20_operator.plan.spec import Tile
 from gpr20_operator.plan.tiles import (
     check_lines,
     resumable,
@@ -217,7 +217,7 @@ class PlanPage(TranslatedWidget, Page):
                 lines[1] = most.format(spacing=f"{known.quarter_wavelength_mm:.3g}")
                 level = "doubtful"
             sentence = "" if problem is None else shown_text(problem)
-            button.show_texts(shown_text(TILE_TITLES[tile]), *lines, sentence=sentence, level=level)
+            button.show_texts(shown_text(tile.value), *lines, sentence=sentence, level=level)
 
     def _show_commands(self) -> None:
         """Show what can be started or resumed, and why not."""

@@ -21,7 +21,7 @@ from gpr20_operator.plan.form import PlanForm
 from gpr20_operator.plan.memory import ARROW_STEPS
 from gpr20_operator.plan.presets import Preset, PresetContext
 from gpr20_operator.plan.preview import quarter_wavelength_mm
-from gpr20_operator.plan.spec import TILE_TITLES, FieldSpec, Tile
+from gpr20_operator.plan.spec import FieldSpec, Tile
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.plan.tile import PlanTile
@@ -112,7 +112,7 @@ class ValueSheet(Overlay):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.title.setText(shown_text(TILE_TITLES[self._tile]))
+        self.title.setText(shown_text(self._tile.value))
         self.undo.setText(self.tr("UNDO"))
         self.done.setText(self.tr("DONE"))
         self._show()
