@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 from dataclasses import replace
 
@@ -14,11 +15,7 @@ from view_kit import FOLDER, SURVEY, snapshot, state_of
 from window_helpers import click, hold, show, start
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    AnnotationStored,
-)
+from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.plan.spec import Keys, Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults
 from gpr20_survey.plan.annotation import EMPTY, Annotation
@@ -29,6 +26,18 @@ from gpr20_survey.plan.survey_state import SurveyState
 @pytest.fixture(autouse=True)
 def idle(window):
     show(window, snapshot(SurveyState.IDLE))
+
+
+def read(window, node, survey, annotation):
+    """Open the records of a survey as the storage has them."""
+    window.annotation.read(survey)
+    assert node.of("read")[-1] == (survey,)
+    node.ticket("read").done(StoredSurvey(json.dumps({"annotation": annotation.values()}), 0))
+
+
+def asked(node):
+    """Return what is to replace the records of which survey."""
+    return [tuple(fields.values()) for kind, _, fields in node.asked if kind == "annotate"]
 
 
 @pytest.fixture
@@ -158,45 +167,45 @@ def test_return_on_a_real_keyboard_ends_a_line_or_begins_one(window, sheet):
     assert sheet.pad.isVisible()
 
 
-def test_nothing_can_be_saved_before_something_was_changed(window, sheet):
-    window.on_event(AnnotationRead(FOLDER, EXAMPLE))
+def test_nothing_can_be_saved_before_something_was_changed(window, sheet, node):
+    read(window, node, FOLDER, EXAMPLE)
     assert not sheet.save.isEnabled()
     write(sheet, "site", "s")
     assert sheet.save.isEnabled()
 
 
-def shown_survey(window, annotation):
+def shown_survey(window, node, annotation):
     """Open the records of the survey that runs."""
     show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY)))
     window.control.show_notes()
-    window.on_event(AnnotationRead(SURVEY, annotation))
+    assert node.of("read")[-1] == (SURVEY,)
+    node.ticket("read").done(StoredSurvey(json.dumps({"annotation": annotation.values()}), 0))
 
 
-def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, storage, sheet):
-    shown_survey(window, replace(EXAMPLE, notes=""))
-    assert ("annotation", SURVEY) in storage.asked
+def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, node, sheet):
+    shown_survey(window, node, replace(EXAMPLE, notes=""))
     write(sheet, "notes", "wet")
     click(sheet.save)
-    assert storage.asked[-1] == ("annotate", SURVEY, replace(EXAMPLE, notes="wet"))
+    assert asked(node) == [(SURVEY, replace(EXAMPLE, notes="wet"))]
     assert sheet.isVisible()
-    window.on_event(AnnotationStored(SURVEY))
+    node.ticket("annotate").done(verbatim("stored"))
     assert not sheet.isVisible()
     assert window.control.next_annotation.value == EMPTY
 
 
-def test_notes_of_the_running_survey_that_exist_are_changed_by_a_hold(window, storage, sheet):
-    shown_survey(window, EXAMPLE)
+def test_notes_of_the_running_survey_that_exist_are_changed_by_a_hold(window, node, sheet):
+    shown_survey(window, node, EXAMPLE)
     write(sheet, "notes", "!")
     click(sheet.save)
-    assert storage.asked[-1][0] != "annotate"
+    assert asked(node) == []
     hold(window.annotation.confirm.hold)
     changed = replace(EXAMPLE, notes=EXAMPLE.notes + "!")
-    assert storage.asked[-1] == ("annotate", SURVEY, changed)
+    assert asked(node) == [(SURVEY, changed)]
 
 
-def test_a_stored_survey_is_changed_only_by_a_hold_that_says_old_and_new(window, storage, sheet):
+def test_a_stored_survey_is_changed_only_by_a_hold_that_says_old_and_new(window, node, sheet):
     confirm = window.annotation.confirm
-    window.on_event(AnnotationRead(FOLDER, Annotation("Ana", name="field 3")))
+    read(window, node, FOLDER, Annotation("Ana", name="field 3"))
     assert FOLDER in sheet.title.whole
     write(sheet, "operator", "b")
     click(sheet.save)
@@ -204,37 +213,48 @@ def test_a_stored_survey_is_changed_only_by_a_hold_that_says_old_and_new(window,
     assert shown == {"Survey": "field 3", "Operator": "Ana → Anab"}
     for touch in (lambda: click(confirm.hold), lambda: hold(confirm.hold, 0.9)):
         touch()
-        assert [one for one in storage.asked if one[0] == "annotate"] == []
+        assert asked(node) == []
     click(confirm.cancel)
     assert sheet.isVisible() and sheet.texts["operator"] == "Anab"
     click(sheet.save)
     hold(confirm.hold)
-    assert storage.asked[-1] == ("annotate", FOLDER, Annotation("Anab", name="field 3"))
+    assert asked(node) == [(FOLDER, Annotation("Anab", name="field 3"))]
 
 
-def test_random_touches_never_change_the_records_of_a_stored_survey(window, storage, sheet):
+def test_random_touches_never_change_the_records_of_a_stored_survey(window, node, sheet):
     draw = random.Random(4)
     parts = (sheet, sheet.pad, window.annotation.confirm)
     saves = 0
     for _ in range(600):
         if not any(part.isVisible() for part in parts):
-            window.on_event(AnnotationRead(FOLDER, EXAMPLE))
+            read(window, node, FOLDER, EXAMPLE)
         top = next(part for part in reversed(parts) if part.isVisible())
         button = draw.choice([one for one in top.findChildren(QPushButton) if one.isVisible()])
         saves += button is sheet.save and button.isEnabled()
         QTest.mouseClick(button, Qt.LeftButton)
     assert saves > 5
-    assert [one for one in storage.asked if one[0] == "annotate"] == []
+    assert asked(node) == []
 
 
-def test_a_failure_is_said_and_loses_nothing_that_was_written(window, sheet):
-    window.on_event(AnnotationRead(FOLDER, EMPTY))
+def test_a_failure_is_said_and_loses_nothing_that_was_written(window, node, sheet):
+    read(window, node, FOLDER, EMPTY)
     write(sheet, "site", "here")
     click(sheet.save)
     hold(window.annotation.confirm.hold)
-    window.on_event(AnnotationFailed(verbatim("The disk is full")))
+    node.ticket("annotate").fail(verbatim("The disk is full"))
     assert window.notice.isVisible()
     assert window.notice.reason.toPlainText() == "The disk is full"
     click(window.notice.close_button)
     assert sheet.isVisible()
     assert sheet.texts["site"] == "here"
+
+
+def test_records_that_cannot_be_read_are_said_and_those_of_an_older_survey_are_empty(window, node):
+    for text in ("", "[]", '{"annotation": 1}', '{"annotation": {"site": 1}}'):
+        window.annotation.read(FOLDER)
+        node.ticket("read").done(StoredSurvey(text, 0))
+        assert window.notice.isVisible() and not window.annotation.isVisible(), text
+        click(window.notice.close_button)
+    window.annotation.read(FOLDER)
+    node.ticket("read").done(StoredSurvey("{}", 0))
+    assert window.annotation.isVisible() and not any(window.annotation.texts.values())

@@ -17,7 +17,7 @@ from window_helpers import close, new_window, show, wishes
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import AnnotationRead, SurveyRead, SurveysListed
+from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
 from gpr20_operator.plan.fields import VALUE_TILES, default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
@@ -94,7 +94,7 @@ class Field:
         elif chance < 0.7:
             window.on_event(SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40))))
         elif chance < 0.76:
-            window.on_event(AnnotationRead(FOLDER, Annotation("Ana", name="field 3")))
+            window.annotation.show_annotation(FOLDER, Annotation("Ana", name="field 3"))
         elif chance < 0.95:
             window.touch_binding.set_locked(False)
         else:
@@ -177,6 +177,7 @@ class Field:
     def check_wishes(self):
         assert set(wishes(self.window)) <= HARMLESS
         changed = {one[0] for one in self.window.traces.source.asked}
+        changed |= {one[0] for one in self.window.node.asked}
         assert not changed & {"remove marker", "annotate"}
         assert set(self.window.tools.asked) <= LOOKED
 

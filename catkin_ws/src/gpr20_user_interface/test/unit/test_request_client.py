@@ -36,6 +36,7 @@ ANSWERS = {
     Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
     Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
     Service.NOTE: message_fields(verbatim("noted")),
+    Service.ANNOTATE: message_fields(verbatim("stored")),
     Service.MOVE: message_fields(verbatim("The y axis is at 20 mm.")),
     Service.DAILY: message_fields(verbatim("Swept twice.")),
     Service.HEIGHT: {"height_m": 0.2, "spread_m": 0.001, "voltage_v": 1.3},

@@ -1,14 +1,11 @@
 """The client of the storage: every answer and every failure is an event with its reason."""
 
-import json
 import queue
 from types import SimpleNamespace
 
 import pytest
 
 pytest.importorskip("rospy")
-
-from annotation_examples import EXAMPLE
 
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
@@ -21,15 +18,11 @@ from gpr20_operator.ground.additions import (
     MarkingFailed,
 )
 from gpr20_operator.ground.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    AnnotationStored,
     ReadingFailed,
     SurveyRead,
     SurveysListed,
 )
 from gpr20_operator.robot.senders import Senders
-from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.high import storage_client
 
@@ -38,15 +31,12 @@ ASKED = {
     "list": lambda one: one.list_surveys(""),
     "survey": lambda one: one.read_survey("folder"),
     "traces": lambda one: one.read_traces("id", (3, 4)),
-    "annotation": lambda one: one.read_annotation("id"),
-    "annotate": lambda one: one.annotate("id", EXAMPLE),
     "additions": lambda one: one.read_additions("id"),
     "marker": lambda one: one.add_marker("id", MARKER),
     "removal": lambda one: one.remove_marker("id", MARKER.marker_id, "Ana"),
 }
 FAILED = {
     **dict.fromkeys(("list", "survey", "traces"), ReadingFailed),
-    **dict.fromkeys(("annotation", "annotate"), AnnotationFailed),
     "additions": AdditionsFailed,
     **dict.fromkeys(("marker", "removal"), MarkingFailed),
 }
@@ -95,7 +85,6 @@ def answer(storage):
 def test_answers_become_events(answer):
     assert answer("list") == SurveysListed("", (), False)
     assert answer("survey") == SurveyRead("folder", "{}", (0, 3))
-    assert answer("annotate") == AnnotationStored("id")
     assert answer("additions") == AdditionsRead("id", (), ())
     assert answer("marker") == answer("removal") == MarkersStored("id", ())
 
@@ -110,16 +99,3 @@ def test_silence_and_refusals_are_failures_with_a_reason(answer, storage, what):
     refused = answer(what)
     assert isinstance(refused, FAILED[what])
     assert str(refused.reason) == "refused" and refused.reason.cause is None
-
-
-def test_the_annotation_of_a_survey_is_read_and_one_of_an_older_survey_is_empty(answer, storage):
-    storage.text = json.dumps({"annotation": EXAMPLE.values()})
-    assert answer("annotation") == AnnotationRead("id", EXAMPLE)
-    storage.text = "{}"
-    assert answer("annotation") == AnnotationRead("id", EMPTY)
-
-
-def test_an_annotation_that_cannot_be_read_is_a_failure(answer, storage):
-    for text in ("", "[]", '{"annotation": 1}', '{"annotation": {"site": 1}}'):
-        storage.text = text
-        assert isinstance(answer("annotation"), AnnotationFailed), text

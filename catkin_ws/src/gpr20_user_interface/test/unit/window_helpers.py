@@ -94,12 +94,6 @@ class Storage:
     def read_traces(self, survey, indices):
         self.asked.append(("traces", survey, indices))
 
-    def read_annotation(self, survey):
-        self.asked.append(("annotation", survey))
-
-    def annotate(self, survey, annotation):
-        self.asked.append(("annotate", survey, annotation))
-
     def read_additions(self, survey):
         self.asked.append(("additions", survey))
 
@@ -178,12 +172,12 @@ def new_window(
 ):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
-    tools = ServiceTools()
+    tools, node = ServiceTools(), imaging or Requests()
     window = MainWindow(
         Presenters(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
-            Imaging(imaging or Requests(), time.monotonic),
+            Imaging(node, time.monotonic),
             ServiceModel(tools, tools, clock or Clock()),
             Profiles(profiles),
             PlanMemory(settings_in(profiles), problems.append),
@@ -194,7 +188,7 @@ def new_window(
         clock=clock or Clock(),
     )
     window.problems, window.languages, window.clock = problems, languages, clock
-    window.tools, window.node = tools, imaging
+    window.tools, window.node = tools, node
     return window
 
 

@@ -7,7 +7,6 @@ from typing import Mapping, Tuple, Union
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -54,28 +53,6 @@ class ReadingFailed:
     reason: Message
 
 
-@dataclass(frozen=True)
-class AnnotationRead:
-    """What people added to a survey, which is named as requested: by its id or its folder."""
-
-    survey: str
-    annotation: Annotation
-
-
-@dataclass(frozen=True)
-class AnnotationStored:
-    """The annotation of a survey is changed."""
-
-    survey: str
-
-
-@dataclass(frozen=True)
-class AnnotationFailed:
-    """The annotation of a survey could not be read or changed."""
-
-    reason: Message
-
-
 TraceEvent = Union[
     Trace,
     CoverageRuns,
@@ -84,7 +61,4 @@ TraceEvent = Union[
     TracesRead,
     SurveysListed,
     ReadingFailed,
-    AnnotationRead,
-    AnnotationStored,
-    AnnotationFailed,
 ]

@@ -19,7 +19,6 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.trace.trace import Trace
 
@@ -38,12 +37,6 @@ class TraceSource(AdditionsSource, Protocol):
 
     def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
         """Ask for stored traces of a survey, by its id and their places in the plan."""
-
-    def read_annotation(self, survey: str) -> None:
-        """Ask for the annotation of a survey, by its id or folder."""
-
-    def annotate(self, survey: str, annotation: Annotation) -> None:
-        """Ask to replace the annotation of a survey, by its id or folder."""
 
 
 class TracePresenter:

@@ -30,6 +30,7 @@ class Service(enum.Enum):
     """The answer is a StoredSurvey."""
     NOTE = "note_survey"
     """The answer is a Message, when the fact is stored; as of those that follow."""
+    ANNOTATE = "annotate_survey"
     MOVE = "service_move"
     DAILY = "daily_check"
     HEIGHT = "get_height"
@@ -87,6 +88,7 @@ class Job(Generic[Result]):
         cancel: Asks to end a request, by its id.
         now_s: A clock that never goes back [s].
         done: Called with each result.
+        failed: Called with the reason why there is none.
 
     Attributes:
         stage: What is being done; None: it is not known, or nothing is.
@@ -101,9 +103,10 @@ class Job(Generic[Result]):
         cancel: Callable[[str], None],
         now_s: Callable[[], float],
         done: Callable[[Result], None] = lambda _result: None,
+        failed: Callable[[Message], None] = lambda _problem: None,
     ) -> None:
         self._send, self._cancel = send, cancel
-        self._now_s, self._done = now_s, done
+        self._now_s, self._done, self._failed = now_s, done, failed
         self._ticket: Optional[Ticket[Result]] = None
         self._started_s = 0.0
         self.revision = 0
@@ -159,6 +162,8 @@ class Job(Generic[Result]):
         self._set(state, stage, problem, result)
         if state is JobState.DONE:
             self._done(result)  # type: ignore[arg-type]
+        if state is JobState.FAILED and problem is not None:
+            self._failed(problem)
 
     def _set(
         self,
@@ -187,11 +192,12 @@ def job_of(
     service: Service,
     now_s: Callable[[], float],
     done: Callable[[Any], None] = lambda _result: None,
+    failed: Callable[[Message], None] = lambda _problem: None,
 ) -> Job[Any]:
-    """Return a job of a service; `done` is called with each result."""
+    """Return a job of a service."""
 
     def cancel(request_id: str) -> None:
         if service.can_be_cancelled:
             requests.cancel(request_id)
 
-    return Job(partial(requests.ask, service), cancel, now_s, done)
+    return Job(partial(requests.ask, service), cancel, now_s, done, failed)

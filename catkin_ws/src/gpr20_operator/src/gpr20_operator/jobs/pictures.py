@@ -109,9 +109,14 @@ class Imaging:
         self._settling: Optional[Wanted] = None
         self._settling_s = 0.0
 
-    def job(self, service: Service, done: Callable[[Any], None] = lambda _result: None) -> Job[Any]:
-        """Return a job of a service; `done` is called with each result."""
-        return job_of(self._requests, service, self.now_s, done)
+    def job(
+        self,
+        service: Service,
+        done: Callable[[Any], None] = lambda _result: None,
+        failed: Callable[[Message], None] = lambda _problem: None,
+    ) -> Job[Any]:
+        """Return a job of a service."""
+        return job_of(self._requests, service, self.now_s, done, failed)
 
     @property
     def problem(self) -> Optional[Message]:

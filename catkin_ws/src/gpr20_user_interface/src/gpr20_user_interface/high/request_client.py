@@ -21,6 +21,7 @@ from gpr20_survey.results.analyzer_test import analyzer_test_of
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
 from gpr20_survey.results.volume import volume_from
+from gpr20_user_interface.high.conversions import annotation_message
 from gpr20_user_interface.high.ros_events import (
     CONTROL_SILENT,
     STORAGE_SILENT,
@@ -86,6 +87,7 @@ OFFERS: Dict[Service, _Offer] = {
         lambda one: StoredSurvey(accepted(one).metadata_json, len(one.stored_indices)),
     ),
     Service.NOTE: _Offer(srv.NoteSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT, _said),
+    Service.ANNOTATE: _Offer(srv.AnnotateSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
     # A test that failed says what it has found before.
     Service.HEIGHT: _Offer(srv.GetHeight, HEIGHT_TIMEOUT_S, HEIGHT_SILENT, _height_tested),
@@ -114,6 +116,8 @@ class RequestClient(RosEvents):
         """Call a service in the background, and let the ticket take the answer."""
         if service.can_be_cancelled:
             fields["request_id"] = ticket.request_id
+        if "annotation" in fields:
+            fields["annotation"] = annotation_message(fields["annotation"])
         if service is Service.EXPORT:
             self._exporting = ticket
         in_background(lambda: self._emit(Delivery(self._answer(service, ticket, fields))))

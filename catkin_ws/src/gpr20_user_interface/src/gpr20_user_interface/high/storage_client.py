@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_msgs.msg import SurveyCoverage
-from gpr20_msgs.srv import AnnotateSurvey, ListSurveys, MarkSurvey, ReadSurvey, ReadTraces
+from gpr20_msgs.srv import ListSurveys, MarkSurvey, ReadSurvey, ReadTraces
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.additions import (
     AdditionsFailed,
@@ -24,9 +24,6 @@ from gpr20_operator.ground.additions import (
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    AnnotationStored,
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
@@ -35,7 +32,6 @@ from gpr20_operator.ground.trace_events import (
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
-from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace import trace_message
@@ -66,7 +62,6 @@ class StorageClient(RosEvents):
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
-        self._annotate = ServiceClient("annotate_survey", AnnotateSurvey)
         self._mark = ServiceClient("mark_survey", MarkSurvey)
 
     def listen(self) -> None:
@@ -99,23 +94,6 @@ class StorageClient(RosEvents):
             return conversions.traces_read(indices[0], answer)
 
         self._emit_answer(ask, ReadingFailed)
-
-    def read_annotation(self, survey: str) -> None:
-        """Ask for the annotation of a survey, by its id or folder."""
-        self._emit_answer(
-            lambda: AnnotationRead(survey, annotation_of(self._description(survey))),
-            AnnotationFailed,
-        )
-
-    def annotate(self, survey: str, annotation: Annotation) -> None:
-        """Ask to replace the annotation of a survey, by its id or folder."""
-        note = conversions.annotation_message(annotation)
-
-        def ask() -> AnnotationStored:
-            _answer(self._annotate, CHANGE_TIMEOUT_S, survey=survey, annotation=note)
-            return AnnotationStored(survey)
-
-        self._emit_answer(ask, AnnotationFailed)
 
     def read_additions(self, survey: str) -> None:
         """Ask for markers and related surveys of a survey, by its id."""

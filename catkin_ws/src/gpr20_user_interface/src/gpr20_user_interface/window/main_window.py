@@ -181,7 +181,10 @@ class MainWindow(TranslatedWidget):
         traces = self.traces
         self.top_bar = TopBar()
         self.rail, self.tabs = Rail(), QStackedWidget()
-        self.control = PlanPage(self, self.survey, traces, presenters.profiles, presenters.plans)
+        self.control = PlanPage(
+            *(self, self.survey, traces, presenters.profiles, presenters.plans),
+            self._imaging,
+        )
         self.additions = AdditionsPresenter(
             traces.source,
             lambda: self.control.next_annotation.value.operator,
@@ -226,7 +229,7 @@ class MainWindow(TranslatedWidget):
         self.control.refused.connect(self.alerts.show_refusal)
         self.past.page_requested.connect(traces.source.list_surveys)
         self.past.open_requested.connect(traces.open_survey)
-        self.past.notes_requested.connect(traces.source.read_annotation)
+        self.past.notes_requested.connect(self.control.annotation.read)
         self.past.plan_requested.connect(lambda: self.show_tab(TabName.SURVEY))
         self.past.resume_requested.connect(self.start_sheet.ask_resume_past)
         self.past.result_requested.connect(self._show_result)

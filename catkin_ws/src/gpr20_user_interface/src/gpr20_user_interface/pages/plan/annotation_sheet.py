@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from functools import singledispatchmethod
 from typing import Callable, Dict
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from gpr20_operator.ground.trace_events import (
-    AnnotationFailed,
-    AnnotationRead,
-    AnnotationStored,
-)
-from gpr20_operator.ground.traces import TraceSource
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.jobs.job import Job, Service
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.plan.annotation import annotation_texts, check_annotation, replaces_text
 from gpr20_operator.plan.fields import PEOPLE, SPECS
 from gpr20_operator.plan.hold_question import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
-from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
 from gpr20_user_interface.look.look import TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.plan.tile import PlanTile
@@ -53,9 +52,14 @@ class AnnotationSheet(Overlay):
     # Carries the reason, a Message, why records could not be read or changed.
     failed = pyqtSignal(object)
 
-    def __init__(self, window: QWidget, source: TraceSource, running: Callable[[], str]) -> None:
+    def __init__(self, window: QWidget, storage: Imaging, running: Callable[[], str]) -> None:
         super().__init__(window)
-        self._source, self._running = source, running
+        self._running = running
+        failed = self.failed.emit
+        self._reading: Job[StoredSurvey] = storage.job(Service.READ, self._take, failed)
+        self._storing: Job[Message] = storage.job(Service.ANNOTATE, self._on_stored, failed)
+        # The survey that is read, and the one whose records are stored.
+        self._wanted = self._stored = ""
         self.confirm = HoldSheet(window)
         self.survey = ""
         self._before = EMPTY
@@ -71,22 +75,10 @@ class AnnotationSheet(Overlay):
         self._lay_out()
         self.retranslate()
 
-    @singledispatchmethod
-    def on_event(self, event: object) -> None:
-        """Take what the storage says about records."""
-
-    @on_event.register
-    def _(self, event: AnnotationRead) -> None:
-        self.show_annotation(event.survey, event.annotation)
-
-    @on_event.register
-    def _(self, event: AnnotationStored) -> None:
-        if event.survey == self.survey:
-            self.hide()
-
-    @on_event.register
-    def _(self, event: AnnotationFailed) -> None:
-        self.failed.emit(event.reason)
+    def read(self, survey: str) -> None:
+        """Open with what the storage has of a survey, by its id or the name of its folder."""
+        self._wanted = survey
+        self._reading.ask(survey=survey)
 
     def show_annotation(self, survey: str, annotation: Annotation) -> None:
         """Open with the annotation of a survey, by id or folder; empty: of the next one."""
@@ -114,6 +106,17 @@ class AnnotationSheet(Overlay):
         for button in (self.save, self.close_button):
             button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
+    def _take(self, stored: StoredSurvey) -> None:
+        try:
+            description = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
+            self.show_annotation(self._wanted, annotation_of(description))
+        except (SurveyRefusedError, InvalidValueError) as error:
+            self.failed.emit(error.message)
+
+    def _on_stored(self, _said: Message) -> None:
+        if self._stored == self.survey:
+            self.hide()
+
     def _on_save(self) -> None:
         before, survey = self._before, self.survey
         after, _problems = check_annotation(self.texts)
@@ -126,7 +129,8 @@ class AnnotationSheet(Overlay):
 
         def store() -> None:
             # The sheet stays open until the storage has it.
-            self._source.annotate(survey, after)
+            self._stored = survey
+            self._storing.ask(survey=survey, annotation=after)
 
         if survey == self._running() and not replaces_text(before, after):
             store()

@@ -10,6 +10,7 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QWidget
 
 from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.form import PlanCheck, PlanForm
 from gpr20_operator.plan.hold_question import plan_question
@@ -70,6 +71,7 @@ class PlanPage(TranslatedWidget, Page):
         traces: TracePresenter,
         profiles: Profiles,
         memory: PlanMemory,
+        storage: Imaging,
     ) -> None:
         super().__init__()
         self._survey, self._traces, self._memory = survey, traces, memory
@@ -88,7 +90,7 @@ class PlanPage(TranslatedWidget, Page):
         self.summary = HoldSheet(window)
         self.profiles = ProfilesSheet(window, profiles)
         running = lambda: survey.snapshot.running_survey  # noqa: E731
-        self.annotation = AnnotationSheet(window, traces.source, running)
+        self.annotation = AnnotationSheet(window, storage, running)
         self._lay_out()
         self._connect()
         self.retranslate()
@@ -115,9 +117,8 @@ class PlanPage(TranslatedWidget, Page):
             self.refused.emit(Refused.PLAN, self._memory.problem)
 
     @singledispatchmethod
-    def on_event(self, event: object) -> None:
-        """Take what is known of the records of surveys, and of a START."""
-        self.annotation.on_event(event)
+    def on_event(self, _event: object) -> None:
+        """Take what is known of a START."""
 
     @on_event.register
     def _(self, event: Answer) -> None:
@@ -179,7 +180,7 @@ class PlanPage(TranslatedWidget, Page):
         """Open the records of the survey that runs, or of the next one."""
         running = self._survey.snapshot.running_survey
         if running:
-            self._traces.source.read_annotation(running)
+            self.annotation.read(running)
         else:
             self.annotation.show_annotation("", self.next_annotation.value)
 
