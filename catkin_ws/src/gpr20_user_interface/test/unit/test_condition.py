@@ -10,6 +10,7 @@ from view_kit import RESTING, moving, snapshot, state_of
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_doctor.mid.titles import node_title
 from gpr20_operator import faults
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
@@ -20,6 +21,7 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 S, L = SurveyState, JobLevel
+MOVES_NOW = AxisPosition(0.0, True, True)
 WAITING = Message("Waiting for the VNA: a sweep").with_fault(
     Fault("survey.takes_long", remedies.TRY_LATER, Severity.WARNING)
 )
@@ -80,7 +82,7 @@ TABLE = (
         *(L.ATTENTION, "ROBOT MOVES", "y axis, by rqt"),
     ),
     (
-        {"code": S.SURVEYING, "axes": (AxisReport(AxisId.X, True, "", 0.0, silent=True),)},
+        {"code": S.SURVEYING, "axes": (AxisReport(AxisId.X, MOVES_NOW, "", 0.0, silent=True),)},
         *(L.ATTENTION, "ROBOT MOVES", "no report since it moved"),
     ),
     # The control is frozen, has died, or was never there.
@@ -138,7 +140,7 @@ AXES = st.tuples(
         st.builds(
             AxisReport,
             st.just(axis),
-            st.booleans(),
+            st.builds(AxisPosition, st.just(0.0), st.booleans(), st.booleans()),
             st.sampled_from(["", "/main_control", "/rqt"]),
             st.just(0.0),
             st.booleans(),

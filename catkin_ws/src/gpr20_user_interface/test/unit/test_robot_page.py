@@ -1,5 +1,6 @@
 """ROBOT: what a finger does there, and what it shows."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -16,7 +17,7 @@ from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import AxisMeasured, CurrentPosition, EndstopState
+from gpr20_operator.robot.events import AxisReport, CurrentPosition, EndstopState
 from gpr20_operator.robot.health import HealthReport, HealthTracker
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes.axis_id import AxisId
@@ -114,8 +115,8 @@ def test_endstops_and_positions_are_shown(service):
     begin(service)
     service.on_event(EndstopState(AxisId.X, True))
     service.on_event(EndstopState(AxisId.Y, False))
-    service.on_event(AxisMeasured(AxisId.Y, AxisPosition(0.0, False, False)))
-    show(service, AT_REST)
+    lost = AxisReport(AxisId.Y, AxisPosition(0.0, False, False), "", math.inf)
+    show(service, replace(AT_REST, axes=(lost,)))
     x, y, z = service.robot.service.axes.rows
     assert [row.place.text() for row in (x, y, z)] == ["X 650.00 mm", "Y not homed", "Z -90.0°"]
     assert "closed" in x.lamp.text() and "open" in y.lamp.text()

@@ -12,7 +12,7 @@ from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import (
     AxisLimits,
-    AxisMeasured,
+    AxisReport,
     ClockOffset,
     CurrentPosition,
     EndstopState,
@@ -159,8 +159,8 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
 
 
 def test_position_and_zero_of_each_axis(model, clock):
-    model.on_event(AxisMeasured(AxisId.Y, AxisPosition(2.0, False, False)))
-    model.refresh(at_rest())
+    lost = AxisReport(AxisId.Y, AxisPosition(2.0, False, False), "", clock.now_s())
+    model.refresh(at_rest(axes=(lost,)))
     x, y, z = model.axes
     assert [one.coordinate for one in (x, y, z)] == [1.0, 2.0, 3.0]
     assert (x.homed, y.homed, z.homed) == (None, False, None)

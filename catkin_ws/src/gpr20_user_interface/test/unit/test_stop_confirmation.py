@@ -5,6 +5,7 @@ from test_fault_messages import ASKED_STOP, FULL, MOVING
 from view_kit import snapshot
 
 from gpr20_common.message import in_a_row, verbatim
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.robot.events import Answer, AxisReport, AxisStopAnswer, ControlState, Request
 from gpr20_operator.robot.snapshot import STALE_S
 from gpr20_operator.robot.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
@@ -29,7 +30,10 @@ class Robot:
         """Let axes report a moment later."""
         self.clock.advance(0.001)
         kept = [one for one in self.shown.axes if one.axis not in axes]
-        new = [AxisReport(axis, moving, "", self.clock.now_s()) for axis in axes]
+        new = [
+            AxisReport(axis, AxisPosition(0.0, True, moving), "", self.clock.now_s())
+            for axis in axes
+        ]
         self.shown = replace(self.shown, axes=(*kept, *new))
 
     def press(self, *answering):

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from gpr20_common.message import verbatim
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cell, Stop, planned_grid
 from gpr20_operator.ground.sources import EchoSource
@@ -29,12 +30,14 @@ TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 NOW_US = 1_795_000_000_000_000
 # Whenever STOP is pressed, they have said so after it.
-RESTING = tuple(AxisReport(axis, False, "", math.inf) for axis in AxisId)
+RESTING = tuple(AxisReport(axis, AxisPosition(0.0, True, False), "", math.inf) for axis in AxisId)
 
 
 def moving(*axes, owner=""):
     """Return the reports of a robot of which these axes move, held by a node."""
-    return tuple(AxisReport(axis, axis in axes, owner, math.inf) for axis in AxisId)
+    return tuple(
+        AxisReport(axis, AxisPosition(0.0, True, axis in axes), owner, math.inf) for axis in AxisId
+    )
 
 
 def make_grid(

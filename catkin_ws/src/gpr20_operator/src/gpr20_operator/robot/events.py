@@ -33,10 +33,15 @@ class AxisReport:
     """
 
     axis: AxisId
-    moving: bool
+    position: AxisPosition
     owner: str
     received_s: float
     silent: bool = False
+
+    @property
+    def moving(self) -> bool:
+        """Whether it moves."""
+        return self.position.moving
 
 
 # The limits of the documented system, for as long as the axes' own are not known:

@@ -14,14 +14,12 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_facts import MachineFacts
-from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import EndstopSeen, RobotFacts
 from gpr20_operator.jobs.job import Job, Requests, Service, Ticket, job_of
 from gpr20_operator.robot.events import (
     AxisLimits,
-    AxisMeasured,
     ClockOffset,
     EndstopState,
-    MeasuredHeight,
     Request,
 )
 from gpr20_operator.robot.snapshot import Snapshot
@@ -134,9 +132,7 @@ class ServiceModel:
         # What is to be measured next.
         self._part: Optional[Part] = None
         self._endstops: Dict[AxisId, _Endstop] = {}
-        self._axes: Dict[AxisId, Tuple[AxisPosition, float]] = {}
         self._offsets_s: Dict[str, Deque[float]] = {}
-        self._height_m = math.nan
         self._limits = AxisLimits(None)
         self._machine: Optional[MachineFacts] = None
 
@@ -154,14 +150,6 @@ class ServiceModel:
         seen = EndstopSeen(event.pressed, changes)
         pressed_s = now_s if event.pressed else pressed_s
         self._endstops[event.axis] = _Endstop(seen, now_s, pressed_s)
-
-    @on_event.register
-    def _(self, event: AxisMeasured) -> None:
-        self._axes[event.axis] = event.position, self._now_s()
-
-    @on_event.register
-    def _(self, event: MeasuredHeight) -> None:
-        self._height_m = event.height_m
 
     @on_event.register
     def _(self, event: ClockOffset) -> None:
@@ -258,8 +246,8 @@ class ServiceModel:
             listening_s=now_s - self._begun_s,
             software={name: one.software for name, one in nodes.items()},
             endstops={axis: one.seen for axis, one in self._endstops.items()},
-            axes={axis: position for axis, (position, _heard_s) in self._axes.items()},
-            height_m=self._height_m,
+            axes={one.axis: one.position for one in shown.axes},
+            height_m=math.nan if shown.height_m is None else shown.height_m,
             analyzer=None if shown.running or old else self.tested,
         )
         return findings(robot, self._machine)
@@ -284,7 +272,6 @@ class ServiceModel:
             return
         self.leave()
         self._offsets_s.clear()
-        self._axes.clear()
         self._checking = False
 
     def enter(self) -> None:
@@ -357,12 +344,11 @@ class ServiceModel:
         endstop = self._endstops.get(axis)
         if endstop is not None and now_s - endstop.heard_s <= AXIS_LIMIT_S:
             pressed = endstop.seen.pressed or now_s - endstop.pressed_s < LAMP_S
-        position, heard_s = self._axes.get(axis, (None, 0.0))
-        homed = None
-        if position is not None and now_s - heard_s <= AXIS_LIMIT_S:
-            homed = position.homed
-        current = None if self._snapshot is None else self._snapshot.current
-        if current is not None:
-            places = {AxisId.X: current.x_mm, AxisId.Y: current.y_mm, AxisId.Z: current.z_deg}
-            coordinate = places[axis]
+        shown, homed = self._snapshot, None
+        if shown is not None:
+            recent = (one for one in shown.axes if now_s - one.received_s <= AXIS_LIMIT_S)
+            homed = next((one.position.homed for one in recent if one.axis is axis), None)
+        if shown is not None and shown.current is not None:
+            place = shown.current
+            coordinate = {AxisId.X: place.x_mm, AxisId.Y: place.y_mm}.get(axis, place.z_deg)
         return AxisState(axis, coordinate, homed, pressed)

@@ -174,10 +174,10 @@ class SurveyModel:
 
     @handle.register
     def _(self, event: AxisMeasured) -> None:
-        moving, now_s = event.position.moving, self._clock.now_s()
-        if moving:
+        now_s = self._clock.now_s()
+        if event.position.moving:
             self._progressed_s = now_s
-        self._axes[event.axis] = AxisReport(event.axis, moving, event.owner, now_s)
+        self._axes[event.axis] = AxisReport(event.axis, event.position, event.owner, now_s)
 
     @handle.register
     def _(self, event: NodeHealth) -> None:
