@@ -45,7 +45,7 @@ def requests():
 
 @pytest.fixture
 def model(clock, requests):
-    model = ServiceModel(requests, requests, clock)
+    model = ServiceModel(requests, requests.set_watched, requests.examine, clock)
     model.refresh(at_rest())
     model.enter()
     return model
@@ -56,7 +56,7 @@ def jog(model, distance=10.0):
 
 
 def test_nothing_is_asked_before_the_confirmation(clock, requests):
-    model = ServiceModel(requests, requests, clock)
+    model = ServiceModel(requests, requests.set_watched, requests.examine, clock)
     model.refresh(at_rest())
     jog(model)
     model.measure_height()
@@ -203,7 +203,7 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
     """Whatever is touched and heard in any order."""
     draw = random.Random(1)
     tools = ServiceTools()
-    model = ServiceModel(tools, tools, clock)
+    model = ServiceModel(tools, tools.set_watched, tools.examine, clock)
     shown = at_rest()
     acts = [
         model.enter,

@@ -178,7 +178,7 @@ def new_window(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
             Imaging(node, time.monotonic),
-            ServiceModel(tools, tools, clock or Clock()),
+            ServiceModel(tools, tools.set_watched, tools.examine, clock or Clock()),
             Profiles(profiles),
             PlanMemory(settings_in(profiles), problems.append),
             robots or Robots("/"),

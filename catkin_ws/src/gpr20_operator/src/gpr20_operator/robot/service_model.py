@@ -7,7 +7,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 from functools import singledispatchmethod
-from typing import Any, Deque, Dict, Mapping, Optional, Protocol, Tuple
+from typing import Any, Callable, Deque, Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -15,7 +15,7 @@ from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.robot_facts import EndstopSeen, RobotFacts
-from gpr20_operator.jobs.job import Job, Requests, Service, Ticket, job_of
+from gpr20_operator.jobs.job import Job, Requests, Service, job_of
 from gpr20_operator.robot.events import (
     AxisLimits,
     ClockOffset,
@@ -25,7 +25,6 @@ from gpr20_operator.robot.events import (
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import Part
 
@@ -80,22 +79,6 @@ class AxisState:
     pressed: Optional[bool]
 
 
-class RobotWatch(Protocol):
-    """What ROBOT follows while it is in front, without waiting."""
-
-    def set_watched(self, watched: bool) -> None:
-        """Follow endstops and clocks, or no longer."""
-
-    def examine(
-        self,
-        ticket: Ticket[MachineFacts],
-        nodes: Mapping[str, NodeDescription],
-        surveying: bool,
-        thorough: bool,
-    ) -> None:
-        """Ask what is known about the window's computer."""
-
-
 @dataclass(frozen=True)
 class _Endstop:
     """An endstop, when it was heard last, and when it was pressed last [s]."""
@@ -108,12 +91,24 @@ class _Endstop:
 class ServiceModel:
     """Takes events and touches, gives states and findings. Belongs to one thread.
 
+    Args:
+        requests: Calls the services of the robot.
+        watch: Follows endstops and clocks, or no longer.
+        examine: Finds out about the window's computer, in the background, for a ticket.
+        clock: Measures ages, and how long nothing was touched.
+
     Attributes:
         entered: Whether the axes may be moved.
         daily: A step of the daily check; the result is the verdict.
     """
 
-    def __init__(self, requests: Requests, watch: RobotWatch, clock: Clock) -> None:
+    def __init__(
+        self,
+        requests: Requests,
+        watch: Callable[[bool], None],
+        examine: Callable[..., None],
+        clock: Clock,
+    ) -> None:
         now_s = clock.now_s
         self._watch, self._now_s = watch, now_s
         self._begun_s = now_s()
@@ -125,7 +120,7 @@ class ServiceModel:
         self.analyzer: Job[AnalyzerTest] = job_of(requests, Service.ANALYZER, now_s)
         self.daily: Job[Message] = job_of(requests, Service.DAILY, now_s, self._take_step)
         self._examining: Job[MachineFacts] = Job(
-            watch.examine, lambda _request_id: None, now_s, self._take_machine
+            examine, lambda _request_id: None, now_s, self._take_machine
         )
         # Whether everything is being checked.
         self._checking = False
@@ -265,7 +260,7 @@ class ServiceModel:
 
     def set_watched(self, watched: bool) -> None:
         """Note whether ROBOT is in front; service ends when it is not."""
-        self._watch.set_watched(watched)
+        self._watch(watched)
         self._endstops.clear()
         if watched:
             self._examine(thorough=False)

@@ -29,7 +29,7 @@ ENDSTOP_AXES = (AxisId.X, AxisId.Y)
 
 
 class RobotWatchClient(RosEvents):
-    """Follows the robot without waiting; implements `RobotWatch`."""
+    """Follows the robot, and looks at this computer, without waiting."""
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)

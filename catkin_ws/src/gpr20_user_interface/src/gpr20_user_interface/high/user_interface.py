@@ -121,7 +121,7 @@ class UserInterface:
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 Imaging(self.requests, time.monotonic),
-                ServiceModel(self.requests, self.watch, Clock()),
+                ServiceModel(self.requests, self.watch.set_watched, self.watch.examine, Clock()),
                 profiles,
                 self.plans,
                 Robots(
