@@ -290,6 +290,29 @@ class StoreSurveyTest(unittest.TestCase):
                 topics = [topic for topic, _message, _time in bag.read_messages()]
             self.assertIn("/robot1/y_axis/current_coord", topics)
 
+    def test_11_a_recording_that_is_played_meanwhile_is_not_recorded(self) -> None:
+        axis = rospy.Publisher("y_axis/current_coord", CurrentCoordinate, queue_size=10)
+        folders = []
+        for coordinate in (1.0, 2.0):
+            self.survey_id = str(uuid.uuid4())
+            opened = self.open()
+            self.store(0)
+            if folders:
+                command = ["rosbag", "play", "--quiet", "--wait-for-subscribers", "--rate=100"]
+                before = f"{folders[0]}/survey.bag"
+                topics = ["--topics", "/robot1/y_axis/current_coord"]
+                subprocess.run([*command, before, *topics], check=True, timeout=TIME_LIMIT_S)
+            axis.publish(CurrentCoordinate(coordinate=coordinate))
+            self.wait_until(
+                lambda path=opened.path: self.on_disk(path, "/robot1/y_axis/current_coord"),
+                "the axis was not recorded",
+            )
+            self.assertTrue(self.close().success)
+            folders.append(opened.path)
+        for folder, coordinate in zip(folders, (1.0, 2.0)):
+            (message,) = self.read_bag(folder)["/robot1/y_axis/current_coord"]
+            self.assertEqual(message.coordinate, coordinate)
+
     def test_2_what_is_wrong_is_answered_with_a_reason_and_leaves_no_trace(self) -> None:
         before = glob.glob(self.data + "/*")
         for changes, code in (

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections import Counter
-from typing import Callable, Iterable, List
+from typing import Callable, Iterable, List, Set
 
 import rosgraph
 import rospy
@@ -18,10 +19,12 @@ from gpr20_survey.recording.survey_topics import LOG_TOPIC, METADATA_TOPIC, TRAC
 COMMANDS = ("/axis/goal", "/axis/cancel")
 COMMAND_SUFFIX = "_recorded"
 POLL_S = 0.02
+# As `rosbag play` names itself: what it plays on the topics of the robot is another recording.
+PLAYER = re.compile(r"play_\d+")
 
 
 class TopicRecorder:
-    """Passes every message of some topics on as the bytes that came."""
+    """Passes every message of some topics on as the bytes that came, but those of a player."""
 
     def __init__(
         self,
@@ -38,6 +41,7 @@ class TopicRecorder:
         """
         self._record = record
         self._now_ns = now_ns
+        self._players: Set[str] = set()
         # The storage records these itself, exactly once.
         stored = (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
         own = {rospy.resolve_name(name) for name in stored}
@@ -76,6 +80,12 @@ class TopicRecorder:
 
     def _received(self, message: rospy.AnyMsg, topic: str) -> None:
         header = connection_header(message)
+        sender = header["callerid"]
+        if PLAYER.fullmatch(sender.rpartition("/")[2]):
+            if sender not in self._players:
+                self._players.add(sender)
+                rospy.logwarn("%s plays another recording; its messages are not recorded", sender)
+            return
         self._record(
             RecordedMessage(
                 topic=topic,
