@@ -74,7 +74,7 @@ class ReplayFollower:
             message = Message("The replay is no longer followed.")
             self.outcome = Outcome(ExitStatus.STOPPED, message)
         elif shown.replay is not None and shown.replay.ended:
-            self.outcome = Outcome(ExitStatus.REPLAY, _end(shown.state))
+            self.outcome = Outcome(ExitStatus.REPLAY, _replay_end(shown.state))
         return []
 
     def tick(self) -> List[Request]:
@@ -82,7 +82,7 @@ class ReplayFollower:
         return []
 
 
-def _end(state: Optional[ControlState]) -> Message:
+def _replay_end(state: Optional[ControlState]) -> Message:
     if state is None or state.code not in ENDED:
         return Message("The recording does not contain the survey's end.")
     return Message(
