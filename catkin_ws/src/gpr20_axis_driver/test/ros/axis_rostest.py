@@ -138,6 +138,8 @@ class AxisTest(unittest.TestCase):
         self.assertIs(message_from(answers[0]).cause.severity, Severity.NOTE)
         wait_until(lambda: not self.x.last.moving)
         self.assertFalse(self.x.last.homed)
+        # Nothing is wrong with an axis whose homing somebody has ended.
+        wait_until(lambda: self.fault_in_diagnostics("/x_axis/axis_driver") == NOT_HOMED.code)
 
     def test_8_the_antennas_turn(self):
         self.z.home()

@@ -36,6 +36,9 @@ CONTROL_RESTARTED = Fault(
     may_move=True,
     replaces=True,
 )
+INTERRUPTED = Fault(
+    "window.interrupted", Message("Resume the survey on SURVEY, or plan another one."), replaces=True
+)
 CONTROL_LATE = Fault(
     "window.control_late",
     Message("Wait some seconds. STOP stops every axis at any time."),

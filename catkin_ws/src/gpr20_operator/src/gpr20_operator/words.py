@@ -148,3 +148,8 @@ def duration(time_s: float) -> Message:
 def time_left(time_s: float) -> Message:
     """Return how long [s] something still takes, in words."""
     return Message("{time} left", time=duration(time_s))
+
+
+def size_text(width_mm: float, height_mm: float) -> Message:
+    """Return the size of an area."""
+    return Message("{width:g} x {height:g} mm", width=width_mm, height=height_mm)

@@ -1,5 +1,6 @@
 """The band follows what the robot does: its motion, its codes, and how old they are."""
 
+import dataclasses
 import itertools
 
 from hypothesis import given
@@ -92,7 +93,7 @@ TABLE = (
         {"code": S.SURVEYING, "alive": False, "axes": moving(AxisId.X)},
         *(L.FAULT, "ROBOT MOVES", "No contact with the main control for 7 s"),
     ),
-    ({"code": S.IDLE, "interrupted": True}, L.FAULT, "INTERRUPTED", "Resume it on SURVEY"),
+    ({"code": S.IDLE, "interrupted": True}, L.FAULT, "INTERRUPTED", "was restarted"),
     ({"code": S.SURVEYING, "master_alive": False}, L.FAULT, "NO CONTACT", "ROS master"),
     (
         {"code": None, "alive": False, "control_silent_s": None},
@@ -129,6 +130,19 @@ def test_the_band_says_what_the_robot_does():
         found = shown.level, str(shown.title)
         assert found == (level, title), (known, found)
         assert words in str(shown.message), (known, str(shown.message))
+
+
+def test_hands_stay_clear_of_an_interrupted_robot_until_every_axis_says_that_it_rests():
+    at_rest = tuple(dataclasses.replace(one, silent=False) for one in RESTING)
+    silent = dataclasses.replace(at_rest[0], silent=True)
+    for axes, words in (
+        (at_rest, "Resume the survey on SURVEY"),
+        ((), "the axes may still move"),
+        (at_rest[:2], "the axes may still move"),
+        ((silent, *at_rest[1:]), "the axes may still move"),
+    ):
+        shown = condition_of(snapshot(code=S.IDLE, interrupted=True, axes=axes))
+        assert words in str(shown.remedy), axes
 
 
 CODES = st.none() | st.sampled_from(SurveyState)

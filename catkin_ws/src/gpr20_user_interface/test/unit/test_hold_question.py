@@ -23,6 +23,7 @@ from gpr20_operator.plan.preview import preview
 from gpr20_operator.robot.events import Progress
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.results.survey_summary import Thumbnail
 
 PARAMETERS = default_parameters()
 FIGURES = preview(PARAMETERS, 4.0)
@@ -111,10 +112,13 @@ def test_a_past_survey_is_named_before_it_is_resumed():
         "Survey": FOLDER,
         "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
+        "Plan": "that of the survey, not the one on this page",
     }
+    area = past_survey(thumbnail=Thumbnail(300.0, 250.0))
+    assert rows(resume_past_question(FOLDER, area))["Area"] == "300 x 250 mm"
     named = rows(resume_past_question(FOLDER, past_survey(name="field 3")))
     assert named["Survey"] == "field 3"
-    assert rows(resume_past_question(FOLDER, None)) == {"Survey": FOLDER}
+    assert rows(resume_past_question(FOLDER, None))["Survey"] == FOLDER
 
 
 @pytest.mark.parametrize(

@@ -188,6 +188,10 @@ class AxisNode:
     def _find_zero(self, action: Callable[[], None]) -> CommandResponse:
         try:
             action()
+        except MotionStopped:
+            # Somebody ended it: the axis is not homed, and nothing is wrong with it.
+            self._last_error = None
+            raise
         except AxisException as error:
             self._last_error = error.message
             raise

@@ -10,6 +10,7 @@ from gpr20_operator.plan.annotation import overwritten, shortened
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.tiles import Row, about, figure_rows, plan_rows, spacing_warning
 from gpr20_operator.robot.events import Progress
+from gpr20_operator.words import size_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -82,6 +83,10 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
             (Message("Started"), verbatim(survey.local_time())),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
+        area = survey.thumbnail
+        if area.width_mm or area.height_mm:
+            rows += ((Message("Area"), size_text(area.width_mm, area.height_mm)),)
+    rows += ((Message("Plan"), Message("that of the survey, not the one on this page")),)
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 
 

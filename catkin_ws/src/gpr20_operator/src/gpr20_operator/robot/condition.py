@@ -18,6 +18,7 @@ from gpr20_operator.robot.events import AxisReport
 from gpr20_operator.robot.job import percent_of, progress_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import time_left
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -172,9 +173,9 @@ def _no_contact(snapshot: Snapshot) -> Optional[Condition]:
 def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
     if not snapshot.interrupted:
         return None
-    message = Message(
-        "The main control was restarted: the survey is INTERRUPTED. Resume it on SURVEY."
-    ).with_fault(faults.CONTROL_RESTARTED)
+    rests = {one.axis for one in snapshot.axes if not one.moving and not one.silent}
+    fault = faults.INTERRUPTED if len(rests) == len(AxisId) else faults.CONTROL_RESTARTED
+    message = Message("The main control was restarted.").with_fault(fault)
     return Condition(JobLevel.FAULT, Message("INTERRUPTED"), message)
 
 

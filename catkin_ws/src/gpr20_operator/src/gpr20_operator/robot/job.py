@@ -9,7 +9,7 @@ from typing import Optional, Tuple
 from gpr20_common.message import Message
 from gpr20_operator.robot.events import Progress
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.words import time_left
+from gpr20_operator.words import size_text, time_left
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED
 
@@ -52,11 +52,8 @@ def _line_number(parameters: SurveyParameters, y_mm: float) -> int:
 
 def area_of(parameters: SurveyParameters) -> Message:
     """Return the size of a survey's area."""
-    return Message(
-        "{width:g} x {height:g} mm",
-        width=abs(parameters.x_stop_mm - parameters.x_start_mm),
-        height=abs(parameters.y_stop_mm - parameters.y_start_mm),
-    )
+    p = parameters
+    return size_text(abs(p.x_stop_mm - p.x_start_mm), abs(p.y_stop_mm - p.y_start_mm))
 
 
 def remaining(progress: Progress) -> Message:
