@@ -212,7 +212,9 @@ def unlocked(window):
 STOPS = {
     "plan": plan,
     **{
-        f"tile {tile.name.lower()}": after_plan(lambda window, tile=tile: window.values.show_tile(tile))
+        f"tile {tile.name.lower()}": after_plan(
+            lambda window, tile=tile: window.values.show_tile(tile)
+        )
         for tile in VALUE_TILES
     },
     "check plan": after_plan(lambda window: window.control.check_plan.click()),

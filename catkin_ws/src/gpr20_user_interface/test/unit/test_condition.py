@@ -15,7 +15,7 @@ from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_doctor.mid.titles import node_title
 from gpr20_operator import faults
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
-from gpr20_operator.robot.events import AxisReport, ControlState, Progress
+from gpr20_operator.robot.events import AxisReport, ControlState, Progress, Request
 from gpr20_operator.robot.health import NOT_NEEDED, STALE_S, HealthReport, HealthTracker
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
@@ -88,6 +88,11 @@ TABLE = (
     ),
     # The control is frozen, has died, or was never there.
     ({"code": S.SURVEYING, "control_silent_s": 3.0}, L.ATTENTION, "SURVEYING", "for 3 s"),
+    (
+        {"code": S.SURVEYING, "pending": frozenset({Request.STOP})},
+        *(L.ATTENTION, "SURVEYING", "STOP was pressed"),
+    ),
+    ({"code": S.STOPPING, "pending": frozenset({Request.STOP})}, L.ATTENTION, "STOPPING", ""),
     ({"code": S.SURVEYING, "alive": False}, L.FAULT, "NO CONTACT", "for 7 s"),
     (
         {"code": S.SURVEYING, "alive": False, "axes": moving(AxisId.X)},

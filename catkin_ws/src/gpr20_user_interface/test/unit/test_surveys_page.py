@@ -157,6 +157,22 @@ def test_a_search_reads_on_until_the_list_is_full_or_ends(window, listed, storag
     assert listed.list.isVisible() and listed.model.rowCount() == 150
 
 
+def test_a_survey_that_is_not_in_the_list_is_not_chosen_any_more(window, listed):
+    first, other = many(2)
+    other = dataclasses.replace(other, name="Salado")
+    window.on_event(SurveysListed("", (first, other), False))
+    for leave in (
+        lambda: listed.search_for("salado"),
+        lambda: listed.show_listed(Listed.IMPORTED),
+    ):
+        listed.search_for("")
+        listed.show_listed(Listed.ALL)
+        listed.choose(first)
+        assert listed.resume.isVisible()
+        leave()
+        assert listed.chosen is None and not listed.resume.isVisible()
+
+
 SURVEYS = st.builds(
     dataclasses.replace,
     st.just(past_survey()),

@@ -106,7 +106,7 @@ def test_a_control_measurement_is_told_relative_to_the_stored_trace():
     assert control.index == 7
     assert control.difference_db == pytest.approx(10.0 * math.log10(0.25 / 25.0))
     assert control.height_difference_m == pytest.approx(0.01)
-    assert "point 7 was measured again and differs by -20.0 dB" in str(control.message)
+    assert "point 7 was measured again; the difference is 20.0 dB below" in str(control.message)
     assert "+10.0 mm" in str(control.message)
 
 

@@ -14,7 +14,7 @@ from typing import Callable, Dict, NamedTuple, Optional, Tuple
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_common.remedies import first_step
 from gpr20_operator import faults
-from gpr20_operator.robot.events import AxisReport
+from gpr20_operator.robot.events import AxisReport, Request
 from gpr20_operator.robot.job import percent_of, progress_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import time_left
@@ -201,6 +201,13 @@ def _of_state(snapshot: Snapshot) -> Condition:
     return Condition(level if level in _KEPT else JobLevel.ATTENTION, title, doubtful)
 
 
+def _stop_asked(snapshot: Snapshot) -> Optional[Message]:
+    """Return that a STOP is not answered yet; its answer usually comes within 0.1 s."""
+    if Request.STOP not in snapshot.pending or snapshot.code is SurveyState.STOPPING:
+        return None
+    return Message("STOP was pressed: the axes stop. The main control has not answered yet.")
+
+
 def _late(snapshot: Snapshot) -> Optional[Message]:
     if snapshot.control_silent_s is None or snapshot.control_silent_s <= CONTROL_LATE_S:
         return None
@@ -248,6 +255,7 @@ def _trace_s(snapshot: Snapshot) -> float:
 
 # What makes a state doubtful, the most important first.
 _DOUBTS: Tuple[Callable[[Snapshot], Optional[Message]], ...] = (
+    _stop_asked,
     _late,
     _part,
     _warning,
@@ -270,5 +278,5 @@ def _time_passes(snapshot: Snapshot) -> bool:
     warning = _warning(snapshot)
     if warning is not None and any(one.code in WAITS for one in warning.faults):
         return False
-    doubts = (_late, _part, _stands_still, _ignored_sender)
+    doubts = (_stop_asked, _late, _part, _stands_still, _ignored_sender)
     return urgent(snapshot) is None and not any(doubt(snapshot) for doubt in doubts)

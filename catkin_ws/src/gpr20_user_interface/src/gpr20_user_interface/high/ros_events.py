@@ -20,6 +20,8 @@ from gpr20_operator.robot.senders import SenderIgnored, Senders
 
 CONTROL_SILENT = Message("the main control does not answer; check that it is running")
 STORAGE_SILENT = Message("the storage does not answer; check that it is running")
+# How often a warning about unusable messages is repeated.
+UNUSABLE_S = 60.0
 
 
 class RequestError(Exception):
@@ -100,7 +102,14 @@ class RosEvents:
         """
 
         def received(message: Any) -> None:
-            event = convert(message) if self._takes(message) else None
+            if not self._takes(message):
+                return
+            try:
+                event = convert(message)
+            except (ValueError, Gpr20Error) as error:
+                # Of a damaged recording, or of another version.
+                rospy.logwarn_throttle(UNUSABLE_S, "unusable message of %s: %s", name, error)
+                return
             if event is not None:
                 self._emit(event)
 

@@ -106,7 +106,7 @@ class Lattice:
         edges = np.zeros((height, width), bool)
         edges[:, 1:] |= np.diff(column) != 0
         edges[1:] |= (np.diff(row) != 0)[:, None]
-        large = width / (right - left) * area.width_mm / columns >= SMALLEST_WITH_LINES_PX
+        large = width / max(right - left, 1e-9) * area.width_mm / columns >= SMALLEST_WITH_LINES_PX
         self._lines = np.flatnonzero(edges & inside) if large else np.zeros(0, np.intp)
 
     def image(self, cells: np.ndarray, look: Look, lines: bool) -> QImage:

@@ -34,20 +34,20 @@ class RepeatMeasurement:
     @property
     def message(self) -> Message:
         """The comparison in one sentence."""
-        # As text: an infinite difference has no number in JSON.
-        difference_db = f"{self.difference_db:.1f}"
+        # As text: an infinite one has no number in JSON.
+        below_db = f"{-self.difference_db:.1f}"
         if not math.isfinite(self.height_difference_m):
             return Message(
-                "point {index} was measured again and differs by {difference_db} dB from the "
+                "point {index} was measured again; the difference is {below_db} dB below the "
                 "stored trace",
                 index=self.index,
-                difference_db=difference_db,
+                below_db=below_db,
             )
         return Message(
-            "point {index} was measured again and differs by {difference_db} dB from the stored "
-            "trace, the height by {height_mm:+.1f} mm",
+            "point {index} was measured again; the difference is {below_db} dB below the stored "
+            "trace, that of the height {height_mm:+.1f} mm",
             index=self.index,
-            difference_db=difference_db,
+            below_db=below_db,
             height_mm=1000.0 * self.height_difference_m,
         )
 

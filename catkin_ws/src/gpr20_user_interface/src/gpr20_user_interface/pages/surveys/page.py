@@ -115,13 +115,13 @@ class SurveysPage(TranslatedWidget, Page):
     def search_for(self, text: str) -> None:
         """List the surveys that hold every word of a text."""
         self._text = " ".join(text.split())
-        self._show_list()
+        self._show_found()
 
     def show_listed(self, listed: Listed) -> None:
         """List the surveys that ended in some ways."""
         self._listed = listed
         self.filters[listed].setChecked(True)
-        self._show_list()
+        self._show_found()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
         """Request the list whenever the tab is opened."""
@@ -163,10 +163,16 @@ class SurveysPage(TranslatedWidget, Page):
             self._asked_before = before
             self.page_requested.emit(before)
 
+    def _show_found(self) -> None:
+        """List what is searched for; a survey that is not in the list is not chosen any more."""
+        self._show_list()
+        if self.chosen is not None and self.chosen not in self.model.surveys:
+            self.choose(None)
+
     def _show_list(self) -> None:
         self.model.show(self._surveys.found(self._listed, self._text))
         if self.chosen is not None:
-            # It may have changed; it stays chosen where the search leaves it out, or is not read.
+            # It may have changed; it stays chosen where it is not read yet.
             found = self._surveys.find(self.chosen.folder)
             self.chosen = self.chosen if self._surveys.more and found is None else found
         self.list.viewport().update()
@@ -237,8 +243,11 @@ class SurveysPage(TranslatedWidget, Page):
             self.tr("{count} traces").format(count=survey.stored_traces),
             sentence_text(self._surveys.ending(survey)),
         ]
-        if survey.verdict is not None and survey.stored_traces < survey.planned_traces:
-            lines.append(sentence_text(survey.verdict))
+        verdict, stored = survey.verdict, survey.stored_traces
+        if verdict is not None and stored < survey.planned_traces:
+            # Traces may have been lost since the verdict on the end.
+            if verdict.values.get("stored", stored) == stored:
+                lines.append(sentence_text(verdict))
         return [one for one in lines if one]
 
     def retranslate(self) -> None:
