@@ -37,7 +37,9 @@ CONTROL_RESTARTED = Fault(
     replaces=True,
 )
 INTERRUPTED = Fault(
-    "window.interrupted", Message("Resume the survey on SURVEY, or plan another one."), replaces=True
+    "window.interrupted",
+    Message("Resume the survey on SURVEY, or plan another one."),
+    replaces=True,
 )
 CONTROL_LATE = Fault(
     "window.control_late",

@@ -244,10 +244,10 @@ class SurveysPage(TranslatedWidget, Page):
             sentence_text(self._surveys.ending(survey)),
         ]
         verdict, stored = survey.verdict, survey.stored_traces
-        if verdict is not None and stored < survey.planned_traces:
-            # Traces may have been lost since the verdict on the end.
-            if verdict.values.get("stored", stored) == stored:
-                lines.append(sentence_text(verdict))
+        # Traces may have been lost since the verdict on the end.
+        is_true = verdict is not None and verdict.values.get("stored", stored) == stored
+        if verdict is not None and is_true and stored < survey.planned_traces:
+            lines.append(sentence_text(verdict))
         return [one for one in lines if one]
 
     def retranslate(self) -> None:
