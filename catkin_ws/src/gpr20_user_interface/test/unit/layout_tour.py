@@ -8,6 +8,7 @@ from map_kit import FINER, MARKER
 from result_kit import BLUE, LOCKED, RED, plug_in, search
 from test_surveys_page import many
 from view_kit import (
+    PAST,
     RESTING,
     SURVEY,
     depth_echo,
@@ -101,6 +102,13 @@ def result(window):
     show(window, ENDED)
     search(window.result.result, window.node)
     show(window, ENDED)
+
+
+def past_result(window):
+    show(window, busiest(state=state_of(SurveyState.FINISHED, LONG, PAST)))
+    window.past.result_requested.emit(SURVEY)
+    search(window.result.result, window.node)
+    show(window, busiest(state=state_of(SurveyState.FINISHED, LONG, PAST)))
 
 
 def stick(window):
@@ -242,6 +250,7 @@ STOPS = {
     "question": lambda window: window.question.ask(analyzer_notice(WITH_DETAILS, IDENTITY), list),
     "stop": stop_that_nobody_confirms,
     "result": result,
+    "past result": past_result,
     "stick": stick,
     "ground": ground,
     "layers": on_ground("layers"),

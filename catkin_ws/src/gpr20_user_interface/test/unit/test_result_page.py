@@ -9,7 +9,7 @@ from hiding_kit import a_map
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton
 from result_kit import BLUE, ELEVEN, RED, noted, plug_in, search, stored
-from view_kit import SURVEY, description, make_grid, past_survey, snapshot, state_of
+from view_kit import PAST, SURVEY, description, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show, start
 
 from gpr20_common.message import Fault, Message, verbatim
@@ -109,6 +109,19 @@ def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_surve
     node.ticket("read").done(stored())
     show(window, ENDED)
     assert node.of("focus") == [(SURVEY, planned)]
+
+
+def test_a_stored_survey_is_named_on_its_result_and_over_its_sheets(window, done):
+    page = window.result
+    assert not page.band.isVisible()
+    window.past.result_requested.emit(SURVEY)
+    show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=PAST)))
+    named = f"PAST SURVEY: {past_survey().local_time()}"
+    assert page.band.isVisible() and page.band.whole.startswith(named)
+    page.place_sheet.ask(page.result.shown[0])
+    page.stick_sheet.open_now()
+    for sheet in (page.place_sheet, page.stick_sheet):
+        assert sheet.band.isVisible() and sheet.band.whole == page.band.whole
 
 
 def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):

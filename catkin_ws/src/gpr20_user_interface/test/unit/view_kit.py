@@ -69,6 +69,7 @@ def description(**changes):
     turning = {"min_coord": -90.0, "max_coord": 90.0, "step_size": 1.8}
     values = {
         "survey_id": SURVEY,
+        "started": "2026-11-21T05:10:00.000000+00:00",
         "simulated": True,
         "axes": {"x": axis, "y": {**axis, "max_coord": 800.0}, "z": turning},
         "parameters": {

@@ -28,6 +28,7 @@ from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
 from gpr20_survey.results.found import Found, What, found_of, present
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace import utc_time
 
 PLACES_SHOWN = 5
@@ -48,6 +49,7 @@ class Record:
         outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
         name: What people call it; empty: nothing.
         operator: Who measured; empty: it is not known.
+        local_time: When it started; empty: it is not known.
         found: What people found at its candidates.
     """
 
@@ -56,6 +58,7 @@ class Record:
     outcome: str = ""
     name: str = ""
     operator: str = ""
+    local_time: str = ""
     found: Tuple[Found, ...] = ()
     unreadable: int = 0
 
@@ -91,6 +94,7 @@ def record_of(stored: StoredSurvey) -> Record:
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
+        SurveySummary("", started=str(values.get("started") or "")).local_time(),
         tuple(present(finds)),
         unreadable,
     )
@@ -112,6 +116,7 @@ class SurveyResult:
 
     Attributes:
         survey: Id or folder of the survey in question; empty: none.
+        latest_id: The survey that the robot measures, or measured last; empty: none.
         record: What the storage says of it; None: that is not known yet.
         reading: The request for it.
         search: The request for image and candidates.
@@ -128,7 +133,7 @@ class SurveyResult:
         self._time_us = time_us
         self._survey_runs = False
         self._wanted = False
-        self.survey = ""
+        self.survey = self.latest_id = ""
         self.record: Optional[Record] = None
         self.reading: Job[StoredSurvey] = imaging.job(Service.READ, self._take_record)
         self.search: Job[FocusedImage] = imaging.job(Service.FOCUS, self._take_image)
@@ -147,7 +152,14 @@ class SurveyResult:
         """Changes with everything that a view shows of this."""
         jobs = (self.reading, self.search, self.hiding, self.noting, self._soil)
         return (
-            *(self.survey, self._survey_runs, self.first, self.chosen, self.export.revision),
+            *(
+                self.survey,
+                self.latest_id,
+                self._survey_runs,
+                self.first,
+                self.chosen,
+                self.export.revision,
+            ),
             *(one.revision for one in jobs),
             *(int(one.running_s) for one in jobs),
             *(self.permittivity, self.target, self._imaging.pictures.revision),

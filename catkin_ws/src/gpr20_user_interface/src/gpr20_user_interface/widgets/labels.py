@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import List
+from typing import List, Optional
 
 from PyQt5.QtCore import QSize, Qt
 from PyQt5.QtGui import QPainter, QPaintEvent, QTextLayout, QTextOption
 from PyQt5.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy
 
+from gpr20_common.message import Message
+from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
@@ -115,3 +117,18 @@ class PulledText(QScrollArea):
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         """Qt: it may be as small as it must, since it can be pulled."""
         return QSize(0, self.fontMetrics().lineSpacing())
+
+
+class SurveyBand(ElidedLabel):
+    """Says which survey is shown, if it is not the one of the robot."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("shown_band")
+        self.hide()
+
+    def show_band(self, band: Optional[Message]) -> None:
+        """Show it; None: nothing."""
+        self.setVisible(band is not None)
+        if band is not None:
+            self.show_text(shown_text(band))

@@ -19,7 +19,7 @@ from gpr20_user_interface.pages.ground.model import GroundModel, Layer, Shown
 from gpr20_user_interface.pages.ground.pictures import GAP_PX, ColourBar, Pictures
 from gpr20_user_interface.pages.ground.section import SectionPlot
 from gpr20_user_interface.widgets.ground_picture import Frame
-from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
+from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.widgets.widgets import new_button
 
@@ -50,7 +50,7 @@ class GroundView(TranslatedWidget):
         self.carriage_mm: Optional[Tuple[float, float]] = None
         self.pictures = Pictures()
         self._active: Plot = self.pictures.above
-        self.text, self.note, self.band = PulledText(), QLabel(), ElidedLabel()
+        self.text, self.note, self.band = PulledText(), QLabel(), SurveyBand()
         self.bar = ColourBar()
         self.enlarge_key = new_button(lambda: self.enlarge(self._active))
         self.shallower = new_button(lambda: self._do(partial(model.step_depth, -1)), "▲")
@@ -239,10 +239,8 @@ class GroundView(TranslatedWidget):
 
     def _show_band(self) -> None:
         band = self._band
-        self.band.setVisible(band is not None)
+        self.band.show_band(band)
         self.back.setVisible(band is not None and not self.is_fitting)
-        if band is not None:
-            self.band.show_text(shown_text(band))
         self._drawn = ()
 
     def _show_fit(self, fits: bool) -> None:
@@ -296,7 +294,6 @@ class GroundView(TranslatedWidget):
         self.note.setTextFormat(Qt.TextFormat.PlainText)
         self.note.setObjectName("ground_note")
         self.text.setObjectName("ground_text")
-        self.band.setObjectName("shown_band")
         self.fit_text.setObjectName("title")
         self.note.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         keys = (self.back, self.next, self.set_marker, self.finer, self.layers, self.use, self.drop)

@@ -44,7 +44,7 @@ from gpr20_user_interface.pages.result.sheets import (
 from gpr20_user_interface.pages.result.stick_sheet import StickSheet
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
-from gpr20_user_interface.widgets.labels import LinesLabel
+from gpr20_user_interface.widgets.labels import LinesLabel, SurveyBand
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
@@ -147,6 +147,7 @@ class ResultPage(TranslatedWidget, Page):
         self.no_clearance = QLabel()
         self.no_clearance.setObjectName("small_alarm")
         self.no_clearance.setWordWrap(True)
+        self.band = SurveyBand()
         self.picture = GroundPicture()
         self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
         self.nothing = QLabel()
@@ -177,6 +178,7 @@ class ResultPage(TranslatedWidget, Page):
     def refresh(self, snapshot: Snapshot) -> None:
         """Search when nothing else happens and the page is seen; never during a survey."""
         self.result.note_running(snapshot.running)
+        self.result.latest_id = "" if snapshot.state is None else snapshot.state.survey_id
         if snapshot.simulated != self._simulated_robot:
             self._simulated_robot, self._drawn = snapshot.simulated, None
         if snapshot.running:
@@ -226,6 +228,7 @@ class ResultPage(TranslatedWidget, Page):
         done = result.image is not None
         record = result.record
         # If the robot is simulated, the band says so.
+        self.band.show_band(texts.band(result))
         simulated = record is not None and record.grid.simulated
         self.simulated.setVisible(simulated and not self._simulated_robot)
         self._stack.setCurrentIndex(int(done))
@@ -343,6 +346,7 @@ class ResultPage(TranslatedWidget, Page):
         self._beside.setContentsMargins(0, 0, 0, 0)
         # Not over the image, where it could cover a ring.
         self._left.addWidget(self.simulated, 0, Qt.Alignment() | Qt.AlignmentFlag.AlignRight)
+        self._left.addWidget(self.band)
         self._left.addWidget(self._stack, 1)
         self._left.addWidget(self.no_clearance)
         for part in (top, self._keys):

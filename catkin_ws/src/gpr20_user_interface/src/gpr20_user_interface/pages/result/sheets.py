@@ -32,7 +32,7 @@ from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.keys import Judge, Pad
-from gpr20_user_interface.widgets.labels import PulledText
+from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
 
@@ -70,7 +70,9 @@ class ResultSheet(Overlay):
         self.no_clearance.setObjectName("alarm")
         self.no_clearance.setWordWrap(True)
         self._rows: List[QHBoxLayout] = []
+        self.band = SurveyBand()
         self._page = QVBoxLayout(self)
+        self._page.addWidget(self.band)
         self._page.addWidget(self.title)
 
     def refresh(self) -> None:
@@ -78,6 +80,7 @@ class ResultSheet(Overlay):
         revision = self.result.revision
         if self.isVisible() and revision != self._drawn:
             self._drawn = revision
+            self.band.show_band(texts.band(self.result))
             self.show_now()
 
     def show_now(self) -> None:
@@ -85,6 +88,7 @@ class ResultSheet(Overlay):
 
     def open_now(self) -> None:
         """Open with what is known now."""
+        self.band.show_band(texts.band(self.result))
         self.show_now()
         self.open()
 
