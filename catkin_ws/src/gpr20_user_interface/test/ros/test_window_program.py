@@ -12,10 +12,12 @@ import time
 import unittest
 from typing import Optional
 
+import rosgraph
 import rosnode
 import rospkg
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from fake_main_control import FakeMainControl
 from virtual_screen import VirtualScreen, program_path
 from waiting import LIMIT_S, wait_until
@@ -68,6 +70,27 @@ class Program(unittest.TestCase):
         self.assertEqual(process.returncode, 2, output)
         self.assertIn("language is 'fr'; it must be one of en (English), es (Español)", output)
         self.assertNotIn("Traceback", output)
+
+    def test_a_replay_in_the_namespace_of_a_robot_is_refused(self) -> None:
+        # Two windows of one name: the master would end that of the robot.
+        robot = rosgraph.Master("/alone/main_control")
+        robot.registerSubscriber("/alone/anything", "*", "http://127.0.0.1:9")
+        self.addCleanup(robot.unregisterSubscriber, "/alone/anything", "http://127.0.0.1:9")
+        process = self.program("--replay")
+        output, _ = process.communicate(timeout=LIMIT_S)
+        self.assertEqual(process.returncode, 2, output)
+        self.assertIn("a robot has the namespace", output)
+
+    def test_no_parameter_that_is_left_makes_the_window_of_a_robot_that_of_a_replay(self) -> None:
+        for name in ("/alone/replay", "/alone/window/replay"):
+            rospy.set_param(name, True)
+            self.addCleanup(rospy.delete_param, name)
+        process = self.program()
+        report = rospy.wait_for_message("/diagnostics", DiagnosticArray, LIMIT_S)
+        self.assertIn("no contact", report.status[0].message)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=LIMIT_S)
+        wait_until(lambda: not is_on_graph(), "the node has left the graph")
 
     def test_without_a_display_it_says_how_to_run_without_a_window(self) -> None:
         for display in ("", ":4711"):

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any, Callable, NoReturn, Optional, Tuple, Union
 
+import rosgraph
 import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QApplication
@@ -175,26 +176,32 @@ def main() -> NoReturn:
     parser.add_argument(
         "--wait-for-display", action="store_true", help="wait until there is a screen"
     )
-    waits = parser.parse_known_args(rospy.myargv()[1:])[0].wait_for_display
-    status, next_robot = _run(waits)
+    parser.add_argument("--replay", action="store_true", help="show a replay, and no robot")
+    status, next_robot = _run(parser.parse_known_args(rospy.myargv()[1:])[0])
     if next_robot:
         open_in(next_robot, sys.argv, os.environ)
     # Without the exit handlers and destructors of libraries: their threads still run.
     leave_now(status)
 
 
-def _run(waits_for_display: bool) -> Tuple[int, str]:
+def _run(options: argparse.Namespace) -> Tuple[int, str]:
     """Return the exit status, and the robot of a window in place of this one; empty: none."""
     draw_without_opengl(os.environ)
     try:
         # First: there are no threads yet.
-        if waits_for_display:
+        if options.wait_for_display:
             wait_for_display(_say)
         else:
             check_display(os.environ)
     except DisplayUnavailableError as error:
         _say(str(error))
         return EXIT_NO_DISPLAY, ""
+    if options.replay and _robot_is_here():
+        _say(
+            f"a robot has the namespace {rospy.get_namespace()}: its window, and STOP with it, "
+            "would end; show the replay in another namespace, as in ns:=replay"
+        )
+        return EXIT_WRONG_PARAMETER, ""
     with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
@@ -206,8 +213,8 @@ def _run(waits_for_display: bool) -> Tuple[int, str]:
         application = QApplication(rospy.myargv())
         try:
             # Only the window of a robot is started again.
-            guard = HangGuard() if waits_for_display else None
-            return _show(application, signals, guard)
+            guard = HangGuard() if options.wait_for_display else None
+            return _show(application, signals, options.replay, guard)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
             return EXIT_WRONG_PARAMETER, ""
@@ -236,13 +243,24 @@ def _leave_without_display(asked_to_end: bool) -> NoReturn:
     leave_now(status)
 
 
+def _robot_is_here() -> bool:
+    """Return whether a main control is registered in the namespace of this node."""
+    try:
+        rosgraph.Master("/user_interface").lookupNode(f"{rospy.get_namespace()}main_control")
+    except (rosgraph.MasterException, OSError):
+        return False
+    return True
+
+
 def _show(
-    application: QApplication, signals: StopSignals, guard: Optional[HangGuard] = None
+    application: QApplication,
+    signals: StopSignals,
+    replay: bool,
+    guard: Optional[HangGuard] = None,
 ) -> Tuple[int, str]:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
-    replay = bool(rospy.get_param("~replay", False))
     interface = UserInterface(
         ReplayModel() if replay else SurveyModel(Clock()),
         languages,
