@@ -127,7 +127,9 @@ class SurveyClient:
         with self._changed:
             self.statuses.clear()
             self.progress.clear()
-        started = self.start(annotation=annotation or Annotation(), refines=refines)
+        started = self.start(
+            annotation=annotation or Annotation(), refines=refines, permittivity=4.0
+        )
         assert started.success, started.message
         self.survey_id = started.survey_id
         # Messages about the survey before may arrive after the answer.

@@ -280,11 +280,15 @@ class WholeSurveyTest(unittest.TestCase):
         refused = self.client.start(annotation=wrong)
         self.assertFalse(refused.success)
         self.assertIn("latitude is 91 deg; it must lie between -90 and 90", refused.message)
+        refused = self.client.start(permittivity=101.0)
+        self.assertFalse(refused.success)
+        self.assertIn("the permittivity is 101; it must lie between 1 and 100", refused.message)
         at_start = Annotation(operator="Lucía Peña", site="El Carmen", notes="dry\nsoil")
         survey_id = self.client.begin(at_start, x_stop_mm=300.0)
         self.client.wait_for_visited(1)
         folder = self.client.folder(survey_id)
         self.assertEqual(self.annotation(folder)["operator"], "Lucía Peña")
+        self.assertEqual(json.loads((folder / "survey.json").read_text())["permittivity"], 4.0)
         self.assertIsNone(self.annotation(folder)["position"])
         later = Annotation(
             operator="Lucía Peña", notes="wet", has_position=True, latitude_deg=4.60283,

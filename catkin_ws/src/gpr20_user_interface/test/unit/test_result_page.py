@@ -9,14 +9,13 @@ from hiding_kit import a_map
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton
 from result_kit import BLUE, ELEVEN, RED, noted, plug_in, search, stored
-from view_kit import PAST, SURVEY, description, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, show, start
+from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
+from window_helpers import click, hold, show
 
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
-from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
@@ -87,28 +86,6 @@ def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
     show(window, ENDED)
     assert len(node.of("focus")) == 1
     assert ended.progress.isVisible() and ended.card.button.isVisible()
-
-
-def test_the_plan_s_permittivity_is_stored_when_the_storage_has_opened_the_survey(
-    window, page, node
-):
-    show(window, snapshot())
-    start(window)
-    planned = window.control.permittivity
-    # Edited before the main control answers.
-    window.control.form.set_text("permittivity", "15")
-    window.control.show_plan()
-    assert window.control.permittivity == 15.0 != planned
-    window.on_event(Answer(Request.START, True, verbatim(""), SURVEY))
-    assert node.of("note") == []
-    window.on_event(SurveyDescribed(description()))
-    ((survey, _kind, values),) = node.of("note")
-    assert (survey, values["permittivity"]) == (SURVEY, planned)
-    show(window, RUNS)
-    show(window, ENDED)
-    node.ticket("read").done(stored())
-    show(window, ENDED)
-    assert node.of("focus") == [(SURVEY, planned)]
 
 
 def test_a_stored_survey_is_named_on_its_result_and_over_its_sheets(window, done):

@@ -139,25 +139,36 @@ def test_a_permittivity_that_is_changed_is_noted_and_a_stored_survey_opens_with_
     assert [str(one) for one in soil_lines(another)] == ["Permittivity 8", "Moist sand"]
 
 
-def test_the_permittivity_of_the_plan_is_noted_at_the_start_and_again_if_that_failed(
+def test_the_permittivity_of_the_plan_is_that_of_the_survey_until_a_note_says_otherwise(
     result, requests
 ):
-    result.note_plan(SURVEY, 4.0)
-    result.store_soil(SURVEY)
-    result.store_soil(PAST)
+    search(result, requests, record=stored(permittivity=4.0))
+    assert result.permittivity == 4.0
+    noted_since = [noted("decision", soil_values(9.0, TIME_US))]
+    another = new_result(Requests())
+    record = stored(log=noted_since, permittivity=4.0)
+    search(another, another._imaging._requests, record=record)
+    assert another.permittivity == 9.0
+
+
+def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading(result, requests):
+    search(result, requests, record=stored(permittivity=4.0))
+    result.set_permittivity(8.0)
     requests.ticket("note").fail(verbatim("the storage does not answer"))
-    search(result, requests)
-    assert requests.of("focus") == [(SURVEY, 4.0)]
-    assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0, 4.0]
+    result.try_again()
+    search(result, requests, record=stored(permittivity=4.0))
+    assert [one[1] for one in requests.of("focus")] == [4.0, 8.0]
+    assert [one[2]["permittivity"] for one in requests.of("note")] == [8.0, 8.0]
 
 
 def test_a_permittivity_that_another_screen_has_entered_since_is_kept(result, requests):
-    result.note_plan(SURVEY, 4.0)
-    result.store_soil(SURVEY)
+    search(result, requests)
+    result.set_permittivity(4.0)
     requests.ticket("note").done(None)
+    result.try_again()
     search(result, requests, record=stored(log=[noted("decision", soil_values(9.0, TIME_US))]))
     assert result.permittivity == 9.0
-    assert requests.of("focus") == [(SURVEY, 9.0)]
+    assert requests.of("focus")[-1] == (SURVEY, 9.0)
     assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0]
 
 

@@ -28,8 +28,9 @@ class ControlThatRecords:
     def __init__(self):
         self.asked = []
 
-    def start_survey(self, parameters, annotation, refines):
+    def start_survey(self, parameters, annotation, refines, permittivity):
         self.asked.append(parameters)
+        self.permittivity = permittivity
 
     def stop(self):
         self.asked.append("stop")
@@ -105,6 +106,7 @@ def test_one_press_of_start_is_one_request(parts):
     start(window)
     assert len(control.asked) == 2
     assert control.asked[1].x_points == 11
+    assert control.permittivity == window.control.permittivity == 4.0
     assert window.top_bar.stop.isEnabled()
     window.on_event(Answer(Request.START, True, verbatim(""), "id"))
     assert not window.notice.isVisible()

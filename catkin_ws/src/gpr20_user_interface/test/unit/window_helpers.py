@@ -35,7 +35,6 @@ class Survey:
         self.asked = []
         self.annotations = []
         self.finer = None
-        self.started_permittivity = None
 
     def refresh(self):
         return self.snapshot
@@ -59,7 +58,6 @@ class Survey:
         pass
 
     def start(self, parameters, permittivity, annotation):
-        self.started_permittivity = permittivity
         self.asked.append(parameters)
         self.annotations.append(annotation)
 

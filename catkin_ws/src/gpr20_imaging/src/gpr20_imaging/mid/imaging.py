@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import socket
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,7 @@ from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import Exporter, ExportRequest
 from gpr20_imaging.mid.job_queue import JobQueue, Result
 from gpr20_survey.folder.survey_search import find_survey
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hidden_target import target_of
@@ -91,7 +90,7 @@ class Imaging:
         Raises:
             Gpr20Error: There is no image; the message says why.
         """
-        value = _permittivity(permittivity)
+        value = requested_permittivity(permittivity)
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
         return self._run(request_id, lambda stop: self._analysis.focus(folder, value, stop))
@@ -110,7 +109,7 @@ class Imaging:
         Raises:
             Gpr20Error: There is no list; the message says why.
         """
-        value = _permittivity(permittivity)
+        value = requested_permittivity(permittivity)
         _check_language(language)
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
@@ -134,7 +133,7 @@ class Imaging:
         Raises:
             Gpr20Error: There is no map; the message says why.
         """
-        value = _permittivity(permittivity)
+        value = requested_permittivity(permittivity)
         target_of(target)
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
@@ -164,7 +163,7 @@ class Imaging:
         Raises:
             Gpr20Error: The export failed; the message says why.
         """
-        value = _permittivity(permittivity)
+        value = requested_permittivity(permittivity)
         _check_language(language)
         chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
         if not chosen:
@@ -223,24 +222,6 @@ class Imaging:
 def health_values(imaging: Imaging) -> Dict[str, Any]:
     """Return what diagnostics show."""
     return {"computer": imaging.computer, "requests": imaging.requests}
-
-
-def _permittivity(value: float) -> Optional[float]:
-    if value == 0.0:
-        return None
-    # Written so that NaN is refused too.
-    if not (MIN_PERMITTIVITY <= value <= LARGEST_PERMITTIVITY and math.isfinite(value)):
-        raise ImagingError(
-            Message(
-                "the permittivity is {value:g}; it must lie between {lowest:g} and {highest:g}, "
-                "or be 0 if it is not known",
-                value=value,
-                lowest=MIN_PERMITTIVITY,
-                highest=LARGEST_PERMITTIVITY,
-            ),
-            fault=NOT_ALLOWED,
-        )
-    return value
 
 
 def _check_language(language: str) -> None:

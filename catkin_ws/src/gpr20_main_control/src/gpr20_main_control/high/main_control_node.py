@@ -68,6 +68,7 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.analyzer_test import analyzer_test_fields
 
 COORDINATE_RATE_HZ = 10.0
@@ -128,7 +129,9 @@ class MainControlNode:
         )
 
     def _start(self, request: Any) -> StartSurveyResponse:
-        survey_id = self._control.start(annotation.from_fields(request.annotation), request.refines)
+        added = annotation.from_fields(request.annotation)
+        permittivity = requested_permittivity(request.permittivity)
+        survey_id = self._control.start(added, request.refines, permittivity)
         started = message_fields(Message("Survey started"))
         return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 

@@ -103,12 +103,18 @@ class MainControl:
             self._status.enter(SurveyState.CONFIGURED, ready)
             return self._plan
 
-    def start(self, annotation: Annotation = EMPTY, refines: str = "") -> str:
+    def start(
+        self,
+        annotation: Annotation = EMPTY,
+        refines: str = "",
+        permittivity: Optional[float] = None,
+    ) -> str:
         """Start a survey with the parameters set before and return its id.
 
         Args:
             annotation: What people add to the survey; empty fields become the robot's defaults.
             refines: Id of the survey that this one measures more finely; empty: none.
+            permittivity: Relative permittivity of the ground; None: not known.
 
         Raises:
             InvalidValueError: `refines` is not the id of a survey.
@@ -137,6 +143,7 @@ class MainControl:
                 survey_id=str(uuid.uuid4()),
                 annotation=annotation,
                 refines=check_refines(refines),
+                permittivity=permittivity,
             )
             self._begin(plan)
             return plan.survey_id

@@ -15,6 +15,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.survey import sampling, survey_ending
 from gpr20_main_control.mid.survey.storage_queue import StorageQueue
+from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.refines import refines_of
@@ -59,6 +60,17 @@ def test_what_a_survey_is_started_without_is_that_of_the_robot():
     assert annotated(bench, survey_id) == Annotation(
         "Ana", "there", "wet", Wgs84Position(4.6, -74.1)
     )
+
+
+def test_a_survey_has_the_permittivity_of_its_plan_if_that_is_known():
+    bench = Bench()
+    bench.control.set_parameters(PARAMETERS)
+    for permittivity in (4.5, None):
+        bench.control.start(permittivity=permittivity)
+        bench.wait_for(State.FINISHED)
+    known, unknown = (json.loads(one.metadata_json) for one in bench.storage.records)
+    assert known[PLANNED] == 4.5
+    assert PLANNED not in unknown
 
 
 def test_a_finer_survey_says_which_one_it_refines_and_others_say_nothing():

@@ -14,7 +14,7 @@ from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.records import Place, ascending
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.soil_note import noted_permittivity
+from gpr20_survey.folder.soil_note import PLANNED, noted_permittivity
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.recorded_plan import recorded_plan
@@ -185,7 +185,7 @@ def grid_from_description(text: str) -> SurveyGrid:
             )
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False
-        permittivity = noted_permittivity(log_entries(values)[0])
+        permittivity = noted_permittivity(log_entries(values)[0], values.get(PLANNED))
         if not is_imported(values):
             own = planned_grid(survey_id, simulated, *recorded_plan(values))
             own.permittivity = permittivity

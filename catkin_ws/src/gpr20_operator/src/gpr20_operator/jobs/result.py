@@ -256,14 +256,10 @@ class SurveyResult:
         self.hiding.end()
         self._imaging.pictures.drop_hiding(survey_id)
         self._imaging.soils.enter(survey_id, permittivity)
-        self.store_soil(survey_id)
+        self._store_soil(survey_id)
         self.first, self.chosen, self._wanted = 0, None, True
 
-    def note_plan(self, survey_id: str, permittivity: Optional[float]) -> None:
-        """Note the permittivity of the plan of a survey that begins."""
-        self._imaging.soils.enter(survey_id, permittivity)
-
-    def store_soil(self, survey_id: str) -> None:
+    def _store_soil(self, survey_id: str) -> None:
         """Store the permittivity that was entered for a survey with it, durably; if one was."""
         soils = self._imaging.soils
         if soils.is_unstored(survey_id):
@@ -342,8 +338,8 @@ class SurveyResult:
         survey_id = self.record.survey_id
         self._imaging.soils.take(survey_id, self.record.grid.permittivity)
         if not self._soil.running:
-            # The storage may have been unable to keep it when the survey began.
-            self.store_soil(survey_id)
+            # The storage may have been unable to keep it.
+            self._store_soil(survey_id)
 
     def _soil_is_stored(self) -> None:
         self._imaging.soils.note_stored(self._storing)

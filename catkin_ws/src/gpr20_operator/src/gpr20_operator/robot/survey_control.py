@@ -24,9 +24,20 @@ class SurveyControl(Protocol):
     """Requests to the main control, without waiting; the answers come as events."""
 
     def start_survey(
-        self, parameters: SurveyParameters, annotation: Annotation, refines: str
+        self,
+        parameters: SurveyParameters,
+        annotation: Annotation,
+        refines: str,
+        permittivity: float,
     ) -> None:
-        """Ask to accept the parameters and to start; `refines`: id of a coarser survey."""
+        """Ask to accept the parameters and to start.
+
+        Args:
+            parameters: What to measure.
+            annotation: What people add to the survey.
+            refines: Id of a coarser survey; empty: none.
+            permittivity: Relative permittivity of the ground; 0: not known.
+        """
 
     def stop(self) -> None:
         """Ask whatever moves to stop, whoever moves it."""
@@ -53,8 +64,6 @@ class WindowPresenter:
         snapshot: What the window shows now.
         preview: What the survey of the fields will be; None while they are wrong.
         finer: The finer survey that was put into the fields; None: none.
-        started_permittivity: Of the soil, in the plan of the survey that was started last; None:
-            none was.
     """
 
     def __init__(
@@ -71,7 +80,6 @@ class WindowPresenter:
         self._resumed = ""
         self.preview: Optional[SurveyPreview] = None
         self.finer: Optional[FinerPlan] = None
-        self.started_permittivity: Optional[float] = None
         self.snapshot = model.snapshot()
 
     def on_event(self, event: object) -> Optional[Refusal]:
@@ -116,10 +124,9 @@ class WindowPresenter:
         self, parameters: SurveyParameters, permittivity: float, annotation: Annotation
     ) -> None:
         """Ask for a survey."""
-        self.started_permittivity = permittivity
         self._model.request_sent(Request.START)
         refines = "" if self.finer is None else self.finer.refined_by(parameters)
-        self._control.start_survey(parameters, annotation, refines)
+        self._control.start_survey(parameters, annotation, refines, permittivity)
 
     def stop(self) -> None:
         """Stop whatever moves, and the survey."""

@@ -8,6 +8,8 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.trace import utc_time
 
+PLANNED = "permittivity"
+"""Key of survey.json; only in a survey whose plan names the permittivity."""
 FORMAT = "gpr20-soil/1"
 KIND = Kind.DECISION
 
@@ -22,13 +24,16 @@ def soil_values(permittivity: Optional[float], time_us: int) -> Dict[str, Any]:
     return {"format": FORMAT, "permittivity": permittivity, "time": utc_time.iso_text(time_us)}
 
 
-def noted_permittivity(records: Iterable[Mapping[str, Any]]) -> Optional[float]:
-    """Return what the last record of a log says; None: none does, or it is not known.
+def noted_permittivity(
+    records: Iterable[Mapping[str, Any]], planned: object = None
+) -> Optional[float]:
+    """Return what the last record of a log says, or else the plan; None: it is not known.
 
     Args:
         records: Records of survey.json.
+        planned: What survey.json has under PLANNED.
     """
-    found = None
+    found = planned
     for record in records:
         values = record.get("values") or {}
         if record.get("kind") == KIND.value and values.get("format") == FORMAT:

@@ -13,6 +13,7 @@ import enum
 from dataclasses import dataclass
 from typing import Optional
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
 # Air, and water at 20 °C: no soil lies outside of these.
@@ -54,3 +55,25 @@ ANY_SOIL = Soil(Message("Any soil"), 5.0, 2.0, 16.0)
 def soil_of(permittivity: float) -> Optional[Soils]:
     """Return the soil that has exactly this permittivity; None if it is the operator's own."""
     return next((one for one in Soils if one.value.permittivity == permittivity), None)
+
+
+def requested_permittivity(value: float) -> Optional[float]:
+    """Return the permittivity of a request; None: it is 0, not known.
+
+    Raises:
+        InvalidValueError: It is that of no ground.
+    """
+    if value == 0.0:
+        return None
+    # Written so that NaN is refused too.
+    if not MIN_PERMITTIVITY <= value <= LARGEST_PERMITTIVITY:
+        raise InvalidValueError(
+            Message(
+                "the permittivity is {value:g}; it must lie between {lowest:g} and {highest:g}, "
+                "or be 0 if it is not known",
+                value=value,
+                lowest=MIN_PERMITTIVITY,
+                highest=LARGEST_PERMITTIVITY,
+            )
+        )
+    return value

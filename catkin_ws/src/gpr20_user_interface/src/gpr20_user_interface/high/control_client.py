@@ -119,7 +119,11 @@ class ControlClient(RosEvents):
         self._subscribers.append(self._diagnostics_subscriber(lambda health, _message: health))
 
     def start_survey(
-        self, parameters: SurveyParameters, annotation: Annotation = EMPTY, refines: str = ""
+        self,
+        parameters: SurveyParameters,
+        annotation: Annotation = EMPTY,
+        refines: str = "",
+        permittivity: float = 0.0,
     ) -> None:
         """Ask to accept the parameters and to start; the answer is an event.
 
@@ -127,9 +131,15 @@ class ControlClient(RosEvents):
             parameters: What to measure.
             annotation: What people add to the survey; empty fields become the robot's defaults.
             refines: Id of the survey that this one measures more finely; empty: none.
+            permittivity: Relative permittivity of the ground; 0: not known.
         """
+        added = {
+            "annotation": conversions.annotation_message(annotation),
+            "refines": refines,
+            "permittivity": permittivity,
+        }
         self._stop.forget()
-        self._ask(Request.START, lambda: self._ask_start(parameters, annotation, refines))
+        self._ask(Request.START, lambda: self._ask_start(parameters, added))
 
     def stop(self) -> None:
         """Ask every axis and the main control to stop, at the same time; the answers are events."""
@@ -190,14 +200,13 @@ class ControlClient(RosEvents):
         self._limits = conversions.axis_limits(message)
         return self._limits
 
-    def _ask_start(self, parameters: SurveyParameters, annotation: Annotation, refines: str) -> Any:
+    def _ask_start(self, parameters: SurveyParameters, added: Dict[str, Any]) -> Any:
         message = conversions.parameters_message(parameters)
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
-        note = conversions.annotation_message(annotation)
-        return self._start.call(START_TIMEOUT_S, annotation=note, refines=refines)
+        return self._start.call(START_TIMEOUT_S, **added)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         def work() -> None:

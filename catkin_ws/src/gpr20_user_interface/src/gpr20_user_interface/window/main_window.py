@@ -193,7 +193,6 @@ class MainWindow(TranslatedWidget):
         self.result = ResultPage(
             *(self, SurveyResult(self._imaging), languages),
             lambda: self.control.next_annotation.value.operator,
-            lambda: self.survey.started_permittivity,
         )
         self.past = SurveysPage(self, traces.past)
         self.job = JobPage(traces)

@@ -19,6 +19,7 @@ from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check, ExpectedWait
+from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.refines import REFINES
@@ -251,6 +252,7 @@ def survey_record(
         "settings": asdict(plan.settings),
         ANNOTATION: plan.annotation.values(),
         **({REFINES: plan.refines} if plan.refines else {}),
+        **({PLANNED: plan.permittivity} if plan.permittivity is not None else {}),
         **robot,
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)

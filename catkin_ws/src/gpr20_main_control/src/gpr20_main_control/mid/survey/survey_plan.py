@@ -56,6 +56,7 @@ class SurveyPlan:
         reopened: What is stored of it; None if it is new.
         annotation: What people added to it at its start.
         refines: Id of the survey that it measures more finely; empty: none.
+        permittivity: Relative permittivity of the ground; None: not known.
         visits: Indices of the points before which it visits its reference, the first stop, to see
             the drift; the number of points for the visit at the end.
     """
@@ -69,6 +70,7 @@ class SurveyPlan:
     reopened: Optional[ReopenedSurvey] = None
     annotation: Annotation = EMPTY
     refines: str = ""
+    permittivity: Optional[float] = None
     visits: Sequence[int] = ()
 
     @property

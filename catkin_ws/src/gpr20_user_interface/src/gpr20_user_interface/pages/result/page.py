@@ -25,11 +25,8 @@ from PyQt5.QtWidgets import (
 from gpr20_common.message import Message
 from gpr20_operator.ground.records import Colours
 from gpr20_operator.ground.sources import FocusedSource
-from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
-from gpr20_operator.robot.events import Answer, Request
-from gpr20_operator.robot.job import survey_name
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.results.candidates import Candidate
@@ -108,7 +105,6 @@ class ResultPage(TranslatedWidget, Page):
         result: The result.
         languages: Languages of the window.
         operator: Returns who operates the robot now.
-        permittivity: Returns that of the plan which was started last; None: none was.
     """
 
     # Id and folder of a survey; X, Y and depth of a place in mm.
@@ -124,11 +120,9 @@ class ResultPage(TranslatedWidget, Page):
         result: SurveyResult,
         languages: Languages,
         operator: Callable[[], str],
-        permittivity: Callable[[], Optional[float]],
     ) -> None:
         super().__init__()
         self.result = result
-        self._permittivity = permittivity
         self.place_sheet = PlaceSheet(window, result, operator)
         self.soil_sheet = SoilSheet(window, result)
         self.hiding_sheet = HidingSheet(window, result)
@@ -166,14 +160,6 @@ class ResultPage(TranslatedWidget, Page):
         self.picture.mark_touched.connect(self.place_sheet.ask)
         self._lay_out()
         self.retranslate()
-
-    def on_event(self, event: object) -> None:
-        """Keep the permittivity of the plan with the survey that begins."""
-        if isinstance(event, Answer) and event.request is Request.START and event.success:
-            self.result.note_plan(event.survey_id, self._permittivity())
-        elif isinstance(event, SurveyDescribed):
-            # Not before the storage has opened it.
-            self.result.store_soil(survey_name(event.text)[0])
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Search when nothing else happens and the page is seen; never during a survey."""
