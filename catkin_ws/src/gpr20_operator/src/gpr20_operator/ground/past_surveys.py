@@ -6,7 +6,7 @@ import enum
 import unicodedata
 from typing import Optional, Tuple
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 
@@ -43,6 +43,21 @@ class Listed(enum.Enum):
         if self is Listed.NOT_COMPLETE:
             return ending not in (Ending.COMPLETE, Ending.IMPORTED)
         return self is Listed.ALL or ending is Ending.IMPORTED
+
+
+def survey_label(name: str, survey_id: str, local_time: str) -> Message:
+    """Return what a survey is called on every page: when it began, and its name."""
+    called = name or survey_id[:8]
+    return (
+        Message("{time}, {name}", time=local_time, name=called) if local_time else verbatim(called)
+    )
+
+
+def past_band(label: Message, outcome: str) -> Message:
+    """Return what pages say of a survey that is not the one of the robot."""
+    if outcome == IMPORTED:
+        return Message("IMPORTED SURVEY: {name}", name=label)
+    return Message("PAST SURVEY: {name}", name=label)
 
 
 def searchable(text: str) -> str:

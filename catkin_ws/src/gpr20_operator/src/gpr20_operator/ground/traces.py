@@ -9,7 +9,7 @@ from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.additions import AdditionsSource
 from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
 from gpr20_operator.ground.grid import grid_from_description
-from gpr20_operator.ground.past_surveys import PastSurveys
+from gpr20_operator.ground.past_surveys import PastSurveys, past_band, survey_label
 from gpr20_operator.ground.shown_survey import ShownSurvey
 from gpr20_operator.ground.trace_events import (
     ReadingFailed,
@@ -19,7 +19,6 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.trace.trace import Trace
 
 # How long to wait for traces, in refreshes, before it is requested again.
@@ -86,15 +85,12 @@ class TracePresenter:
         """What pages say of a past survey that they show; None: they show the one that runs."""
         if self._opened is None:
             return None
-        name, survey = verbatim(self.opened_folder), self.past.find(self.opened_folder)
+        label, survey = verbatim(self.opened_folder), self.past.find(self.opened_folder)
         if survey is not None:
-            called = survey.name or survey.survey_id[:8]
-            name = Message("{time}, {name}", time=survey.local_time(), name=called)
+            label = survey_label(survey.name, survey.survey_id, survey.local_time())
         if self._running_id:
-            return Message("NOT THE RUNNING SURVEY: {name}", name=name)
-        if survey is not None and survey.outcome == IMPORTED:
-            return Message("IMPORTED SURVEY: {name}", name=name)
-        return Message("PAST SURVEY: {name}", name=name)
+            return Message("NOT THE RUNNING SURVEY: {name}", name=label)
+        return past_band(label, "" if survey is None else survey.outcome)
 
     def open_survey(self, folder: str) -> None:
         """Ask for a past survey; it is shown once it is read."""

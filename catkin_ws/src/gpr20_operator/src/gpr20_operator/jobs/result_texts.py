@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Dict, List, Optional, Tuple, Union
 
-from gpr20_common.message import Message, in_a_row, verbatim
+from gpr20_common.message import Message, in_a_row
+from gpr20_operator.ground.past_surveys import past_band, survey_label
 from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
@@ -52,13 +53,8 @@ def band(result: SurveyResult) -> Optional[Message]:
     record = result.record
     if record is None or record.survey_id == result.latest_id:
         return None
-    called = record.name or record.survey_id[:8]
-    name = verbatim(called)
-    if record.local_time:
-        name = Message("{time}, {name}", time=record.local_time, name=called)
-    if record.outcome == IMPORTED:
-        return Message("IMPORTED SURVEY: {name}", name=name)
-    return Message("PAST SURVEY: {name}", name=name)
+    label = survey_label(record.name, record.survey_id, record.local_time)
+    return past_band(label, record.outcome)
 
 
 def headline(found: CandidateList, first: int = 0) -> Message:
