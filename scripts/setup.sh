@@ -39,7 +39,7 @@ ROS_PACKAGES=(
     python3-tf2-msgs:tf2_msgs python3-visualization-msgs:visualization_msgs rosbash:rosbash
 )
 DEBIAN_DEV_PACKAGES=(
-    gettext git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
+    debhelper gettext git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
 dev=no robot=no analysis=no scikit_rf=no mode=install
