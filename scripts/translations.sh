@@ -2,10 +2,10 @@
 # The catalogues of every sentence that people read, kept with GNU gettext.
 #   scripts/translations.sh                     update each: new templates have an empty msgstr and
 #                                               are listed with FILE:LINE; run it again after
-#                                               writing them, for docs/messages.md
+#                                               writing them, for docs/reference/messages.md
 #   scripts/translations.sh --check             fail on a template without Spanish, on an entry that
 #                                               has no template or other {values} than it, or if
-#                                               docs/messages.md is not up to date
+#                                               docs/reference/messages.md is not up to date
 #   scripts/translations.sh --new FILE.po NAME  begin a catalogue; FILE is the code of its language
 #   scripts/translations.sh FILE.po             update a catalogue of another folder
 #   scripts/translations.sh --check FILE.po     check it; entries may be missing
@@ -30,7 +30,7 @@ fi
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
 
-# docs/messages.md, from the catalogue.
+# docs/reference/messages.md, from the catalogue.
 messages_page() {
     PYTHONPATH="$(printf '%s:' "$GPR20_WORKSPACE"/src/gpr20_*/src)" \
         "$GPR20_VENV/bin/python" tools/pages/messages_page.py "$@"

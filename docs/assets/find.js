@@ -7,7 +7,7 @@ document.addEventListener("DOMContentLoaded", () => {
   const field = document.createElement("input");
   field.type = "search";
   field.className = "gpr20-find";
-  field.placeholder = "Type words of the message · Escriba palabras del mensaje";
+  field.placeholder = "Type a code or words of what to do · Escriba un código o palabras";
   title.after(field);
   const plain = (text) => text.toLowerCase().normalize("NFD").replace(/[\u0300-\u036f]/g, "");
   // Values stand for themselves in a message, and as names on the page.

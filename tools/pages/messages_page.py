@@ -1,4 +1,4 @@
-"""Write docs/messages.md: every fault by its code, with what to do first in both languages.
+"""Write docs/reference/messages.md: every fault by its code, with what to do first in both languages.
 
 Started by scripts/translations.sh; with --check it fails if the page is not up to date.
 """
@@ -18,22 +18,20 @@ from fault_table import fault_table
 from gpr20_common.message import Fault, Severity
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs/messages.md"
+PAGE = ROOT / "docs/reference/messages.md"
 CATALOGUE = ROOT / "catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po"
 WIDTH = 94
 
-INTRODUCTION = """# Faults and what to do first
+INTRODUCTION = """# Messages
 
-The window's card, `gpr20` and the doctor show a sentence and what to do first. The fault's code has
-the form `area.what` and stays when a sentence is reworded: it is in the card's details, in the
-outputs `--json`, in `fault_code` of services, `control_status`, results and diagnostics, and in
-survey.json. Below stand all codes, with the first step in English and Spanish.
+All faults by their code, with what to do first in English and Spanish. A code has the form
+`area.what` and stays when a sentence is reworded. It is behind DETAILS of the window's card, in the
+outputs `--json`, and in `fault_code` of services, topics and survey.json.
 
-*La ventana, `gpr20` y el doctor muestran una frase y lo primero que se debe hacer; el código del
-fallo está en los detalles. Abajo están todos los códigos, con el primer paso en inglés y en
-español.*
+*Todos los fallos por su código, con lo primero que se debe hacer, en inglés y en español. El código
+está en los detalles de la tarjeta de la ventana.*
 
-`tools/pages/messages_page.py` writes this page from the modules `faults` of the packages.
+`tools/pages/messages_page.py` writes this page from the modules `faults` of the packages. Areas:
 """
 
 REMARKS = {Severity.NOTE: "note", Severity.WARNING: "warning"}
@@ -43,12 +41,18 @@ def page() -> str:
     """Return the page."""
     spanish = {entry.msgid: entry.msgstr for entry in polib.pofile(str(CATALOGUE))}
     faults = sorted(fault_table().faults.values(), key=lambda one: one.code)
-    text = [INTRODUCTION]
-    for area, members in itertools.groupby(faults, key=lambda one: one.code.split(".")[0]):
+    areas = dict.fromkeys(_area(fault) for fault in faults)
+    links = ", ".join(f"[{area}](#{area})" for area in areas) + "."
+    text = [INTRODUCTION.rstrip(), *textwrap.wrap(links, WIDTH), ""]
+    for area, members in itertools.groupby(faults, key=_area):
         text.append(f"## {area}\n")
         text += [line for fault in members for line in _item(fault, spanish)]
         text.append("")
     return "\n".join(text)
+
+
+def _area(fault: Fault) -> str:
+    return fault.code.split(".")[0]
 
 
 def _item(fault: Fault, spanish: Mapping[str, str]) -> Iterator[str]:
@@ -78,6 +82,6 @@ if __name__ == "__main__":
     written = page()
     if sys.argv[1:] == ["--check"]:
         if PAGE.read_text(encoding="utf-8") != written:
-            sys.exit("docs/messages.md is not up to date; run scripts/translations.sh")
+            sys.exit("docs/reference/messages.md is not up to date; run scripts/translations.sh")
     else:
         PAGE.write_text(written, encoding="utf-8")

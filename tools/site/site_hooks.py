@@ -35,7 +35,7 @@ DIAGRAMS = {
     "stateDiagram-v2": "![States of a survey](images/states.svg)",
     "graph": "![Frames of the robot](images/frames.svg)",
 }
-API = '\n<a href="api/gpr20_analysis.html">The complete reference</a>\n'
+API = '\n<a href="../api/gpr20_analysis.html">The complete reference</a>\n'
 # A drawing with small words can be opened alone.
 DRAWING = re.compile(r"^(!\[[^\]]*\]\((\S+\.svg)\))$", re.MULTILINE)
 PAGES = outside_pages()
@@ -71,7 +71,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     """Return the Markdown of a page as MkDocs reads it, with links to where the pages are."""
     here = page.file.src_uri
     source = _source(here)
-    if here == "api.md":
+    if here == "reference/api.md":
         markdown += API
 
     def change(target: str) -> str:

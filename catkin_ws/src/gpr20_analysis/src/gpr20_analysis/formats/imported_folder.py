@@ -1,7 +1,7 @@
 """Imported data as the folder of a survey, which the robot's programs read like its own.
 
 Nothing of a plan is invented: survey.json has the entry `imported` in place of parameters and axes
-(docs/formats.md). What the source does not say is absent.
+(docs/reference/formats.md). What the source does not say is absent.
 """
 
 from __future__ import annotations
