@@ -67,11 +67,12 @@ def test_each_page_is_once_in_the_menu_and_linked_from_the_start(site):
 
 
 @pytest.mark.parametrize(
-    ("page", "picture"), [("architecture", "states"), ("architecture", "graph"), ("ros", "frames")]
+    ("page", "picture"),
+    [("architecture", "states"), ("reference/ros_graph", "graph"), ("ros", "frames")],
 )
 def test_each_page_shows_its_own_diagrams(site, page, picture):
     shown = re.findall(
-        r'src="images/(\w+)\.svg"', (site / f"{page}.html").read_text(encoding="utf-8")
+        r'src="[./]*images/(\w+)\.svg"', (site / f"{page}.html").read_text(encoding="utf-8")
     )
     assert shown.count(picture) == 1
     assert page == "architecture" or "states" not in shown
@@ -135,7 +136,7 @@ def test_the_pictures_of_the_architecture_are_up_to_date():
 
 def test_the_picture_of_the_graph_names_every_node_and_interface():
     picture = (DOCS / "images/graph.svg").read_text(encoding="utf-8")
-    nodes = nodes_of((DOCS / "architecture.md").read_text(encoding="utf-8"))
+    nodes = nodes_of((DOCS / "reference/ros_graph.md").read_text(encoding="utf-8"))
     assert {"main_control", "vna_processing", "replay"} <= set(nodes)
     for node, interfaces in nodes.items():
         assert f"{escape(node.split(', ')[0])}<" in picture

@@ -1,4 +1,4 @@
-"""The pictures of docs/architecture.md and docs/ros.md, from their text."""
+"""Pictures of architecture.md, ros.md and reference/ros_graph.md, from their text."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def make(folder: Path) -> None:
 def pictures() -> Dict[str, str]:
     """Return the pictures by the names of their files."""
     return {
-        "graph.svg": graph_picture(_page("architecture.md")),
+        "graph.svg": graph_picture(_page("reference/ros_graph.md")),
         "states.svg": states_picture(_diagram("architecture.md")),
         "frames.svg": frames_picture(_diagram("ros.md")),
     }

@@ -1,4 +1,4 @@
-"""The ROS graph as a picture, from the table of docs/architecture.md."""
+"""The ROS graph as a picture, from the table of docs/reference/ros_graph.md."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ CALLS = [
 Interface = Tuple[str, str]
 
 
-def nodes_of(architecture: str) -> Dict[str, List[Interface]]:
+def nodes_of(page: str) -> Dict[str, List[Interface]]:
     """Return the interfaces of each node, with their kinds.
 
     Args:
-        architecture: The page with the table.
+        page: The page with the table.
     """
-    table = architecture.split("| node | interface | kind |")[1].split("\n\n")[0]
+    table = page.split("| node | interface | kind |")[1].split("\n\n")[0]
     nodes: Dict[str, List[Interface]] = {}
     name = ""
     for row in table.splitlines()[2:]:
@@ -66,13 +66,13 @@ def _kind(words: str) -> str:
     return ""
 
 
-def graph_picture(architecture: str) -> str:
+def graph_picture(page: str) -> str:
     """Return the picture as SVG.
 
     Args:
-        architecture: The page with the table.
+        page: The page with the table.
     """
-    nodes = nodes_of(architecture)
+    nodes = nodes_of(page)
     placed = {name for row in MACHINES.values() for name in row}
     # The window is a client only, and shares a row of the table with the terminal client.
     placed.add(EVERY_NODE)

@@ -1,7 +1,7 @@
 """Offline reading, checking, processing and imaging of GPR-20 surveys, without ROS.
 
-The names in `__all__` are the public interface, shown in docs/analysis.md. Each is loaded when it
-is first used, so that importing this package is fast.
+The names in `__all__` are the public interface, shown in docs/reference/api.md. Each is loaded when
+it is first used, so that importing this package is fast.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The public interface is what docs/analysis.md shows, and importing it costs nothing."""
+"""The public interface is what docs/reference/api.md shows, and importing it costs nothing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import gpr20_analysis
 
 ROOT = Path(__file__).resolve().parents[6]
-DOCUMENT = ROOT / "docs" / "analysis.md"
+DOCUMENT = ROOT / "docs/reference/api.md"
 HEAVY = ("numpy", "xarray", "dask", "scipy", "matplotlib", "h5py", "rosbags", "rospy")
 
 

@@ -25,7 +25,7 @@ from gpr20_analysis.processing.chain import (
 )
 from gpr20_analysis.processing.step_functions import FUNCTIONS
 
-PAGE = Path(__file__).parents[6] / "docs/imaging.md"
+PAGE = Path(__file__).parents[6] / "docs/reference/imaging.md"
 PLACES_MM = np.linspace(200.0, 280.0, 5)
 SURVEY = survey_of(scene([point(243.7, 236.2, 0.083)]), PLACES_MM, PLACES_MM)
 
