@@ -27,9 +27,10 @@ mapfile -t programs < <(git ls-files 'catkin_ws/src/*/src/*.py' 'deploy/*.py')
 python3 tools/checks/word_decisions.py "${programs[@]}" "${nodes[@]}"
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
-if grep -nE '^.{101}' deploy/*.sh scripts/*.sh scripts/steps/*.sh .ci/run >&2; then
+mapfile -t shells < <(git grep -lE '^#!(/bin/sh|/usr/bin/env bash)' -- deploy debian scripts .ci)
+if grep -nE '^.{101}' "${shells[@]}" >&2; then
     echo "lint.sh: break these lines after at most 100 characters" >&2
     exit 1
 fi
-for script in deploy/*.sh scripts/*.sh scripts/steps/*.sh .ci/run; do bash -n "$script"; done
+for script in "${shells[@]}"; do bash -n "$script"; done
 echo "lint: nothing to complain about"

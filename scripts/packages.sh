@@ -25,7 +25,9 @@ revision="$(git -C "$GPR20_ROOT" rev-parse --verify --quiet "$commit^{commit}")"
 git checkout --quiet "$revision"
 
 # version_of_release: as the packages of the workspace have it.
-version_of_release() { sed -n 's:.*<version>\(.*\)</version>.*:\1:p' catkin_ws/src/gpr20/package.xml; }
+version_of_release() {
+    sed -n "s:.*<version>\(.*\)</version>.*:\1:p" catkin_ws/src/gpr20/package.xml
+}
 
 version="$(git describe --tags --exact-match 2>/dev/null)" ||
     version="$(version_of_release)+git$(git show -s --format=%cd --date=format:%Y%m%d%H%M).$(

@@ -79,8 +79,9 @@ def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
     own = {
         "GPR20_LAUNCH_ARGUMENTS": f"ns:=robot1 data:={tmp_path}/data",
         "GPR20_STATE": f"{tmp_path}/state",
+        "GPR20_PREFIX": str(ROOT / "catkin_ws/devel"),
     }
-    command = [str(ROOT / "deploy/run.sh"), "accept_data"]
+    command = [str(ROOT / "deploy/gpr20-run"), "config", "accept_data"]
     subprocess.run(command, env={**os.environ, **own}, check=True, timeout=LIMIT_S)
     identity = read_marker(tmp_path / "data").identity
     assert FolderMemory(tmp_path / "state").identity_at(tmp_path / "data") == identity

@@ -1,0 +1,284 @@
+"""The Debian packages: their files, and that the programs that read these accept them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import install_page
+import package_files
+import pytest
+from network_namespaces import ROBOT, SERVER, two_machines
+from package_files import unit_values
+from user_shell import ROOT, wait_until
+
+from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+
+ADMIN = "192.168.1.0/24"
+UNITS = {
+    "gpr20-robot": ["gpr20-firewall", "gpr20-robot", "gpr20-window"],
+    "gpr20-server": ["gpr20-firewall", "gpr20-server"],
+}
+# Programs of other packages that the units start.
+PROGRAMS = ["usr/bin/xinit", "usr/sbin/nft", "usr/bin/Xorg"]
+needs_network = pytest.mark.needs("network namespaces", "firewall")
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory):
+    return package_files.build(tmp_path_factory.mktemp("packages"))
+
+
+@pytest.fixture(scope="module", params=UNITS)
+def machine(request, packages, tmp_path_factory):
+    """A folder with the files of one machine: its package, and the folder."""
+    folder = tmp_path_factory.mktemp(request.param)
+    packages.extract(folder, "gpr20-software", "gpr20-common", request.param)
+    return request.param, folder
+
+
+def program(name):
+    """Return the path of a program; skip the test without it."""
+    found = shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin:/sbin")
+    if found is None:
+        pytest.skip(f"{name} is not installed")
+    return found
+
+
+def printed_by(*command, status=0, **variables):
+    """Return what a command printed; it must end with a status."""
+    done = subprocess.run(
+        list(map(str, command)),
+        env={**os.environ, **variables},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == status, done.stdout
+    return done.stdout
+
+
+def test_everything_belongs_to_root_and_only_root_may_write(packages):
+    for file in packages.folder.glob("*.deb"):
+        for line in printed_by("dpkg-deb", "--contents", file).splitlines():
+            rights, owner = line.split()[:2]
+            assert owner == "root/root", line
+            assert rights[0] == "l" or (rights[5] == "-" and rights[8] == "-"), line
+
+
+def test_what_people_change_is_a_conffile(packages):
+    conffiles = packages.control("gpr20-common", "conffiles").split()
+    assert {"/etc/gpr20/environment", "/etc/security/limits.d/gpr20.conf"} <= set(conffiles)
+
+
+def test_robot_and_server_exclude_each_other_and_all_have_one_version(packages):
+    assert packages.field("gpr20-robot", "Conflicts") == "gpr20-server"
+    assert packages.field("gpr20-server", "Conflicts") == "gpr20-robot"
+    for name in UNITS:
+        assert f"gpr20-common (= {package_files.VERSION})" in packages.field(name, "Depends")
+
+
+def test_the_packages_need_what_a_developer_installs_to_run_the_robot(packages):
+    setup = (ROOT / "scripts/setup.sh").read_text("utf-8")
+    (listed,) = re.findall(r"^ROS_PACKAGES=\((.*?)^\)", setup, re.M | re.S)
+    needed = {one.split(":")[0] for one in listed.split()}
+    # They build and test it.
+    needed -= {"catkin", "ros-base-dev", "python3-rostest"}
+    depends = re.split(r"[, ]+", packages.field("gpr20-common", "Depends"))
+    assert needed - set(depends) == set()
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_every_service_starts_at_boot_and_none_at_installation(packages, name):
+    for owner in (name, "gpr20-common"):
+        script = packages.control(owner, "postinst")
+        assert "deb-systemd-invoke" not in script
+    for unit in UNITS[name]:
+        owner = "gpr20-common" if unit == "gpr20-firewall" else name
+        assert f"deb-systemd-helper enable '{unit}.service'" in packages.control(owner, "postinst")
+
+
+def test_systemd_accepts_every_unit_with_its_shared_part(machine):
+    analyze = program("systemd-analyze")
+    name, folder = machine
+    for path in PROGRAMS:
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(shutil.which("true"), folder / path)
+    (folder / "opt/gpr20/current").symlink_to("unpacked")
+    for target in Path("/usr/lib/systemd/system").glob("*.target"):
+        shutil.copy(target, folder / "usr/lib/systemd/system")
+    units = [folder / f"usr/lib/systemd/system/{unit}.service" for unit in UNITS[name]]
+    printed = printed_by(analyze, "verify", "--man=no", f"--root={folder}", *units)
+    own = [line for line in printed.splitlines() if "gpr20" in line]
+    assert own == [], printed
+    shared = folder / f"usr/lib/systemd/system/{name}.service.d/service.conf"
+    text = shared.read_text("utf-8")
+    shared.write_text(text.replace("KillMode=", "KillMood="))
+    assert "KillMood" in printed_by(analyze, "verify", "--man=no", f"--root={folder}", *units)
+
+
+def test_the_user_of_the_services_has_their_folders_and_devices(machine):
+    sysusers, tmpfiles = program("systemd-sysusers"), program("systemd-tmpfiles")
+    name, folder = machine
+    (folder / "etc/group").write_text("root:x:0:\nvideo:x:44:\n")
+    own = sorted((folder / "usr/lib/sysusers.d").glob("gpr20-*.conf"))
+    printed_by(sysusers, f"--root={folder}", *own)
+    assert "gpr20:" in (folder / "etc/passwd").read_text()
+    groups = dict(re.findall(r"^(\w+):.*:(.*)$", (folder / "etc/group").read_text(), re.M))
+    members = {group for group, users in groups.items() if users == "gpr20"}
+    assert members == ({"gpio", "spi", "video"} if name == "gpr20-robot" else set())
+    printed_by(tmpfiles, f"--root={folder}", "--create", "gpr20-common.conf")
+    for path in ("var/log/gpr20", "var/lib/gpr20/surveys"):
+        assert (folder / path).stat().st_uid != 0
+
+
+def test_the_axes_get_the_real_time_priority_that_they_ask_for():
+    assert unit_values("gpr20-robot", "LimitRTPRIO") == [str(PULSE_PRIORITY)]
+    assert unit_values("gpr20-robot", "LimitMEMLOCK") == ["infinity"]
+    limits = (ROOT / "deploy/common/etc/security/limits.d/gpr20.conf").read_text("utf-8")
+    assert f"@gpr20 - rtprio {PULSE_PRIORITY}\n@gpr20 - memlock unlimited\n" in limits
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_services_run_without_root_and_end_as_by_ctrl_c(unit):
+    assert unit_values(unit, "User") == ["gpr20"]
+    assert unit_values(unit, "CapabilityBoundingSet") == [""]
+    assert unit_values(unit, "NoNewPrivileges") == ["yes"]
+    assert unit_values(unit, "Restart") == ["always"]
+    assert unit_values(unit, "KillMode") == ["mixed"]
+    assert unit_values(unit, "KillSignal") == ["SIGINT"]
+    assert unit_values(unit, "Requires") == ["gpr20-firewall.service"]
+    # roslaunch kills a node after 17 s.
+    assert int(*unit_values(unit, "TimeoutStopSec")) > 60
+
+
+def test_logrotate_accepts_its_file(tmp_path):
+    logrotate = program("logrotate")
+    text = (ROOT / "debian/gpr20-common.logrotate").read_text("utf-8")
+    logs = tmp_path / "log/run"
+    logs.mkdir(parents=True)
+    log = logs / "node.log"
+    log.write_text("x\n" * 2**21)
+    # Of a user that exists, and in a folder of this test.
+    text = re.sub(r"^ *su .*\n", "", text, flags=re.M).replace("/var/log/gpr20", f"{tmp_path}/log")
+    (tmp_path / "conf").write_text(text)
+    (tmp_path / "conf").chmod(0o644)
+    state = tmp_path / "state"
+    printed = printed_by(logrotate, "--verbose", "--force", "--state", state, tmp_path / "conf")
+    assert "error" not in printed
+    assert log.stat().st_size == 0
+    assert (logs / "node.log.1.gz").stat().st_size < 2**16
+
+
+FIREWALL = ROOT / "deploy/common/usr/lib/gpr20/firewall"
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """Write the settings of a machine; return the variables that name them."""
+
+    def write(**changed):
+        values = dict(GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, GPR20_ADMIN=ADMIN)
+        values.update(changed)
+        text = (ROOT / "deploy/common/etc/gpr20/environment").read_text("utf-8")
+        for name, value in values.items():
+            text, count = re.subn(rf"^{name}=.*$", f"{name}={value}", text, flags=re.M)
+            assert count == 1
+        file = tmp_path / "environment"
+        file.write_text(text)
+        return {"GPR20_ENVIRONMENT": str(file), "GPR20_CLOCK_SOURCE": str(tmp_path / "no/clock")}
+
+    return write
+
+
+def rules_after(*commands, **variables):
+    """Return the ruleset of a new network namespace after commands of a shell."""
+    script = "\n".join([*commands, "nft list ruleset"])
+    return printed_by("unshare", "--net", "bash", "-ec", script, **variables)
+
+
+@needs_network
+def test_the_firewall_has_the_rules_of_the_page(environment):
+    program("nft")
+    settings = environment()
+    own = rules_after(*install_page.firewall(), install_page.remote_shell_rule(ADMIN))
+    load = f"{FIREWALL} load"
+    assert rules_after(load, **settings) == own
+    # Loaded again, they replace themselves; unloaded, nothing is left.
+    assert rules_after(load, load, **settings) == own
+    assert rules_after(load, f"{FIREWALL} unload", **settings) == ""
+    others = rules_after("nft add table inet other")
+    assert others in rules_after("nft add table inet other", load, **settings)
+
+
+@needs_network
+@pytest.mark.parametrize(
+    "changed", [{"GPR20_FIREWALL": "off"}, {"GPR20_ROBOT": "", "GPR20_SERVER": ""}]
+)
+def test_without_a_link_or_switched_off_there_are_no_rules(environment, changed):
+    program("nft")
+    settings = environment()
+    file = settings["GPR20_ENVIRONMENT"]
+    loaded = rules_after(f"{FIREWALL} load", **settings)
+    assert loaded
+    other = environment(**changed)
+    assert rules_after(f"{FIREWALL} load", **other) == "", file
+
+
+WRONG = {
+    "nobody could get in": ({"GPR20_ADMIN": ""}, "GPR20_ADMIN is empty"),
+    "no address": ({"GPR20_ROBOT": "10.20.0.256"}, "GPR20_ROBOT is '10.20.0.256'"),
+    "one is missing": ({"GPR20_SERVER": ""}, "GPR20_SERVER is ''"),
+    "the same": ({"GPR20_SERVER": ROBOT}, "must differ"),
+    "everybody gets in": ({"GPR20_ADMIN": "0.0.0.0/0"}, "GPR20_ADMIN is '0.0.0.0/0'"),
+    "a command": ({"GPR20_ADMIN": "1.2.3.4 accept; drop"}, "GPR20_ADMIN is 'accept;'"),
+}
+
+
+@pytest.mark.parametrize("changed, reason", WRONG.values(), ids=WRONG)
+def test_wrong_addresses_are_refused_by_name_and_value(environment, changed, reason):
+    settings = environment(**changed)
+    assert reason in printed_by(FIREWALL, "load", status=1, **settings)
+
+
+@needs_network
+def test_what_nftables_does_leaves_the_rules(environment):
+    program("nft")
+    settings = environment()
+    unit = (ROOT / "deploy/common/lib/systemd/system/nftables.service.d/gpr20.conf").read_text()
+    # Debian's own commands of start, reload and stop empty the ruleset first.
+    for key in ("ExecStartPost", "ExecReload", "ExecStopPost"):
+        assert f"{key}=/usr/lib/gpr20/firewall load\n" in unit
+    load = f"{FIREWALL} load"
+    assert rules_after(load, "nft flush ruleset", load, **settings) == rules_after(load, **settings)
+
+
+@needs_network
+def test_the_robot_follows_the_clock_of_the_pc_behind_the_firewall(environment, tmp_path):
+    chronyd = program("chronyd")
+    settings = environment()
+    (tmp_path / "sources").mkdir()
+    server = (ROOT / "deploy/server/etc/chrony/conf.d/gpr20.conf").read_text("utf-8")
+    source = "server 10.20.0.2 iburst minpoll 2 maxpoll 4 prefer trust"
+    assert source.replace(SERVER, "$server") in FIREWALL.read_text("utf-8")
+    texts = [server, source]
+    with two_machines() as places, contextlib.ExitStack() as started:
+        logs = []
+        for number, (text, place) in enumerate(zip(texts, places)):
+            printed_by(*place.prefix, FIREWALL, "load", **settings)
+            file = tmp_path / f"{number}.conf"
+            file.write_text(f"{text}\npidfile {file}.pid\nbindcmdaddress /\ncmdport 0\n")
+            log = started.enter_context(file.with_suffix(".log").open("wb"))
+            # -x: the clock of this computer is not touched.
+            command = [*place.prefix, chronyd, "-x", "-d", "-u", "root", "-f", str(file)]
+            process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+            started.callback(process.wait)
+            started.callback(process.terminate)
+            logs.append((file.with_suffix(".log"), process))
+        log, process = logs[1]
+        wait_until(lambda: f"Selected source {SERVER}" in log.read_text(), process, limit_s=60.0)
