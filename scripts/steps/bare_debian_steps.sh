@@ -4,8 +4,6 @@
 #   copied_space   a survey from a copy of the install space ~/space, while it and the checkout
 #                  are elsewhere
 #   doctor         beside a simulated robot, and with the robot off
-#   services       install_server.sh and install_robot.sh: --dry-run, installation, --uninstall,
-#                  what is left
 set -euo pipefail
 
 checkout="$PWD"
@@ -25,7 +23,7 @@ fail() {
 expect() {
     local wanted="$1" status=0
     shift
-    say "${*/as_root/sudo}"
+    say "$*"
     "$@" || status=$?
     echo "-- exit status $status"
     [ "$status" -eq "$wanted" ] || fail "'$*' ended with status $status instead of $wanted"
@@ -96,61 +94,9 @@ step_doctor() {
     expect 3 gpr20 doctor --no-such-option
 }
 
-# As root, or as a user with sudo.
-as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
-
-# Kind, rights and owner of everything outside of homes, and the contents of /etc, without what apt
-# keeps and the copies that are made of the lists of users and groups.
-tree() {
-    as_root find / -xdev \( -path /proc -o -path /dev -o -path /tmp -o -path /root -o -path /home \
-        -o -path /opt/gpr20 -o -path /var/cache -o -path /var/lib/apt -o -path /var/lib/dpkg \
-        -o -path /run/sudo -o -path /var/log/apt \) -prune -o -printf '%p %y %M %u %g %l\n' | sort
-    as_root find /etc -type f -not -name '*-' -exec sha256sum {} + | sort -k 2
-}
-
-# install_and_uninstall SCRIPT ARGUMENT...: as docs/install.md says.
-install_and_uninstall() {
-    local script="scripts/$1" before after
-    shift
-    cd /opt/gpr20
-    before="$(mktemp)" after="$(mktemp)"
-    tree >"$before"
-    expect 0 "$script" "$@" --dry-run
-    tree | diff "$before" - || fail "--dry-run changed something"
-    expect 0 as_root "$script" "$@"
-    # Packages stay, and are there before the second installation.
-    expect 0 as_root "$script" --uninstall
-    as_root rm -rf /etc/gpr20
-    tree >"$before"
-    expect 0 as_root "$script" "$@"
-    expect 0 as_root "$script" "$@"
-    expect 0 as_root "$script" --uninstall
-    expect 0 as_root "$script" --uninstall
-    tree >"$after"
-    say "what $script left"
-    ! diff "$before" "$after" >"$log" || fail "the robot's configuration is not left"
-    grep '^[<>]' "$log"
-    if grep '^[<>]' "$log" | grep -vE '^> ([0-9a-f]{64}  )?/etc/gpr20(/robot|$| )'; then
-        fail "$script --uninstall left more than the robot's configuration, or removed too much"
-    fi
-    as_root rm -rf /etc/gpr20
-}
-
-step_services() {
-    local link=(--robot 10.20.0.1 --server 10.20.0.2 --admin 192.168.1.0/24)
-    say "git clone $checkout /opt/gpr20"
-    as_root apt-get install -y -qq --no-install-recommends git systemd >"$log" 2>&1 ||
-        { cat "$log" >&2; fail "apt-get did not install git and systemd"; }
-    as_root git clone --quiet "$checkout" /opt/gpr20
-    install_and_uninstall install_server.sh "${link[@]}"
-    install_and_uninstall install_robot.sh --one-machine
-    say "id gpr20"
-    ! id gpr20 || fail "the user gpr20 is left"
-}
-
 case "${1-}" in
-    copied_space | doctor | services) ;;
-    *) fail "name a step: copied_space, doctor or services" ;;
+    copied_space | doctor) ;;
+    *) fail "name a step: copied_space or doctor" ;;
 esac
 trap clean_up EXIT
 "step_$1"
