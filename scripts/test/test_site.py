@@ -92,7 +92,9 @@ def test_the_ros_interfaces_and_the_python_api_are_on_it(site):
         for path in (ROOT / "catkin_ws/src/gpr20_msgs" / folder).iterdir():
             assert f'id="{heading_anchor(path.stem)}"' in interfaces
     assert 'id="load_survey"' in (site / "api/gpr20_analysis.html").read_text(encoding="utf-8")
-    assert 'href="../api/gpr20_analysis.html"' in (site / "reference/api.html").read_text(encoding="utf-8")
+    assert 'href="../api/gpr20_analysis.html"' in (site / "reference/api.html").read_text(
+        encoding="utf-8"
+    )
 
 
 @pytest.mark.parametrize("link", ["nothing.md", "operate.md#nothing"])
@@ -145,7 +147,9 @@ def test_the_picture_of_the_graph_names_every_node_and_interface():
 
 def test_the_page_of_the_faults_is_up_to_date_and_names_every_code_and_remedy():
     text = messages_page()
-    assert (DOCS / "reference/messages.md").read_text(encoding="utf-8") == text, "run scripts/translations.sh"
+    assert (DOCS / "reference/messages.md").read_text(encoding="utf-8") == text, (
+        "run scripts/translations.sh"
+    )
     words = " ".join(text.replace("<br>", "").replace("\\", "").split())
     for code, fault in fault_table().faults.items():
         assert f"- `{code}`" in words
