@@ -1,0 +1,29 @@
+#!/bin/sh
+# The first installation from this bundle, without a network; later ones are made by gpr20-update.
+#   sudo sh install.sh gpr20-robot | gpr20-server | gpr20-analysis
+# It looks for damage only: whoever can change this file can change the others too. Compare the
+# signature before, if the stick was out of your hands (docs/maintain.md).
+set -eu
+cd "$(dirname "$0")"
+case "${1-}" in
+    gpr20-robot | gpr20-server | gpr20-analysis) ;;
+    *) echo "install.sh: name gpr20-robot, gpr20-server or gpr20-analysis" >&2; exit 2 ;;
+esac
+sha256sum --check --quiet SHA256SUMS
+lists="$(mktemp -d)"
+trap 'rm -rf "$lists"' EXIT
+mkdir "$lists/partial"
+# In a folder without spaces, as apt wants it.
+ln -s "$PWD" "$lists/bundle"
+echo "deb [trusted=yes] file:$lists/bundle ./" >"$lists/sources.list"
+
+bundled_apt() {
+    apt-get -q -y --no-install-recommends -o Dir::Etc::sourcelist="$lists/sources.list" \
+        -o Dir::Etc::sourceparts=- -o Dir::State::lists="$lists" -o Dir::Cache::pkgcache= \
+        -o Dir::Cache::srcpkgcache= -o APT::Sandbox::User=root "$@"
+}
+
+bundled_apt update
+bundled_apt install "$1"
+# Kept, so that the next update has a way back.
+[ ! -x /usr/sbin/gpr20-update ] || gpr20-update .

@@ -1,0 +1,1 @@
+"""Bundles, packages, the robot, backups: each by itself."""

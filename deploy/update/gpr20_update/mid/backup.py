@@ -1,0 +1,242 @@
+"""Backups of the configuration, and of what the window remembers: plans and profiles.
+
+A backup is a tar.gz. It begins with `backup.json`: version, computer, members of the group gpr20,
+and the SHA-256 of each file. It never holds a private key, nor who may sign a release.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import json
+import os
+import pwd
+import re
+import socket
+import stat
+import tarfile
+import time
+import zlib
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any, BinaryIO, Dict, Iterator, Mapping, Tuple
+
+from gpr20_update.errors import UpdateError
+from gpr20_update.low.paths import Paths
+from gpr20_update.low.system import replace_file, shown, sync
+
+FIRST = "backup.json"
+FORMAT = "gpr20-backup-1"
+# Everything of theirs below these folders; window.yaml and the plans are beside the profiles.
+OWNERS = ("root", "gpr20")
+FOLDERS = ("etc/gpr20", "var/lib/gpr20/.config/gpr20")
+CONFIGURATION = "/etc/gpr20"
+GROUP = "gpr20"
+# The anchor of trust does not come from a file that nobody has signed.
+_LEFT_OUT = frozenset({"etc/gpr20/release_signers"})
+_PRIVATE = re.compile(rb"-----BEGIN [A-Z0-9 ]*PRIVATE KEY-----")
+_OTHER_FOLDER = re.compile(r'^GPR20_CONFIG="?([^"\n]*)', re.MULTILINE)
+RIGHTS = 0o777
+MAX_FILE_BYTES = 16 << 20
+MAX_BYTES = 64 << 20
+# The last ones that were made before an update or a restore.
+KEPT_BACKUPS = 10
+
+
+@dataclass(frozen=True)
+class Content:
+    """One file of a backup."""
+
+    data: bytes
+    mode: int
+    owner: str
+
+
+@dataclass(frozen=True)
+class Backup:
+    """A backup that was read and is intact.
+
+    Attributes:
+        files: The files, by their path without the first slash.
+        version: The version of the software that it is from.
+        people: Members of the group gpr20.
+    """
+
+    files: Mapping[str, Content]
+    version: str
+    people: Tuple[str, ...]
+
+
+def take(paths: Paths, version: str) -> Backup:
+    """Return everything that a backup of this computer holds.
+
+    Raises:
+        UpdateError: The configuration is elsewhere, or a file cannot be read.
+    """
+    settings = paths.settings
+    text = settings.read_text("utf-8", "replace") if settings.is_file() else ""
+    for folder in _OTHER_FOLDER.findall(text):
+        if not f"{os.path.normpath(folder)}/".startswith(f"{CONFIGURATION}/"):
+            raise UpdateError(
+                f"GPR20_CONFIG is {shown(folder)} in {settings}; a backup holds what is in "
+                f"{CONFIGURATION}. Move the configuration there"
+            )
+    files = dict(_files(paths))
+    private = {name for name, one in files.items() if _PRIVATE.search(one.data)}
+    left_out = private | {f"{name}.pub" for name in private} | _LEFT_OUT
+    kept = {name: one for name, one in files.items() if name not in left_out}
+    return Backup(kept, version, _people(paths))
+
+
+def write(backup: Backup, path: Path) -> None:
+    """Write a backup durably."""
+
+    def write_tar(file: BinaryIO) -> None:
+        with tarfile.open(fileobj=file, mode="w:gz", format=tarfile.PAX_FORMAT) as tar:
+            _add(tar, FIRST, Content(_description(backup), 0o600, "root"))
+            for name, one in sorted(backup.files.items()):
+                _add(tar, name, one)
+
+    replace_file(path, write_tar)
+
+
+def keep(paths: Paths, version: str) -> Path:
+    """Make a backup of this computer where the others are; delete old ones."""
+    paths.backups.mkdir(exist_ok=True)
+    path = paths.backups / f"{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}_{version}.tar.gz"
+    write(take(paths, version), path)
+    for old in sorted(paths.backups.glob("*.tar.gz"))[:-KEPT_BACKUPS]:
+        old.unlink()
+    return path
+
+
+def read(path: Path) -> Backup:
+    """Return a backup whose every file is as it was written.
+
+    Raises:
+        UpdateError: It is none, or it is damaged.
+    """
+    try:
+        with tarfile.open(str(path), "r:gz") as tar:
+            files = dict(_members(tar, path))
+    except (OSError, EOFError, zlib.error, tarfile.TarError, gzip.BadGzipFile) as error:
+        raise UpdateError(f"{shown(path)} is no backup, or is damaged: {shown(error)}") from error
+    described = _read_description(files.pop(FIRST, Content(b"", 0, "")).data, path)
+    found = {name: hashlib.sha256(one.data).hexdigest() for name, one in files.items()}
+    if found != described["files"]:
+        raise UpdateError(f"{shown(path)} is damaged: its files are not those it lists")
+    return Backup(files, str(described["version"]), tuple(map(str, described["people"])))
+
+
+def apply(backup: Backup, paths: Paths) -> None:
+    """Make the files of this computer those of a backup, each durably; may be repeated.
+
+    Private keys and the signers stay as they are. What the backup does not have is deleted.
+    """
+    now = take(paths, "").files
+    for name in sorted(set(now) - set(backup.files)):
+        (paths.root / name).unlink()
+        sync((paths.root / name).parent)
+    for name, one in sorted(backup.files.items()):
+        if now.get(name) != one:
+            _put(paths.root / name, one, paths)
+
+
+def _files(paths: Paths) -> Iterator[Tuple[str, Content]]:
+    for folder in FOLDERS:
+        for path in sorted((paths.root / folder).rglob("*")):
+            status = path.lstat()
+            # A link may lead to what is no configuration.
+            if not stat.S_ISREG(status.st_mode):
+                continue
+            if status.st_size > MAX_FILE_BYTES:
+                raise UpdateError(
+                    f"{shown(path)} has {status.st_size >> 20} MB; a file of the configuration has "
+                    f"{MAX_FILE_BYTES >> 20} MB at most. Move it away"
+                )
+            with open(os.open(str(path), os.O_RDONLY | os.O_NOFOLLOW), "rb") as file:
+                data = file.read()
+            name = str(path.relative_to(paths.root))
+            yield name, Content(data, status.st_mode & RIGHTS, _name_of(status.st_uid))
+
+
+def _name_of(user: int) -> str:
+    return next((one.pw_name for one in pwd.getpwall() if one.pw_uid == user), str(user))
+
+
+def _people(paths: Paths) -> Tuple[str, ...]:
+    lines = (paths.root / "etc/group").read_text("utf-8", "replace").splitlines()
+    members = [line.split(":")[3] for line in lines if line.startswith(f"{GROUP}:")]
+    return tuple(one for one in ",".join(members).split(",") if one)
+
+
+def _description(backup: Backup) -> bytes:
+    sums = {name: hashlib.sha256(one.data).hexdigest() for name, one in backup.files.items()}
+    record = {
+        "format": FORMAT,
+        "version": backup.version,
+        "computer": socket.gethostname(),
+        "people": backup.people,
+        "files": sums,
+    }
+    return json.dumps(record, indent=2).encode()
+
+
+def _read_description(data: bytes, path: Path) -> Dict[str, Any]:
+    try:
+        record = json.loads(data)
+        if record["format"] == FORMAT and isinstance(record["files"], dict):
+            return {**record, "people": list(record["people"]), "version": record["version"]}
+    except (ValueError, KeyError, TypeError):
+        pass
+    raise UpdateError(f"{shown(path)} is no backup of gpr20-update, or it begins with damage")
+
+
+def _add(tar: tarfile.TarFile, name: str, content: Content) -> None:
+    member = tarfile.TarInfo(name)
+    member.size, member.mode, member.uname = len(content.data), content.mode, content.owner
+    tar.addfile(member, io.BytesIO(content.data))
+
+
+def _members(tar: tarfile.TarFile, path: Path) -> Iterator[Tuple[str, Content]]:
+    total = 0
+    for member in tar:
+        parts = PurePosixPath(member.name).parts
+        inside = member.name == FIRST or any(
+            parts[: len(one)] == one and len(parts) > len(one)
+            for one in (PurePosixPath(folder).parts for folder in FOLDERS)
+        )
+        if not (member.isreg() and inside) or ".." in parts or member.name in _LEFT_OUT:
+            raise UpdateError(
+                f"{shown(path)} holds {shown(member.name)!r}; allowed are files below "
+                f"{' and '.join(FOLDERS)}"
+            )
+        total += member.size
+        if total > MAX_BYTES:
+            raise UpdateError(f"{shown(path)} holds more than {MAX_BYTES >> 20} MB")
+        file = tar.extractfile(member)
+        assert file is not None
+        yield member.name, Content(file.read(), member.mode & RIGHTS, member.uname)
+
+
+def _put(path: Path, content: Content, paths: Paths) -> None:
+    """Write a file, with the folders above it that are missing, for its owner."""
+    # A backup gives files to nobody else.
+    users = [one for one in pwd.getpwall() if one.pw_name == content.owner in OWNERS]
+    user = users[0] if users else pwd.getpwuid(0)
+    missing = [one for one in (path.parent, *path.parent.parents) if not one.exists()]
+    for folder in reversed(missing):
+        folder.mkdir(mode=0o755)
+        os.chown(str(folder), user.pw_uid, user.pw_gid)
+        sync(folder.parent)
+    expected = paths.root.resolve() / path.parent.relative_to(paths.root)
+    if path.parent.resolve() != expected:
+        raise UpdateError(f"{shown(path.parent)} is a link; a restore writes into folders only")
+    replace_file(path, lambda file: _write(file, content, user))
+
+
+def _write(file: BinaryIO, content: Content, user: pwd.struct_passwd) -> None:
+    os.fchmod(file.fileno(), content.mode)
+    os.fchown(file.fileno(), user.pw_uid, user.pw_gid)
+    file.write(content.data)

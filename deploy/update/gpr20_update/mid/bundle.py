@@ -1,0 +1,274 @@
+"""A bundle: a folder with packages, their index, checksums and the signature of these."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, Dict, Iterator, List, Mapping, Tuple
+
+from gpr20_update.errors import UpdateError
+from gpr20_update.low.system import BLOCK_BYTES, remove, replace_file, run, shown, sync
+
+SUMS, SIGNATURE, INDEX = "SHA256SUMS", "SHA256SUMS.sig", "Packages"
+NAMESPACE = "gpr20-release"
+SOFTWARE = "gpr20-software"
+ALL_ARCHITECTURES = "all"
+MAX_LIST_BYTES = 4 << 20
+RESERVE_BYTES = 300 << 20
+KIB = 1024
+_LIMIT_S = 20.0
+_SUM = re.compile(r"([0-9a-f]{64})  ([A-Za-z0-9][A-Za-z0-9.+_~%-]*)")
+_FIELD = re.compile(r"^([A-Za-z0-9-]+): *(.*)$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """A bundle whose signature is good; its files are compared when they are copied.
+
+    Attributes:
+        folder: Where it is.
+        lists: Content of the checksums' file and of its signature.
+        sums: SHA-256 of each file, by name.
+        packages: The fields of each package, by name.
+        signer: Who signed it.
+    """
+
+    folder: Path
+    lists: Mapping[str, bytes]
+    sums: Mapping[str, str]
+    packages: Mapping[str, Mapping[str, str]]
+    signer: str
+
+    @property
+    def version(self) -> str:
+        """The version of the software."""
+        return self.packages[SOFTWARE]["Version"]
+
+    def check_architecture(self, architecture: str) -> None:
+        """Refuse a bundle for computers of another kind.
+
+        Raises:
+            UpdateError: It is for another one.
+        """
+        own = self.packages[SOFTWARE]["Architecture"]
+        if own not in (architecture, ALL_ARCHITECTURES):
+            raise UpdateError(
+                f"the bundle {shown(self.folder)} is for computers with {own}, this one has "
+                f"{architecture}; use the bundle for {architecture}"
+            )
+
+    def copy(self, target: Path) -> None:
+        """Copy it durably and compare every file on the way; the stick is not needed afterwards.
+
+        Raises:
+            UpdateError: A file is missing, changed or unreadable, or the disk too small.
+        """
+        new = target.with_name(f"{target.name}.new")
+        remove(new)
+        self._check_space(target.parent)
+        new.mkdir(parents=True)
+        try:
+            for name in self.sums:
+                _copy(self.folder / name, new / name, self.sums[name])
+            for name, content in self.lists.items():
+                (new / name).write_bytes(content)
+                sync(new / name)
+        except (UpdateError, OSError):
+            remove(new)
+            raise
+        sync(new)
+        remove(target)
+        new.rename(target)
+        sync(target.parent)
+
+    def _check_space(self, folder: Path) -> None:
+        installed = sum(
+            int(one.get("Installed-Size", "0")) * KIB
+            for name, one in self.packages.items()
+            if name.startswith("gpr20-")
+        )
+        sizes = [self.folder / name for name in self.sums if (self.folder / name).is_file()]
+        needed = sum(one.stat().st_size for one in sizes) + installed + RESERVE_BYTES
+        free = shutil.disk_usage(str(folder)).free
+        if free < needed:
+            raise UpdateError(
+                f"{folder} has {free >> 20} MB free; the update needs {needed >> 20} MB. Back up "
+                "surveys and delete them here, then repeat"
+            )
+
+    def check_files(self) -> None:
+        """Compare every package of this project with its checksum.
+
+        Raises:
+            UpdateError: One is missing or has changed.
+        """
+        for name, digest in self.sums.items():
+            if name.startswith("gpr20-"):
+                _compared(self.folder / name, digest)
+
+
+def find_bundle(place: Path) -> Path:
+    """Return the folder of the bundle: this one, or the only one in it named gpr20-VERSION.
+
+    Raises:
+        UpdateError: There is none, or more than one.
+    """
+    if not place.is_dir():
+        raise UpdateError(f"{shown(place)} is no folder; mount the stick and name its folder")
+    if (place / SUMS).is_file():
+        return place
+    found = sorted(one.parent for one in place.glob(f"gpr20-*/{SUMS}"))
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        raise UpdateError(
+            f"{shown(place)} holds no bundle: a folder gpr20-VERSION with the file {SUMS}; name "
+            "the folder where the stick is mounted"
+        )
+    names = ", ".join(shown(one.name) for one in found)
+    raise UpdateError(f"{shown(place)} holds several bundles: {names}; name the folder of one")
+
+
+def open_bundle(folder: Path, signers: Path) -> Bundle:
+    """Return a bundle with a good signature.
+
+    Args:
+        folder: Of the bundle.
+        signers: The signers that are accepted, as ssh-keygen reads them.
+
+    Raises:
+        UpdateError: It is not signed by one of them, or not as gpr20-update needs it.
+    """
+    lists = {name: _read(folder / name) for name in (SUMS, SIGNATURE)}
+    signer = _signer(folder, lists, signers)
+    sums = dict(_sums(folder, lists[SUMS].decode("ascii", "replace")))
+    index = _read(folder / INDEX)
+    if hashlib.sha256(index).hexdigest() != sums.get(INDEX):
+        raise _changed(folder / INDEX)
+    packages = {one["Package"]: one for one in _stanzas(index.decode("utf-8", "replace"))}
+    if not {"Version", "Architecture"} <= set(packages.get(SOFTWARE, {})):
+        raise UpdateError(f"the bundle {shown(folder)} has no package {SOFTWARE}; make it again")
+    return Bundle(folder, lists, sums, packages, signer)
+
+
+def _signer(folder: Path, lists: Mapping[str, bytes], signers: Path) -> str:
+    if not signers.is_file():
+        raise UpdateError(
+            f"{signers} is missing, so no signature is accepted; write the line of who signs the "
+            "releases there"
+        )
+    with tempfile.TemporaryDirectory(prefix="gpr20_update_") as private:
+        signature = Path(private, SIGNATURE)
+        signature.write_bytes(lists[SIGNATURE])
+        same = ("-s", str(signature))
+        keygen = ("ssh-keygen", "-Y")
+        names = run(*keygen, "find-principals", *same, "-f", str(signers), limit_s=_LIMIT_S)
+        if names.status != 0 or not names.output.strip():
+            raise UpdateError(
+                f"{shown(folder / SUMS)} is not signed by anyone in {signers} "
+                f"({names.last_lines}); install releases of your own maintainers only, or write "
+                "the line of who signed it there"
+            )
+        name = names.output.splitlines()[0]
+        chosen = ("-f", str(signers), "-I", name, "-n", NAMESPACE)
+        checked = run(*keygen, "verify", *same, *chosen, limit_s=_LIMIT_S, text=lists[SUMS])
+    if checked.status != 0:
+        raise UpdateError(
+            f"{shown(folder / SUMS)} is not as {shown(name)} signed it, or not signed as a release "
+            f"({checked.last_lines}); copy the bundle to the stick again"
+        )
+    return name
+
+
+def _sums(folder: Path, text: str) -> Iterator[Tuple[str, str]]:
+    for line in text.splitlines():
+        found = _SUM.fullmatch(line)
+        if found is None:
+            raise UpdateError(
+                f"{shown(folder / SUMS)} has the line {shown(line[:80])!r}; allowed is a SHA-256, "
+                "two spaces and a name without folders. Make the bundle again"
+            )
+        yield found.group(2), found.group(1)
+
+
+def _stanzas(text: str) -> Iterator[Dict[str, str]]:
+    for stanza in text.split("\n\n"):
+        fields = dict(_FIELD.findall(stanza))
+        if "Package" in fields:
+            yield fields
+
+
+def _read(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_LIST_BYTES + 1)
+    except FileNotFoundError as error:
+        raise UpdateError(
+            f"{shown(path)} is missing: the bundle is incomplete; copy it to the stick again"
+        ) from error
+    except OSError as error:
+        raise _unreadable(path, error) from error
+    if len(content) > MAX_LIST_BYTES:
+        raise UpdateError(f"{shown(path)} is larger than {MAX_LIST_BYTES >> 20} MB; make it again")
+    return content
+
+
+def _copy(source: Path, target: Path, digest: str) -> None:
+    def write(file: BinaryIO) -> None:
+        for block in _compared_blocks(source, digest):
+            try:
+                file.write(block)
+            except OSError as error:
+                raise UpdateError(f"{target} cannot be written: {error.strerror}") from error
+
+    replace_file(target, write, 0o644)
+
+
+def _compared(path: Path, digest: str) -> None:
+    for _block in _compared_blocks(path, digest):
+        pass
+
+
+def _compared_blocks(path: Path, digest: str) -> Iterator[bytes]:
+    """Yield the content of a file; raise at its end if it is not what was signed."""
+    found = hashlib.sha256()
+    try:
+        with open(os.open(str(path), os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+            while True:
+                block = file.read(BLOCK_BYTES)
+                if not block:
+                    break
+                found.update(block)
+                yield block
+    except FileNotFoundError as error:
+        raise UpdateError(
+            f"{shown(path)} is missing: the bundle is incomplete; copy it to the stick again"
+        ) from error
+    except OSError as error:
+        raise _unreadable(path, error) from error
+    if found.hexdigest() != digest:
+        raise _changed(path)
+
+
+def _changed(path: Path) -> UpdateError:
+    return UpdateError(
+        f"{shown(path)} is not as it was signed: it is damaged or was changed; copy the bundle to "
+        "the stick again"
+    )
+
+
+def _unreadable(path: Path, error: OSError) -> UpdateError:
+    return UpdateError(
+        f"{shown(path)} cannot be read: {error.strerror}; plug the stick in again and repeat"
+    )
+
+
+def packages_of(bundle: Bundle, names: List[str]) -> List[Path]:
+    """Return the files of packages, of those that the bundle has."""
+    found = [bundle.packages[name] for name in names if name in bundle.packages]
+    return [bundle.folder / Path(one["Filename"]).name for one in found]

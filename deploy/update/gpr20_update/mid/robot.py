@@ -1,0 +1,164 @@
+"""The robot: whether a survey runs, its services, and what the doctor finds."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from typing import FrozenSet, List, Optional, Tuple
+
+from gpr20_update.errors import UpdateError
+from gpr20_update.low.paths import Paths
+from gpr20_update.low.system import launched_by_hand, run, shown, written_survey
+
+USER = "gpr20"
+HOME = "/var/lib/gpr20"
+# In the order in which they are stopped; the window shows what the others do.
+SERVICES = ("gpr20-window", "gpr20-robot", "gpr20-server")
+FIREWALL = "gpr20-firewall"
+# Of gpr20_msgs/ControlStatus: checking, homing, surveying, paused, stopping, pausing.
+SURVEY_CODES = frozenset({2, 3, 4, 5, 6, 10})
+FAULT = "FAULT"
+STOP_LIMIT_S = 300.0
+STATE_LIMIT_S = 20.0
+# For nodes that start; the doctor continues as soon as each has reported.
+WAIT_S = 60
+DOCTOR_LIMIT_S = 150.0
+# What is wrong only while the robot starts is not found again.
+LOOKS = 4
+_NAMESPACE = re.compile(r"^GPR20_LAUNCH_ARGUMENTS=.*\bns:=([\w/]+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A FAULT that the doctor found.
+
+    Attributes:
+        check: Name of the check.
+        code: Code of the fault.
+        text: The sentence, for people.
+    """
+
+    check: str
+    code: str
+    text: str
+
+    @property
+    def key(self) -> str:
+        """What it is, without values that change."""
+        return f"{self.check} {self.code}"
+
+
+class Robot:
+    """The robot's software on this computer.
+
+    Args:
+        paths: Of this computer.
+    """
+
+    def __init__(self, paths: Paths) -> None:
+        self._paths = paths
+
+    def refuse_during_survey(self, sure: bool) -> None:
+        """Refuse while a survey runs or is paused, or if that cannot be found out.
+
+        Args:
+            sure: Somebody has looked: no survey runs, although the nodes do not say so.
+
+        Raises:
+            UpdateError: A survey runs, or may run.
+        """
+        folder = written_survey()
+        if folder is not None:
+            raise UpdateError(
+                f"a survey runs or is paused: {shown(folder)} is being written; finish or stop it "
+                "first"
+            )
+        process = launched_by_hand()
+        if process is not None:
+            raise UpdateError(
+                f"process {process} runs a robot that was launched by hand; end it first"
+            )
+        if sure or not self.active():
+            return
+        code = self._control_code()
+        if code is None:
+            raise UpdateError(
+                "the main control does not say whether a survey runs or is paused; see on the "
+                "window or on the robot that none is, then repeat with --no-survey"
+            )
+        if code in SURVEY_CODES:
+            raise UpdateError("a survey runs or is paused; finish or stop it first")
+
+    def _control_code(self) -> Optional[int]:
+        namespace = _NAMESPACE.search(self._settings())
+        more = {"ROS_NAMESPACE": namespace.group(1)} if namespace else {}
+        asked = ("ros", "rostopic", "echo", "-n", "1", "control_status/code")
+        answer = self._run_part(*asked, limit_s=STATE_LIMIT_S, **more).split()
+        return int(answer[0]) if answer and answer[0].isdigit() else None
+
+    def _settings(self) -> str:
+        path = self._paths.settings
+        return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+
+    def active(self) -> List[str]:
+        """Return the services that run, or that systemd starts again and again."""
+        if not (self._paths.root / "run/systemd/system").is_dir():
+            return []
+        units = [f"{one}.service" for one in SERVICES]
+        asked = ("systemctl", "show", "--property=ActiveState", "--value", *units)
+        states = run(*asked, limit_s=STATE_LIMIT_S).output.split()
+        if len(states) != len(SERVICES):
+            raise UpdateError("systemd does not say which services run; restart this computer")
+        return [one for one, state in zip(SERVICES, states) if state not in ("inactive", "failed")]
+
+    def stop(self) -> None:
+        """Stop the services that run; return when they have ended.
+
+        Raises:
+            UpdateError: They do not end.
+        """
+        units = [f"{one}.service" for one in self.active()]
+        if units and run("systemctl", "stop", *units, limit_s=STOP_LIMIT_S).status != 0:
+            raise UpdateError(f"{', '.join(units)} cannot be stopped; restart this computer")
+
+    def start(self, services: Tuple[str, ...]) -> None:
+        """Let systemd start services; it does so after this program if that runs at boot."""
+        if not services:
+            return
+        run("systemctl", "--no-block", "try-restart", f"{FIREWALL}.service", limit_s=STOP_LIMIT_S)
+        units = [f"{one}.service" for one in services]
+        run("systemctl", "--no-block", "start", *units, limit_s=STOP_LIMIT_S)
+
+    def faults(self) -> Optional[FrozenSet[Found]]:
+        """Return each FAULT that the doctor finds; None: it cannot judge."""
+        asked = ("doctor", "--json", "--language", "en", "--wait", str(WAIT_S))
+        try:
+            findings = json.loads(self._run_part(*asked, limit_s=DOCTOR_LIMIT_S))["findings"]
+            return frozenset(
+                Found(str(one["check"]), str(one["fault_code"]), shown(one["text"]))
+                for one in findings
+                if one["level"] == FAULT
+            )
+        except (ValueError, KeyError, TypeError):
+            return None
+
+    def new_faults(self, known: FrozenSet[str]) -> List[str]:
+        """Return what is wrong that was not before, as sentences; empty: nothing.
+
+        Args:
+            known: Keys of what was wrong before.
+        """
+        wrong = ["the doctor could not judge"]
+        for _look in range(LOOKS):
+            found = self.faults()
+            if found is not None:
+                wrong = sorted(one.text for one in found if one.key not in known)
+                if not wrong:
+                    break
+        return wrong
+
+    def _run_part(self, *arguments: str, limit_s: float, **more: str) -> str:
+        """Run a part of the robot as its user; return what it printed."""
+        command = ("runuser", "-u", USER, "--", "gpr20-run", *arguments)
+        return run(*command, limit_s=limit_s, more={"HOME": HOME, **more}).output
