@@ -111,6 +111,7 @@ class Updater:
             UpdateError: It was refused, or it failed.
         """
         self._refuse_unfinished()
+        self._robot.refuse_during_survey(no_survey)
         installed = self._packages.installed()
         now = installed[SOFTWARE]
         kept = [one.name for one in self._paths.kept.glob("*")]
@@ -122,7 +123,6 @@ class Updater:
             )
         chosen = older[0]
         self._former(chosen)
-        self._robot.refuse_during_survey(no_survey)
         self._say(f"the configuration is kept in {backup.keep(self._paths, now)}")
         self._keep_program()
         services = tuple(self._robot.active())
@@ -158,10 +158,10 @@ class Updater:
                 backup.apply(backup.read(Path(record.backup)), self._paths)
             begun = sorted((self._paths.kept / record.after).glob("*.deb"))
             self._packages.put_back(self._kept(record.before), list(record.packages), begun)
-            ended = f"version {record.before} is installed again"
-            self._end(record, f"{ended}; {record.after} did not stay: {why}" if why else ended)
         finally:
             self._robot.start(record.services)
+        ended = f"version {record.before} is installed again"
+        self._end(record, f"{ended}; {record.after} did not stay: {why}" if why else ended)
 
     def status(self) -> None:
         """Say what is installed, what is kept and how the last update ended."""
@@ -194,8 +194,8 @@ class Updater:
             UpdateError: It was refused; nothing has changed.
         """
         self._refuse_unfinished()
-        wanted = backup.read(path)
         self._robot.refuse_during_survey(no_survey)
+        wanted = backup.read(path)
         was = backup.keep(self._paths, self._packages.slot_version())
         self._say(f"what was there before is kept in {was}")
         copy = self._paths.state / "restore.tar.gz"
@@ -212,8 +212,8 @@ class Updater:
         self._journal.write(record)
         self._robot.stop()
         backup.apply(backup.read(Path(record.backup)), self._paths)
-        self._end(record, "a backup was restored")
         self._robot.start(record.services)
+        self._end(record, "a backup was restored")
 
     def _end(self, record: Record, outcome: str) -> None:
         self._journal.write(dataclasses.replace(record, step=Step.DONE, outcome=outcome))

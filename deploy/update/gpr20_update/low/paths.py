@@ -26,4 +26,5 @@ class Paths:
         self.signers = root / "etc/gpr20/release_signers"
         self.slots = root / "opt/gpr20/slots"
         self.current = root / "opt/gpr20/current"
+        self.processes = root / "proc"
         self.dpkg_lock = root / "var/lib/dpkg/lock-frontend"

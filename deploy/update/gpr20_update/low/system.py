@@ -162,14 +162,14 @@ def frontend_lock(path: Path, limit_s: float) -> Iterator[None]:
         yield
 
 
-def written_survey() -> Optional[Path]:
+def written_survey(processes: Path) -> Optional[Path]:
     """Return the folder of a survey that a process of this computer writes, if any.
 
     Every writer holds the lock of the survey's folder until the survey has ended, a paused one
     too. Whatever the data folder is, and whether or not the robot's nodes answer, it is found
     here. Only root sees the files of every process.
     """
-    for entry in Path("/proc").glob("[0-9]*/fd/*"):
+    for entry in processes.glob("[0-9]*/fd/*"):
         # Processes end and close their files meanwhile.
         with contextlib.suppress(OSError):
             if entry.is_dir() and (entry / "survey.json").is_file() and _is_locked(entry):
@@ -188,9 +188,9 @@ def _is_locked(folder: Path) -> bool:
     return False
 
 
-def launched_by_hand() -> Optional[int]:
+def launched_by_hand(processes: Path) -> Optional[int]:
     """Return the number of a process that runs a robot without its services, if any."""
-    for process in Path("/proc").glob("[0-9]*"):
+    for process in processes.glob("[0-9]*"):
         with contextlib.suppress(OSError):
             words = (process / "cmdline").read_bytes().split(b"\0")
             if any(one.endswith(b"/roslaunch") for one in words[:2]):

@@ -68,13 +68,13 @@ class Robot:
         Raises:
             UpdateError: A survey runs, or may run.
         """
-        folder = written_survey()
+        folder = written_survey(self._paths.processes)
         if folder is not None:
             raise UpdateError(
                 f"a survey runs or is paused: {shown(folder)} is being written; finish or stop it "
                 "first"
             )
-        process = launched_by_hand()
+        process = launched_by_hand(self._paths.processes)
         if process is not None:
             raise UpdateError(
                 f"process {process} runs a robot that was launched by hand; end it first"

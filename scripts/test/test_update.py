@@ -1,0 +1,167 @@
+"""gpr20-update: it ends with the old or the new version, never between, and never during a survey.
+
+dpkg is the real one, in a folder; scripts/power_cut_update.sh does it with apt and power cuts.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+import update_world
+
+from gpr20_survey.plan.survey_state import RUNNING
+from gpr20_update.mid import robot
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """A computer with version 1.0; each test gets a copy of it."""
+    place = tmp_path_factory.mktemp("update")
+    return update_world.make_world(update_world.make_sticks(place / "made"), place / "first")
+
+
+@pytest.fixture
+def world(first, tmp_path):
+    return first.copy(tmp_path / "world")
+
+
+def test_an_update_stays_if_the_doctor_finds_nothing_new(world):
+    data = world.data()
+    world.doctor("1.0", "vna")
+    world.doctor("2.0", "vna")
+    said = world.update(world.sticks / "gpr20-2.0")
+    assert world.version() == "2.0"
+    assert world.data() == data
+    assert world.services_run()
+    assert "2.0 is installed" in said
+    assert "2.0" in world.update("--status")
+
+
+def test_a_new_fault_returns_the_version_before(world):
+    data = world.data()
+    world.doctor("2.0", "axes")
+    said = world.update(world.bundle("2.0"), status=1)
+    assert "axes is bad" in said
+    assert (world.version(), world.data()) == ("1.0", data)
+    assert world.services_run()
+    assert "axes is bad" in world.update("--status")
+
+
+def test_a_doctor_that_cannot_judge_returns_the_version_before(world):
+    (world.root / "doctor-2.0").write_text("Traceback")
+    world.update(world.bundle("2.0"), status=1)
+    assert world.version() == "1.0"
+
+
+def test_a_failed_installation_returns_the_version_before(world):
+    data = world.data()
+    apt = world.root / "programs/apt-get"
+    apt.write_text(apt.read_text().replace("--install *.deb", "--install gpr20-[cs]*.deb"))
+    world.update(world.bundle("2.0"), status=1)
+    assert (world.version(), world.data()) == ("1.0", data)
+
+
+def test_back_returns_to_the_version_before_and_keeps_the_configuration(world):
+    world.update(world.bundle("2.0"))
+    (world.root / "etc/gpr20/robot/axes.yaml").write_text("x: 2\n")
+    data = world.data()
+    world.update("--back")
+    assert (world.version(), world.data()) == ("1.0", data)
+    assert "before 1.0" in world.update("--back", status=2)
+
+
+def events(text):
+    return int(re.search(r"events (\d+)", text).group(1))
+
+
+def test_a_kill_at_any_event_ends_in_the_old_or_the_new_version(first, tmp_path):
+    data = first.data()
+    last = events(first.copy(tmp_path / "whole").update(first.bundle("2.0")))
+    ended = []
+    for event in range(1, last + 2):
+        world = first.copy(tmp_path / str(event))
+        world.update(world.bundle("2.0"), kill_at=event, status=-9 if event <= last else 0)
+        assert update_world.update_kit.slot_problems(world.root) == ""
+        # As at boot.
+        world.update("--continue")
+        ended.append(world.version())
+        assert world.data() == data, event
+    assert last >= 8
+    assert ended == ["1.0"] * last + ["2.0"]
+
+
+def test_a_kill_at_any_event_of_the_return_still_ends_in_the_old_version(first, tmp_path):
+    data = first.data()
+    begun = first.copy(tmp_path / "begun")
+    # In the middle: the packages are installed, the doctor has not judged.
+    begun.update(begun.bundle("2.0"), kill_at=6, status=-9)
+    last = events(begun.copy(tmp_path / "whole").update("--continue"))
+    for event in range(1, last + 1):
+        world = begun.copy(tmp_path / str(event))
+        world.update("--continue", kill_at=event, status=-9)
+        assert update_world.update_kit.slot_problems(world.root) == ""
+        assert "interrupted" in world.update(world.bundle("2.0"), status=2)
+        world.update("--continue")
+        assert (world.version(), world.data()) == ("1.0", data), event
+    assert last >= 8
+
+
+@pytest.mark.parametrize("code", [*sorted(RUNNING), None])
+def test_a_survey_refuses_update_return_and_restore(world, code):
+    (world.root / "code").write_text("no answer" if code is None else f"{code}\n---\n")
+    world.update("--backup", world.root / "b.tar.gz")
+    for asked in ([world.bundle("2.0")], ["--back"], ["--restore", world.root / "b.tar.gz"]):
+        assert "survey" in world.update(*asked, status=2)
+    assert world.version() == "1.0"
+
+
+def test_the_states_of_a_survey_are_those_of_the_robot():
+    assert {int(one) for one in RUNNING} == robot.SURVEY_CODES
+
+
+def test_with_nodes_that_do_not_answer_a_person_can_say_that_no_survey_runs(world):
+    (world.root / "code").write_text("")
+    world.update(world.bundle("2.0"), "--no-survey")
+    assert world.version() == "2.0"
+
+
+def test_the_lock_of_a_survey_refuses_whatever_the_nodes_and_the_person_say(world, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere/survey.json").touch()
+    world.show_process(os.getpid())
+    descriptor = os.open(tmp_path / "elsewhere", os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        said = world.update(world.bundle("2.0"), "--no-survey", status=2)
+        assert str(tmp_path / "elsewhere") in said
+    finally:
+        os.close(descriptor)
+    world.update(world.bundle("2.0"), "--no-survey")
+
+
+def test_a_robot_launched_by_hand_refuses(world, tmp_path):
+    program = tmp_path / "roslaunch"
+    program.write_text("import sys\nprint(1, flush=True)\nsys.stdin.read()\n")
+    with subprocess.Popen(
+        [sys.executable, program], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as launch:
+        launch.stdout.readline()
+        world.show_process(launch.pid)
+        said = world.update(world.bundle("2.0"), "--no-survey", status=2)
+        launch.stdin.close()
+    assert str(launch.pid) in said
+
+
+def test_without_the_packages_of_the_installed_version_there_is_no_way_back(world):
+    for kept in (world.root / "var/lib/gpr20-update/packages/1.0").iterdir():
+        kept.unlink()
+    (world.root / "var/lib/gpr20-update/packages/1.0").rmdir()
+    assert "1.0" in world.update(world.bundle("2.0"), status=2)
+    world.update(world.bundle("1.0"))
+    world.update(world.bundle("2.0"))
+    assert world.version() == "2.0"

@@ -1,0 +1,229 @@
+"""A folder that is a computer to gpr20-update: real dpkg, everything else played."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import update_kit
+
+# The real dpkg, for this folder; the maintainer scripts see it in DPKG_ROOT.
+DPKG = """exec /usr/bin/dpkg --root=$ROOT --force-script-chrootless --force-not-root \\
+    --force-unsafe-io --log=/dev/null "$@"
+"""
+# Installs NAME=VERSION from the only source, with what these packages need; a simulation succeeds.
+APT = """for word; do
+    case $word in
+        -oDir::Etc::sourcelist=*) list=${word#*sourcelist=} ;;
+        --simulate | update) exit 0 ;;
+    esac
+done
+cd "$(sed 's/.*file:\\(.*\\) .*/\\1/' "$list")" && exec dpkg --force-confold --install *.deb
+"""
+SYSTEMCTL = """case $1 in
+    show) cat $ROOT/active ;;
+    stop) printf 'inactive\\ninactive\\ninactive\\n' >$ROOT/active ;;
+    --no-block) [ $2 != start ] || printf 'active\\nactive\\ninactive\\n' >$ROOT/active ;;
+esac
+"""
+# The doctor of a release says what the file doctor-VERSION holds.
+GPR20_RUN = """case $1 in
+    doctor) exec cat $ROOT/doctor-$(cat $ROOT/opt/gpr20/current/release) ;;
+    ros) cat $ROOT/code ;;
+esac
+"""
+PROGRAMS = {
+    "dpkg": DPKG,
+    "dpkg-query": 'exec /usr/bin/dpkg-query --admindir=$ROOT/var/lib/dpkg "$@"\n',
+    "apt-get": APT,
+    "systemctl": SYSTEMCTL,
+    "runuser": 'shift 3; exec "$@"\n',
+    "gpr20-run": GPR20_RUN,
+}
+MAIN = """import os, signal, subprocess, sys
+from gpr20_update.high.command import main
+
+events, last, begun = 0, int(os.environ.get("KILL_AT", "0")), False
+
+
+def counted(function, path_of):
+    def call(*arguments, **options):
+        global events, begun
+        begun = begun or str(path_of(arguments)).endswith("journal.json")
+        events += begun
+        if begun and events == last:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return function(*arguments, **options)
+    return call
+
+
+os.replace = counted(os.replace, lambda arguments: arguments[1])
+subprocess.Popen = counted(subprocess.Popen, lambda arguments: "")
+status = main(os.environ["ROOT"])
+print("events", events)
+sys.exit(status)
+"""
+
+
+@dataclass(frozen=True)
+class World:
+    """The folder, and the sticks that it can be updated from.
+
+    Attributes:
+        root: What is / of a real computer.
+        sticks: Folder of the bundles.
+        program: The program, with a __main__ that can be killed at any event.
+    """
+
+    root: Path
+    sticks: Path
+    program: Path
+
+    @property
+    def environment(self):
+        path = f"{self.root}/programs:/usr/sbin:/usr/bin:/sbin:/bin"
+        return {"PATH": path, "ROOT": str(self.root)}
+
+    def update(self, *arguments, status=0, kill_at=0):
+        """Run gpr20-update; return what it printed."""
+        environment = {**self.environment, "KILL_AT": str(kill_at)}
+        command = ["/usr/bin/python3", "-I", str(self.program), *map(str, arguments)]
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == status, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    def dpkg(self, *arguments, status=0):
+        """Run dpkg; return what it printed."""
+        done = subprocess.run(
+            ["dpkg", *map(str, arguments)],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert (done.returncode == 0) == (status == 0), done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    def bundle(self, version):
+        return self.sticks / f"gpr20-{version}"
+
+    def doctor(self, version, *faults):
+        """Let the doctor of a version find these faults."""
+        found = [
+            {"check": one, "fault_code": f"{one}.code", "level": "FAULT", "text": f"{one} is bad"}
+            for one in faults
+        ]
+        (self.root / f"doctor-{version}").write_text(json.dumps({"findings": found}))
+
+    def versions(self):
+        """Return state and version of each package."""
+        lines = subprocess.run(
+            ["dpkg-query", "-W", "-f", "${Package} ${db:Status-Status} ${Version}\n"],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.splitlines()
+        return {one.split()[0]: " ".join(one.split()[1:]) for one in lines}
+
+    def version(self):
+        """Return the one version that everything has; fail if something is between two."""
+        assert update_kit.slot_problems(self.root) == ""
+        (version,) = {one for name, one in self.versions().items() if name.startswith("gpr20-")}
+        release = (self.root / "opt/gpr20/current/release").read_text("utf-8").strip()
+        assert version == f"installed {release}"
+        return release
+
+    def data(self):
+        """Return the checksum of every file of the configuration and of the surveys."""
+        return {
+            str(one.relative_to(self.root)): hashlib.sha256(one.read_bytes()).hexdigest()
+            for folder in ("etc/gpr20", "var/lib/gpr20")
+            for one in sorted((self.root / folder).rglob("*"))
+            # What a new version would like to have; it is not used.
+            if one.is_file() and one.suffix != ".dpkg-dist"
+        }
+
+    def show_process(self, number):
+        """Let the computer have a process of this one."""
+        (self.root / "proc").mkdir()
+        (self.root / "proc" / str(number)).symlink_to(f"/proc/{number}")
+
+    def services_run(self):
+        return (self.root / "active").read_text("utf-8").split()[:2] == ["active", "active"]
+
+    def copy(self, place):
+        """Return another computer in the same state."""
+        shutil.copytree(self.root, place, symlinks=True, copy_function=copy_or_link(self.root))
+        made = World(place, self.sticks, self.program)
+        write_programs(place)
+        return made
+
+
+def copy_or_link(root):
+    """Return a copy function that keeps hard links between slots and what dpkg unpacked."""
+    copies = {}
+
+    def copy(source, target, **_options):
+        inode = os.stat(source).st_ino
+        if inode in copies:
+            os.link(copies[inode], target)
+        else:
+            shutil.copy2(source, target)
+            copies[inode] = target
+
+    return copy
+
+
+def write_programs(root):
+    for name, text in PROGRAMS.items():
+        file = root / "programs" / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(f"#!/bin/sh\nROOT={root}\n{text}", encoding="utf-8")
+        file.chmod(0o755)
+
+
+def make_sticks(place):
+    """Make the program and bundles of the versions 1.0 and 2.0; return both."""
+    place.mkdir()
+    program = place / "gpr20-update"
+    update_kit.make_program(program, MAIN)
+    key = update_kit.make_key(place)
+    for version in ("1.0", "2.0"):
+        update_kit.make_bundle(place / "sticks", version, key, program)
+    return World(place / "none", place / "sticks", program)
+
+
+def make_world(sticks, root):
+    """Make a computer on which version 1.0 was installed and is kept."""
+    for folder in ("var/lib/dpkg/updates", "var/lib/dpkg/info", "run/systemd/system"):
+        (root / folder).mkdir(parents=True)
+    (root / "var/lib/dpkg/status").touch()
+    write_programs(root)
+    world = World(root, sticks.sticks, sticks.program)
+    world.dpkg("--install", *sorted(world.bundle("1.0").glob("*.deb")))
+    (root / "etc/group").write_text("gpr20:x:990:ana,luis\n")
+    files = {
+        "etc/gpr20/environment": "GPR20_LAUNCH_ARGUMENTS=ns:=robot1\n",
+        "etc/gpr20/robot/axes.yaml": "x: 1\n",
+        "etc/gpr20/robot/signing_key": "-----BEGIN OPENSSH PRIVATE KEY-----\n",
+        "etc/gpr20/robot/signing_key.pub": "ssh-ed25519 AAAA\n",
+        "var/lib/gpr20/.config/gpr20/profiles/garden.yaml": "x_points: 3\n",
+        "var/lib/gpr20/surveys/first/survey.json": "{}",
+    }
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+    for version in ("1.0", "2.0"):
+        world.doctor(version)
+    (root / "code").write_text("1\n---\n")
+    (root / "active").write_text("active\nactive\ninactive\n")
+    world.update(world.bundle("1.0"))
+    return world
