@@ -11,6 +11,8 @@ from wings_kit import NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[5]
 LONGEST_LINE = 100
+# What a person reads: the README and docs/ without docs/reference, which is looked up.
+MOST_WORDS, MOST_WORDS_OF_README = 45_000, 900
 # Files of a robot's configuration, which users create outside the project.
 ROBOT_FILES = {
     "plan.yaml",
@@ -106,3 +108,11 @@ def test_every_reference_style_link_is_defined(document):
     defined = {name.lower() for name in re.findall(r"^\[([^\]]+)\]: ", text, re.MULTILINE)}
     used = {name.lower() for name in re.findall(r"\]\[([^\]]+)\]", text)}
     assert used == defined
+
+
+def test_what_a_person_reads_outside_the_reference_stays_short():
+    pages = [name for name in FILES if re.fullmatch(r"README\.md|docs/(?!reference/).*\.md", name)]
+    words = {name: len((ROOT / name).read_text(encoding="utf-8").split()) for name in pages}
+    assert words["README.md"] <= MOST_WORDS_OF_README
+    longest = sorted(words.items(), key=lambda one: -one[1])[:5]
+    assert sum(words.values()) <= MOST_WORDS, f"shorten a page; the longest are {longest}"
