@@ -14,7 +14,7 @@ from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of
 
-SOURCE = ImportSource("line 7.dzt", "dzt", 1, sum_of(b"the file"))
+SOURCE = ImportSource("line 7.dzt", "dzt", {"line 7.dzt": sum_of(b"the file")})
 NOTE = Message("the record was {length} long", length="8 ns")
 
 

@@ -1,7 +1,8 @@
 """Sentences about a survey in the attributes of its Dataset, and how they are shown.
 
-Attributes `missing`, `faults` and `notes` are lists of English sentences. Attribute `messages`
-holds the template and values of each, as JSON, so that it can be shown in another language.
+Attributes `missing`, `faults`, `decisions` and `notes` are lists of English sentences. Attribute
+`messages` holds the template and values of each, as JSON, so that it can be shown in another
+language.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from gpr20_common.terminal_text import printable
 if TYPE_CHECKING:
     import xarray as xr
 
-MISSING, FAULTS, NOTES = "missing", "faults", "notes"
-LIST_ATTRIBUTES = (MISSING, FAULTS, NOTES)
+MISSING, FAULTS, DECISIONS, NOTES = "missing", "faults", "decisions", "notes"
+LIST_ATTRIBUTES = (MISSING, FAULTS, DECISIONS, NOTES)
 """Attributes that are lists of sentences."""
 MESSAGES = "messages"
 MOST_REMARKS = 8
@@ -75,15 +76,18 @@ def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> Li
     for name in LIST_ATTRIBUTES:
         for one in limited(sentences_of(survey, name), MOST_REMARKS):
             sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
-            lines.append(printable(shown(_labelled(name, sentence), catalogue)))
+            lines.append(printable(shown(labelled(name, sentence), catalogue)))
     return lines
 
 
-def _labelled(name: str, sentence: Message) -> Message:
+def labelled(name: str, sentence: Message) -> Message:
+    """Return a sentence of one of the lists with the word that says which list it is of."""
     if name == FAULTS:
         return Message("DAMAGED: {sentence}", sentence=sentence)
     if name == MISSING:
         return Message("NO DATA: {sentence}", sentence=sentence)
+    if name == DECISIONS:
+        return Message("decided: {sentence}", sentence=sentence)
     return Message("note: {sentence}", sentence=sentence)
 
 
@@ -106,6 +110,12 @@ def with_sentence(attributes: Mapping[str, Any], name: str, message: Message) ->
 def with_notes(data: xr.Dataset, notes: Sequence[Message]) -> Dict[str, Any]:
     """Return the attributes of a Dataset with notes added to those that it has."""
     return with_sentences(data.attrs, notes=[*sentences_of(data, NOTES), *notes])
+
+
+def with_decisions(data: xr.Dataset, *decisions: Message) -> xr.Dataset:
+    """Return imported data with what was decided where the source says nothing."""
+    found = [*sentences_of(data, DECISIONS), *decisions]
+    return data.assign_attrs(with_sentences(data.attrs, decisions=found))
 
 
 def first_of(messages: Sequence[Message], most: int) -> Message:

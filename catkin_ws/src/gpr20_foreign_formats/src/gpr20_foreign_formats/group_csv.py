@@ -21,8 +21,9 @@ from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOpti
 from gpr20_analysis.formats.provenance import Facts, is_simulated
 from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import with_decisions
 from gpr20_common.message import Message
-from gpr20_foreign_formats.group_letters import DEGREES, letters
+from gpr20_foreign_formats.group_letters import DECIDED, DEGREES, PHASE_DECIDED, letters
 from gpr20_foreign_formats.group_names import (
     HZ_PER_MHZ,
     TIME,
@@ -38,6 +39,13 @@ from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 from gpr20_survey.files.regular_file import open_regular, read_regular
 
 HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}
+UNITS = {
+    VNA: Message(
+        "in the file names X, Y and H are mm and frequencies are MHz, in even steps from the first "
+        "to the last"
+    ),
+    TIME: Message("in the file names X, Y and H are mm and times are us"),
+}
 KINDS = {dataset.S21: VNA, dataset.A_SCAN: TIME}
 TIMES_FILE, TIMES_HEADER = "time", "Time"
 MM_PER_M = 1000.0
@@ -278,7 +286,9 @@ def _csv_numbers(path: Path, content: bytes) -> np.ndarray:
 
 
 def _imported(path: Path, _: ImportOptions, progress: Progress) -> xr.Dataset:
-    return with_imaginary_parts(read_group_csv(path, progress, checked_facts(path)))
+    data = with_imaginary_parts(read_group_csv(path, progress, checked_facts(path)))
+    kind = VNA if dataset.S21 in data else TIME
+    return with_decisions(data, UNITS[kind], DECIDED, *([PHASE_DECIDED] if kind == VNA else []))
 
 
 def _whole(path: Path) -> Optional[Path]:

@@ -12,6 +12,16 @@ from gpr20_common.message import Message
 
 DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}
 TOLERANCE_DEG = 1.0  # half a motor step
+DECIDED = Message(
+    "the letters X and Y are rotations of 0 and 90 deg; the files do not name the direction of the "
+    "rotation"
+)
+"""What the importers of these files decide."""
+PHASE_DECIDED = Message(
+    "the phase of a later echo falls faster with frequency, as a VNA measures it; no sign was "
+    "changed"
+)
+"""What the importers of spectra decide."""
 
 
 def letters(survey: xr.Dataset) -> Dict[str, int]:

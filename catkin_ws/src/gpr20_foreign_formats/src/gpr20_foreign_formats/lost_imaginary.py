@@ -19,7 +19,7 @@ from gpr20_analysis.dataset import FREQUENCY, HEIGHT, S21, S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
-from gpr20_analysis.sentences import with_notes, with_sentence
+from gpr20_analysis.sentences import with_decisions, with_notes, with_sentence
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import Window
@@ -31,6 +31,10 @@ ABOVE_NOISE_DB = 10.0
 COPIED = Message(
     "the imaginary part is a copy of the real part, as an old version of the storage wrote it, and "
     "cannot be recovered"
+)
+RECOVERED = Message(
+    "imaginary parts that were copies of the real parts were replaced by numbers calculated from "
+    "these"
 )
 
 
@@ -68,7 +72,7 @@ def with_imaginary_parts(survey: xr.Dataset) -> xr.Dataset:
     survey = survey.assign({S21: (S21_DIMS, values, measured.attrs)})
     survey = survey.assign_attrs(with_notes(survey, found.notes))
     if found.refusal is None:
-        return survey
+        return with_decisions(survey, RECOVERED)
     return survey.assign_attrs(with_sentence(survey.attrs, DISPLAY_ONLY, found.refusal))
 
 

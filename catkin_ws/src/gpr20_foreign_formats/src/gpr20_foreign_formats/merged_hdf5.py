@@ -17,7 +17,7 @@ from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOpti
 from gpr20_analysis.formats.provenance import SIMULATED, SIMULATED_KEY, kept, marked, restored
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.group_letters import DEGREES, letters
+from gpr20_foreign_formats.group_letters import DECIDED, DEGREES, PHASE_DECIDED, letters
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 
 COMPRESSION: Dict[str, Any] = {"compression": "gzip", "compression_opts": 4}
@@ -31,6 +31,10 @@ AMOUNT = "Total Amount of A-Scans"
 HZ_PER_MHZ = 1e6
 # Of one polarization: unchanged, reordered, and in single precision.
 COPIES = 2.5
+ORDER_DECIDED = Message(
+    "places and heights are in metres; x changes slowest from scan to scan, as the group's program "
+    "sorts them"
+)
 LARGEST_MHZ = 1e6  # a lower start frequency is in MHz, as in the guide
 
 
@@ -98,7 +102,8 @@ def read_merged(path: Path) -> xr.Dataset:
 def _read(file: Any, name: str) -> xr.Dataset:
     kind = dataset.S21 if "Frequency" in file else dataset.A_SCAN
     notes: List[Message] = []
-    axis = _axis(file, kind, notes)
+    decisions = [ORDER_DECIDED, DECIDED]
+    axis = _axis(file, kind, decisions)
     x_m, y_m = _places(file, name, "x"), _places(file, name, "y")
     turns = [one for one in DEGREES if _scan(one, "Re", kind) in file["A-Scan"]]
     if not turns:
@@ -137,6 +142,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
             frequency_hz=axis if kind == dataset.S21 else None,
             delay_s=axis if kind == dataset.A_SCAN else None,
             notes=[*notes, Message("this format stores single precision, about seven digits")],
+            decisions=decisions,
         )
     )
     found = dict(file.attrs)
@@ -164,7 +170,7 @@ def _scan(letter: str, word: str, kind: str) -> str:
     return f"{word}{{{QUANTITY[kind]} {letter.lower()}-pol}}"
 
 
-def _axis(file: Any, kind: str, notes: List[Message]) -> np.ndarray:
+def _axis(file: Any, kind: str, decisions: List[Message]) -> np.ndarray:
     described = file[GROUP[kind]].attrs
     start, stop, step = (float(described[one]) for one in RANGE[kind])
     count = int(described["q"])
@@ -181,8 +187,10 @@ def _axis(file: Any, kind: str, notes: List[Message]) -> np.ndarray:
             ),
             fault=faults.FILE_CONTENT,
         )
+    if kind == dataset.S21:
+        decisions.append(PHASE_DECIDED)
     if kind == dataset.S21 and start < LARGEST_MHZ:
-        notes.append(Message("the frequencies were read as MHz"))
+        decisions.append(Message("the frequencies were read as MHz"))
         start, stop = start * HZ_PER_MHZ, stop * HZ_PER_MHZ
     return np.linspace(start, stop, count)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from datetime import datetime
 from pathlib import Path
 from typing import Any, Dict, Optional
 
@@ -20,12 +21,34 @@ from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOpti
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
 from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import with_decisions
 from gpr20_common.message import Message
+from gpr20_foreign_formats.group_letters import PHASE_DECIDED
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 from gpr20_survey.files.regular_file import read_regular
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
+LISTED = 3
+CONSTANT_M = 10.0
+"""Height in every sample of a program that never asked its sensor, which ends at 0.8 m."""
+DECIDED = (
+    Message("coordinates are mm and degrees, heights metres, frequencies Hz: the files name none"),
+    Message(
+        "the rotations are those that the files name; a public version of the original control "
+        "sent the target of Y to the axis of rotation, so they may not be those of the antennas"
+    ),
+    Message(
+        "nothing was added to the sweeps; a public version of the original storage left out the "
+        "last number of the instrument's answer, so the last frequency may be missing"
+    ),
+)
+TIMES_DECIDED = Message("the times of the samples name no time zone and were read as UTC")
+HEIGHT_DECIDED = Message(
+    "the height of every sample is {constant_m:g} m, a constant of the original control and no "
+    "measurement; it was left out",
+    constant_m=CONSTANT_M,
+)
 NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
 
 
@@ -74,7 +97,10 @@ def holds_original(folder: Path) -> bool:
 
 
 def read_original(
-    folder: Path, progress: Progress = no_progress, facts: Optional[Facts] = None
+    folder: Path,
+    progress: Progress = no_progress,
+    facts: Optional[Facts] = None,
+    height_m: Optional[float] = None,
 ) -> xr.Dataset:
     """Read a folder of such files; a lost imaginary part is recovered.
 
@@ -82,6 +108,7 @@ def read_original(
         folder: The folder.
         progress: Shows the progress.
         facts: What is known of the survey besides.
+        height_m: Height of the antennas, if the files do not say it [m].
 
     Raises:
         AnalysisError: There is none.
@@ -109,17 +136,42 @@ def read_original(
                 ),
                 fault=faults.FILE_CONTENT,
             )
+    surveys = sorted({sample["survey_id"] for sample in samples})
+    if len(surveys) > 1:
+        raise UnreadableFileError(
+            Message(
+                "{folder} has samples of {count} surveys ({ids}); put those of each into a folder "
+                "of its own",
+                folder=folder.name,
+                count=len(surveys),
+                ids=", ".join(surveys[:LISTED]),
+            ),
+            fault=faults.FILE_CONTENT,
+        )
+    decisions = list(DECIDED)
+    times = [sample["time"] for sample in samples]
+    if not np.isnat(times).all():
+        decisions.append(TIMES_DECIDED)
+    heights_m = np.array([sample["height_m"] for sample in samples])
+    if (heights_m == CONSTANT_M).all():
+        heights_m[:] = math.nan
+        decisions.append(HEIGHT_DECIDED)
+    if height_m is not None:
+        heights_m[np.isnan(heights_m)] = height_m
     data = on_grid(
         folder.name,
         np.array([sample["position"] for sample in samples]),
         [sample["s21"] for sample in samples],
-        [sample["height_m"] for sample in samples],
+        heights_m.tolist(),
         frequency_hz,
         [],
         simulated=True if any(sample["simulated"] for sample in samples) else None,
         facts=facts,
+        times=times,
     )
-    return with_imaginary_parts(data)
+    if surveys[0]:
+        data = data.assign_attrs({"survey_id": surveys[0], **data.attrs})
+    return with_imaginary_parts(with_decisions(data, *decisions, PHASE_DECIDED))
 
 
 def _read(path: Path) -> Dict[str, Any]:
@@ -128,8 +180,11 @@ def _read(path: Path) -> Dict[str, Any]:
         rows = np.array([[row[key] for key in VALUES] for row in sample["data"]], np.float64)
         if rows.ndim != 2 or not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0).all():
             raise ValueError("frequencies not ascending, or NaN")
-        height = sample["antennae_height"]
+        height, stamp = sample["antennae_height"], sample.get("timestamp")
+        moment = datetime.strptime(stamp, TIME) if stamp else None
         return {
+            "time": np.datetime64("NaT") if moment is None else np.datetime64(moment, "ns"),
+            "survey_id": str(sample.get("survey_id", "")),
             "position": [float(sample[key]) for key in ("z_coord", "y_coord", "x_coord")],
             "height_m": math.nan if height is None else float(height),
             "frequency_hz": rows[:, 0],
@@ -142,8 +197,8 @@ def _read(path: Path) -> Dict[str, Any]:
         ) from error
 
 
-def _imported(path: Path, _: ImportOptions, progress: Progress) -> xr.Dataset:
-    return read_original(path, progress, checked_facts(path))
+def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
+    return read_original(path, progress, checked_facts(path), options.height_m)
 
 
 def _whole(path: Path) -> Optional[Path]:
@@ -153,5 +208,5 @@ def _whole(path: Path) -> Optional[Path]:
     return path.parent if NAME.fullmatch(path.name) and path.is_file() else None
 
 
-IMPORT = ImportFormat(_imported, _whole, ())
+IMPORT = ImportFormat(_imported, _whole, ("height_m",))
 EXPORT = ExportFormat(files_of(write_original), holds=("X*_Y*_Z*.json",))

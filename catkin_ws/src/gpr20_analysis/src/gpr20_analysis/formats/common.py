@@ -13,7 +13,7 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.formats.provenance import Facts, snapped
 from gpr20_analysis.read.survey_grid import grid_of
-from gpr20_analysis.sentences import with_sentences
+from gpr20_analysis.sentences import with_decisions, with_sentences
 from gpr20_common.message import Message
 
 HIGHEST_M = 10.0
@@ -35,6 +35,7 @@ class Imported:
         source: Name of the file or folder.
         simulated: Whether the data are simulated; None if unknown.
         notes: What a user should know.
+        decisions: What was decided where the source says nothing.
     """
 
     values: np.ndarray
@@ -47,6 +48,7 @@ class Imported:
     delay_s: Optional[np.ndarray] = None
     simulated: Optional[bool] = None
     notes: List[Message] = field(default_factory=list)
+    decisions: Sequence[Message] = ()
 
 
 def as_dataset(found: Imported) -> xr.Dataset:
@@ -106,7 +108,8 @@ def as_dataset(found: Imported) -> xr.Dataset:
         data.attrs["simulated"] = int(found.simulated)
     data = dataset.described(data)
     lists = {"missing": dataset.missing_samples(data), "faults": dataset.damaged_samples(data)}
-    return data.assign_attrs(with_sentences(data.attrs, **lists, notes=found.notes))
+    data = data.assign_attrs(with_sentences(data.attrs, **lists, notes=found.notes))
+    return with_decisions(data, *found.decisions) if found.decisions else data
 
 
 def on_grid(
@@ -119,6 +122,7 @@ def on_grid(
     simulated: Optional[bool] = None,
     facts: Optional[Facts] = None,
     delay_s: Optional[np.ndarray] = None,
+    times: Optional[Sequence[np.datetime64]] = None,
 ) -> xr.Dataset:
     """Return the Dataset of samples whose positions are known but not their grid.
 
@@ -132,6 +136,7 @@ def on_grid(
         simulated: Whether the data are simulated; None if unknown.
         facts: What is known of the survey besides.
         delay_s: Times [s]; None if the values are over frequency.
+        times: When each sample was measured, NaT where unknown; None: all are unknown.
 
     Raises:
         DamagedSurveyError: The positions do not form a grid.
@@ -171,6 +176,8 @@ def on_grid(
             notes=notes,
         )
     )
+    if times is not None:
+        data[dataset.TIMESTAMP].values.reshape(-1)[cells] = times
     return data if facts is None else facts.restored(data)
 
 

@@ -1,7 +1,7 @@
 """Imported data as the folder of a survey, which the robot's programs read like its own.
 
 Nothing of a plan is invented: survey.json has the entry `imported` in place of parameters and axes
-(docs/reference/formats.md). What the source does not say is absent.
+(docs/reference/formats.md). What the source does not say is absent, or a decision in the log.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import time
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 import xarray as xr
@@ -22,6 +22,7 @@ from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import annotation_attributes
+from gpr20_analysis.sentences import DECISIONS, sentences_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -49,6 +50,9 @@ INTERVAL_NS = utc_time.NS_PER_S // 10
 COMMIT_BYTES = 8 << 20
 # Endings of files with one stem that are read together.
 BELONG = (".dt1", ".hd", ".rd3", ".rd7", ".rad", ".axes.yaml")
+SOURCES_FILE = "imported.sha256"
+"""The checksums of the files of the source, as sha256sum checks them in its folder."""
+DECISION_FORMAT = "gpr20-import/1"
 # What a folder holds of a Dataset; anything else would be lost.
 VARIABLES = {S21, HEIGHT, TIMESTAMP, dataset.QUALITY, "remarks", "sample_id", "index"}
 
@@ -60,14 +64,29 @@ class ImportSource:
     Attributes:
         name: Name of the file or folder.
         form: Name of its format.
-        files: Number of its files.
-        content: Checksum of the file, or of the list of several files, and their size.
+        sums: Of each of its files, by its name.
     """
 
     name: str
     form: str
-    files: int
-    content: FileSum
+    sums: Mapping[str, FileSum]
+
+    @property
+    def content(self) -> FileSum:
+        """Checksum of the file, or of the list of several files, and their size."""
+        if len(self.sums) == 1:
+            return next(iter(self.sums.values()))
+        size = sum(one.size for one in self.sums.values())
+        return FileSum(sealing.content_sum(self.sums), size)
+
+    def listed(self) -> bytes:
+        """Return the content of SOURCES_FILE."""
+        lines = []
+        for name, found in sorted(self.sums.items()):
+            safe = name.replace("\\", r"\\").replace("\n", r"\n")
+            mark = "" if safe == name else "\\"  # as sha256sum writes it
+            lines.append(f"{mark}{found.sha256}  {safe}\n")
+        return "".join(lines).encode()
 
     @classmethod
     def of(cls, path: Path, form: str) -> ImportSource:
@@ -82,10 +101,7 @@ class ImportSource:
             belong = {path.stem.lower() + ending for ending in BELONG}
             beside = [one for one in path.parent.iterdir() if one.name.lower() in belong]
             sums = {one.name: sum_of_file(one) for one in (path, *beside)}
-        if len(sums) == 1 and not path.is_dir():
-            return cls(printable(path.name), form, 1, sums[path.name])
-        content = FileSum(sealing.content_sum(sums), sum(one.size for one in sums.values()))
-        return cls(printable(path.name), form, len(sums), content)
+        return cls(printable(path.name), form, sums)
 
 
 def write_imported_folder(
@@ -146,7 +162,8 @@ class _Content:
         self._times_us = self._known_times_us()
         known = np.array([now_us]) if self._times_us is None else self._times_us[self._usable]
         self._started_us, self._ended_us = int(known.min()), int(known.max())
-        self._description = self._described(source)
+        self._source = source
+        self._description = self._described()
         self._grid = imported_grid(self._description)
         self.name = survey_folder.survey_folder(Path(), self._survey_id, self._started_us).name
 
@@ -154,8 +171,12 @@ class _Content:
         """Write all files into a new folder; return when they are on the disk."""
         log = SurveyLog(folder, [], whole=False)
         log.take(log.next(Kind.PLAN, self._description, self._description["started"]))
-        sums = self._write_traces(folder, log, progress)
         reason, now = import_sentence(self._description), utc_time.iso_text(self._now_us)
+        sums = self._write_traces(folder, log, progress)
+        for one in sentences_of(self._survey, DECISIONS):
+            message = survey_metadata.message_record(one)
+            values = {"format": DECISION_FORMAT, "text": str(one), "message": message}
+            log.take(log.next(Kind.DECISION, values, now))
         ending = {
             "ended": utc_time.iso_text(self._ended_us),
             "outcome": IMPORTED,
@@ -167,7 +188,9 @@ class _Content:
         }
         log.take(log.next(Kind.END, ending, now))
         log.write()
-        sealing.write_manifest(folder, log, SOFTWARE, now, sums)
+        listed = self._source.listed()
+        durable_files.write_in_new_folder(folder / SOURCES_FILE, listed)
+        sealing.write_manifest(folder, log, SOFTWARE, now, {**sums, SOURCES_FILE: sum_of(listed)})
 
     def _write_traces(self, folder: Path, log: SurveyLog, progress: Progress) -> Dict[str, FileSum]:
         sums: Dict[str, FileSum] = {}
@@ -245,19 +268,20 @@ class _Content:
         known = all(map(utc_time.is_plausible, (int(own.min()), int(own.max()))))
         return times_us if known else None
 
-    def _described(self, source: ImportSource) -> Dict[str, Any]:
+    def _described(self) -> Dict[str, Any]:
         """Return survey.json as it is before the end."""
-        attributes = self._survey.attrs
+        attributes, source = self._survey.attrs, self._source
         entry: Dict[str, Any] = {
             "source": source.name,
             "format": source.form,
-            "files": source.files,
+            "files": len(source.sums),
             "sha256": source.content.sha256,
             "size": source.content.size,
             "time": utc_time.iso_text(self._now_us),
             "software": SOFTWARE,
             TIMES_KNOWN: self._times_us is not None,
             **Facts.of(self._survey).as_json(),
+            DECISIONS: list(map(str, sentences_of(self._survey, DECISIONS))),
         }
         description: Dict[str, Any] = {
             "format": survey_metadata.FORMAT,

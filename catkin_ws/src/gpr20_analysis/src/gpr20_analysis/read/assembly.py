@@ -24,7 +24,7 @@ from gpr20_analysis.read.aux_variables import aux_variables
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
-from gpr20_analysis.sentences import NOTES, first_of, with_sentences
+from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
 from gpr20_survey.plan.refines import REFINES
@@ -269,8 +269,8 @@ class _Assembly:
         description = self._source.description or {}
         imported = import_of(description)
         kept = restored(xr.Dataset(), imported).attrs
-        notes = imported.get(NOTES)
-        self._notes += [verbatim(str(one)) for one in (notes if isinstance(notes, list) else [])]
+        notes, decisions = (_texts(imported.get(name)) for name in (NOTES, DECISIONS))
+        self._notes += notes
         attributes: Dict[str, Any] = {
             # What people add to a survey may have been changed since.
             **{name: value for name, value in kept.items() if name not in ATTRIBUTES},
@@ -286,6 +286,8 @@ class _Assembly:
         }
         faults = [fault.message for fault in self.faults]
         attributes = with_sentences(attributes, missing=[], faults=faults, notes=self._notes)
+        if decisions:
+            attributes = with_sentences(attributes, decisions=decisions)
         if description:
             if "simulated" in description or not is_imported(description):
                 attributes["simulated"] = int(bool(description.get("simulated")))
@@ -293,3 +295,7 @@ class _Assembly:
         if self._plan and not is_imported(description):
             attributes["planned"] = len(self._plan.points)
         return attributes
+
+
+def _texts(found: Any) -> List[Message]:
+    return [verbatim(str(one)) for one in (found if isinstance(found, list) else [])]

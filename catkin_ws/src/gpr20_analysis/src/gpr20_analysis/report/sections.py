@@ -25,7 +25,15 @@ from gpr20_analysis.report import pictures
 from gpr20_analysis.report.drift import HEADING, drift_lines, drift_rows, drift_warnings
 from gpr20_analysis.report.records import Section
 from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of, warnings_of
-from gpr20_analysis.sentences import ENGLISH, limited, sentences_of, shown
+from gpr20_analysis.sentences import (
+    DECISIONS,
+    ENGLISH,
+    NOTES,
+    labelled,
+    limited,
+    sentences_of,
+    shown,
+)
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
@@ -200,7 +208,9 @@ def _quality(survey: xr.Dataset, catalogue: Catalogue) -> Section:
         for one in limited(sentences_of(survey, "faults"), LISTED)
     ]
     warnings += limited(dataset.missing_samples(survey), LISTED)
-    lines = [Message("note: {sentence}", sentence=one) for one in sentences_of(survey, "notes")]
+    lines = [
+        labelled(name, one) for name in (DECISIONS, NOTES) for one in sentences_of(survey, name)
+    ]
     section = _section(
         Message("Coverage and quality"), warnings, [*lines, *_remarks(survey)], catalogue
     )

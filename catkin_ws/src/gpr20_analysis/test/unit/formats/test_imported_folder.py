@@ -187,15 +187,15 @@ def test_a_source_is_the_sum_of_its_files(tmp_path):
         (tmp_path / "scans" / name).write_text(name)
     lines = "".join(f"{sum_of(one.encode()).sha256} 5 {one}\n" for one in ("a.csv", "b.csv"))
     folder = ImportSource.of(tmp_path / "scans", "csv")
-    assert (folder.name, folder.files, folder.content.size) == ("scans", 2, 10)
+    assert (folder.name, len(folder.sums), folder.content.size) == ("scans", 2, 10)
     assert folder.content.sha256 == sum_of(lines.encode()).sha256
     file = ImportSource.of(tmp_path / "scans" / "a.csv", "csv")
-    assert (file.files, file.content) == (1, sum_of(b"a.csv"))
+    assert (len(file.sums), file.content) == (1, sum_of(b"a.csv"))
     for name in ("LINE.DT1", "LINE.hd", "line2.hd", "LINE.nc"):
         (tmp_path / "scans" / name).write_text(name)
     both = ImportSource.of(tmp_path / "scans" / "LINE.DT1", "dt1")
     lines = "".join(f"{sum_of(one.encode()).sha256} {len(one)} {one}\n" for one in NAMES)
-    assert (both.name, both.files, both.content.size) == ("LINE.DT1", 2, 15)
+    assert (both.name, len(both.sums), both.content.size) == ("LINE.DT1", 2, 15)
     assert both.content.sha256 == sum_of(lines.encode()).sha256
 
 
