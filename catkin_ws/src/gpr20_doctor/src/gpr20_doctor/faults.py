@@ -1,4 +1,7 @@
-"""What the doctor itself can report as a fault."""
+"""What the doctor itself can report as a fault.
+
+Some remedies depend on the computer, its folders and services: `mid/advice.py` words them there.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,67 @@ CALIBRATION_UNKNOWN = Fault(
 )
 IDENTITY_WRONG = Fault("vna.not_of_this_robot", Message("Check the address of the VNA."))
 NO_MASTER = Fault("doctor.no_master", remedies.START_ROBOT)
+MASTER_ENDED = Fault(
+    "doctor.master_ended",
+    Message("Switch off the motors' power. Then start the robot again."),
+    may_move=True,
+)
+MASTER_HANGS = Fault(
+    "doctor.master_hangs",
+    Message("Switch off the motors' power. Then end the ROS master and start the robot again."),
+    may_move=True,
+)
+MASTER_UNREACHABLE = Fault(
+    "doctor.master_unreachable",
+    Message("Check that the other computer is switched on, and the cable between them."),
+)
+MASTER_ELSEWHERE = Fault(
+    "doctor.master_elsewhere", Message("Set ROS_MASTER_URI to the master that has the robot.")
+)
+OTHER_NAMESPACE = Fault(
+    "doctor.other_namespace", Message("Use the namespace of the robot: gpr20 doctor --ns NAME")
+)
+NO_ROBOT = Fault("doctor.no_robot", Message("Start the robot: roslaunch gpr20 survey.launch"))
+PARTS_MISSING = Fault(
+    "doctor.parts_missing",
+    Message("Start the robot's software on the computer of these parts."),
+)
+NODE_HANGS = Fault(
+    "doctor.node_hangs",
+    Message(
+        "Keep your hands clear of the axes. Wait one minute: the robot ends a part that hangs and "
+        "starts it again. If it still hangs, switch the robot off and on."
+    ),
+)
+FILES_WRONG = Fault(
+    "doctor.files_wrong", Message("Correct the file that the message names, then start the robot.")
+)
+FIREWALL_OPEN = Fault("network.firewall_open", Message("Load the firewall of docs/install.md."))
+FIREWALL_OFF = Fault(
+    "network.firewall_off", Message("Switch the firewall on: GPR20_FIREWALL=on, and load it.")
+)
+MEMORY_LOW = Fault(
+    "computer.memory_low",
+    Message("End other programs on this computer; to see them, run: ps aux --sort=-rss | head"),
+)
+MEMORY_RAN_OUT = Fault(
+    "computer.memory_ran_out",
+    Message(
+        "Note which program was ended: sudo dmesg | grep -i oom. Then restart the computer, and "
+        "run nothing else beside the robot."
+    ),
+    Severity.WARNING,
+)
+VOLUME_READ_ONLY = Fault(
+    "computer.volume_read_only",
+    Message("Make it writable, or replace the card or disk."),
+)
+VOLUME_FULL = Fault("computer.volume_full", Message("Delete what is not needed on it."))
+CLOCK_BEHIND = Fault(
+    "clock.behind",
+    Message("Set the clock, for example: sudo date -s '2026-07-31 14:00'"),
+    Severity.WARNING,
+)
 ENDSTOP_CLOSED = Fault("doctor.endstop_closed", remedies.CHECK_ENDSTOP)
 ENDSTOP_DOUBTFUL = Fault(
     "doctor.endstop_doubtful",
@@ -56,7 +120,7 @@ CLOCK_OFF = Fault(
 )
 NETWORK_OPEN = Fault(
     "network.open",
-    Message("Source setup.bash of the workspace, without ROS_IP and ROS_HOSTNAME set before."),
+    Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again."),
     Severity.WARNING,
 )
 ADDRESS_MISSING = Fault(
@@ -69,7 +133,7 @@ ADDRESS_WRONG = Fault(
 )
 GROUP_MISSING = Fault(
     "computer.group_missing",
-    Message("Run scripts/install_robot.sh, then restart the computer."),
+    Message("Make the group, then restart the computer."),
     Severity.WARNING,
 )
 GROUP_AT_NEXT_LOGIN = Fault(

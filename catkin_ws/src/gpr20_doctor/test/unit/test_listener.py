@@ -9,10 +9,10 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.listener import WATCH_S, Listener, without_master
+from gpr20_doctor.mid.listener import WATCH_S, Listener, unheard
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.output import as_json, lines
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.robot_facts import AxisPosition, Evidence
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 
@@ -62,7 +62,7 @@ def test_waiting_ends_at_its_limit_and_silent_nodes_are_named(listener, clock):
     listener.wait(4.0)
     assert clock.time_s == pytest.approx(4.0, abs=0.1)
     silent = [one.name for one in listener.facts().nodes if one.level is HealthLevel.STALE]
-    assert silent == [EXPECTED_NODES[0]]
+    assert silent == listener.silent() == [EXPECTED_NODES[0]]
 
 
 def test_a_status_without_a_node_is_no_contact(listener):
@@ -131,4 +131,4 @@ def test_findings_are_printed_as_json():
 
 
 def test_a_robot_that_is_off_has_no_node():
-    assert without_master("http://x:1").unheard
+    assert unheard("http://x:1", Evidence()).unheard

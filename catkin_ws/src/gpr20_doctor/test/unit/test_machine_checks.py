@@ -23,10 +23,14 @@ from gpr20_doctor.mid.machine_facts import (
     GroupFacts,
     HardwareUse,
     MachineFacts,
+    MemoryFacts,
+    OutsideFacts,
     PortFacts,
     PowerFacts,
     RealtimeFacts,
+    VolumeFacts,
 )
+from gpr20_doctor.mid.place import Place
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import KnownFolder
 
@@ -52,7 +56,13 @@ HEALTHY = MachineFacts(
     disk=DISK,
     clock=ClockFacts(True, 0.0001),
     vna=PortFacts("10.0.0.1", 111),
+    two_computers=True,
+    memory=MemoryFacts(2_000_000_000),
+    volumes=(VolumeFacts("/", Path("/var/log"), False, 10**10, 10**6),),
+    outside=OutsideFacts(3),
+    configuration=(),
 )
+VOLUME = HEALTHY.volumes[0]
 OTHER = Message("/data is not the data folder").with_fault(OTHER_DATA_FOLDER)
 GONE = Unknown(Message("permission denied"))
 
@@ -78,7 +88,7 @@ def test_a_bad_disk_has_the_code_and_the_remedy_of_its_fault(disk, fault):
 
 @each_case("use", [HardwareUse.SIMULATED, HardwareUse.ELSEWHERE, HardwareUse.NO_PI])
 def test_a_computer_without_hardware_needs_none(use):
-    found = findings(None, MachineFacts(use, ONE, NodeSoftware("0.1.0")))
+    found = findings(None, MachineFacts(use, ONE, NodeSoftware("0.1.0"), closed=True))
     assert exit_status(found) == GOOD
     assert not any(one.check in ("groups", "spi", "gpio", "realtime") for one in found)
     assert any(one.check == "hardware" and one.level is Level.NOTE for one in found)
@@ -126,10 +136,22 @@ CASES = [
     ({"addresses": replace(TWO, own=())}, Level.FAULT, "none of the addresses"),
     ({"addresses": replace(TWO, ros_address="127.0.0.1")}, Level.FAULT, "listens on 127.0.0.1"),
     ({"addresses": replace(ONE, ros_address="")}, Level.WARNING, "everybody in the network"),
+    ({"configuration": (Message("the pin is used twice"),)}, Level.FAULT, "used twice"),
+    ({"outside": OutsideFacts(3, ("10.20.0.1:11311",))}, Level.FAULT, "reaches 10.20.0.1:11311"),
+    ({"outside": OutsideFacts(1, ("10.20.0.1:9",), True)}, Level.FAULT, "reaches 10.20.0.1:9"),
+    ({"outside": None}, Level.UNKNOWN, "where ROS listens"),
+    ({"memory": MemoryFacts(150_000_000)}, Level.WARNING, "150 MB free"),
+    ({"memory": MemoryFacts(50_000_000)}, Level.FAULT, "50 MB free"),
+    ({"memory": MemoryFacts(10**9, 2)}, Level.WARNING, "ended 2 programs"),
+    ({"volumes": (replace(VOLUME, read_only=True),)}, Level.FAULT, "is read-only"),
+    ({"volumes": (replace(VOLUME, free_bytes=10**8),)}, Level.WARNING, "100 MB left"),
+    ({"volumes": (replace(VOLUME, free_bytes=10**6),)}, Level.FAULT, "1 MB left"),
+    ({"volumes": (replace(VOLUME, free_files=3),)}, Level.FAULT, "3 more files"),
+    ({"behind_s": 864000.0}, Level.WARNING, "10 days before"),
     *[
         ({field: GONE}, Level.UNKNOWN, "permission denied")
         for field in ("addresses", "groups", "spi", "gpio", "realtime", "temperature_c", "power")
-        + ("disk", "clock", "vna")
+        + ("disk", "clock", "vna", "configuration", "outside", "memory", "volumes")
     ],
 ]
 
@@ -171,6 +193,7 @@ def test_the_free_space_is_listed_once():
 
 WORDS = st.sampled_from(["", "10.20.0.1", "127.0.0.1", "localhost", "pi", "gpio", "pigpio"])
 SETS = st.frozensets(WORDS)
+SERVED = Place(Path("/etc/r"), Path("/log"), Path("/etc/e"), "gpr20-robot", Path("/usr/f"))
 PATHS = st.just(Path("/x"))
 UNKNOWN = st.builds(Unknown, st.builds(verbatim, WORDS))
 DEVICES = st.builds(DeviceFile, PATHS, st.booleans(), st.booleans())
@@ -200,6 +223,20 @@ MACHINES = st.builds(
     perhaps(st.builds(DiskFacts, PATHS, st.integers(0, 10**13), FOLDERS, perhaps(st.floats(0.0)))),
     perhaps(st.builds(ClockFacts, st.booleans(), st.floats())),
     perhaps(st.builds(PortFacts, WORDS, st.just(111), REASONS)),
+    two_computers=st.booleans(),
+    memory=perhaps(st.builds(MemoryFacts, st.integers(0, 10**10), st.integers(0, 3))),
+    volumes=perhaps(
+        st.builds(
+            VolumeFacts, WORDS, PATHS, st.booleans(), st.integers(0), st.none() | st.integers(0)
+        ).map(lambda one: (one,))
+    ),
+    outside=perhaps(
+        st.builds(OutsideFacts, st.integers(1, 9), st.lists(WORDS).map(tuple), st.booleans())
+    ),
+    closed=st.booleans(),
+    configuration=perhaps(st.lists(st.builds(verbatim, WORDS), max_size=2).map(tuple)),
+    behind_s=st.floats(0.0, 1e9),
+    place=st.sampled_from([Place(), SERVED]),
 )
 
 
@@ -221,6 +258,10 @@ def test_what_is_not_known_is_never_called_good(machine):
         ("temperature", machine.temperature_c),
         ("power", machine.power),
         ("data_disk", machine.disk),
+        ("firewall", machine.outside),
+        ("memory", machine.memory),
+        ("volumes", machine.volumes),
+        ("config_files", machine.configuration),
         ("vna_port", machine.vna),
     ):
         assert not isinstance(fact, Unknown) or found[check].level is Level.UNKNOWN

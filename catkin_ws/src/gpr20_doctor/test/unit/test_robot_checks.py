@@ -11,10 +11,11 @@ from gpr20_common import faults as common_faults
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor import faults
+from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.analyzer_test import AnalyzerTest
@@ -232,6 +233,15 @@ ROBOTS = st.builds(
     ),
     height_m=st.floats(),
     analyzer=st.none() | st.builds(AnalyzerTest, WORDS, WORDS, WORDS, failure=MESSAGES),
+    evidence=st.builds(
+        Evidence,
+        st.sampled_from(MasterState),
+        WORDS,
+        st.lists(WORDS).map(tuple),
+        st.lists(st.tuples(WORDS, WORDS)).map(tuple),
+        st.integers(0, 3),
+        st.dictionaries(st.sampled_from(EXPECTED_NODES), st.sampled_from(NodeState)),
+    ),
 )
 
 

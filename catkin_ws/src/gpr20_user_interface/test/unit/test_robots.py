@@ -10,8 +10,9 @@ from window_helpers import close, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
+from gpr20_doctor.low.masters import robots_on_master
 from gpr20_operator.robot.events import ControlState, Request
-from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound, robots_on_master
+from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import NAMESPACE, command, with_namespace

@@ -8,6 +8,7 @@ import signal
 import socket
 import sys
 import threading
+from dataclasses import replace
 from typing import List, Mapping, Optional, Tuple
 
 import rosgraph
@@ -24,15 +25,18 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor import faults
-from gpr20_doctor.high.graph import Graph, master_answers
+from gpr20_doctor.high.graph import Graph
+from gpr20_doctor.low import masters, system
+from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import exit_status, findings
-from gpr20_doctor.mid.listener import without_master
+from gpr20_doctor.mid.listener import unheard
 from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import ThisMachine
+from gpr20_doctor.mid.machine_request import ROOT, ThisMachine
+from gpr20_doctor.mid.node_health import EXPECTED_NODES
 from gpr20_doctor.mid.output import as_json, lines
-from gpr20_doctor.mid.robot_facts import RobotFacts
+from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
@@ -40,6 +44,7 @@ HEIGHT_LIMIT_S = 5.0
 ANALYZER_LIMIT_S = 8.0
 REPORT_LIMIT_S = 2.5
 POLL_S = 0.5
+ADDRESSES = ("GPR20_SERVER", "GPR20_ROBOT")
 REFUSED = 3
 EXIT_STATUS = (
     "exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault, 3 the doctor "
@@ -92,34 +97,59 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
 
 
 def _find(given: argparse.Namespace) -> Tuple[Finding, ...]:
-    robot, nodes = _robot(given)
     machine = ThisMachine(socket.gethostname(), os.environ, config=given.config)
-    request = machine.request(nodes, robot.surveying, given.robot, not given.quick)
+    robot, nodes = _robot(given, machine)
+    ports = masters.node_ports(robot.master) if robot.master_alive else frozenset()
+    request = machine.request(nodes, robot.surveying, given.robot, not given.quick, ports)
     return findings(robot, probe_machine(request))
 
 
-def _robot(given: argparse.Namespace) -> Tuple[RobotFacts, Mapping[str, NodeDescription]]:
+def _robot(
+    given: argparse.Namespace, machine: ThisMachine
+) -> Tuple[RobotFacts, Mapping[str, NodeDescription]]:
     master = rosgraph.get_master_uri()
-    if not _wait_for_master(master, given.wait):
-        return without_master(master), {}
+    state = _state_of_master(master, given.wait)
+    if state is not MasterState.ANSWERS:
+        return unheard(master, _evidence(master, state, given.ns, machine)), {}
     graph = Graph(given.ns, master)
     try:
         graph.listener.wait(given.wait)
+        silent = graph.node_states(graph.listener.silent())
+        nobody = silent == dict.fromkeys(EXPECTED_NODES, NodeState.GONE)
+        if nobody and not graph.listener.facts().control_alive:
+            return unheard(master, _evidence(master, state, given.ns, machine)), {}
         analyzer = None if given.quick else _test(graph)
-        return graph.listener.facts(analyzer), graph.listener.descriptions
+        facts = graph.listener.facts(analyzer)
+        evidence = Evidence(state, graph.namespace, nodes=silent)
+        return replace(facts, evidence=evidence), graph.listener.descriptions
     finally:
         graph.leave()
 
 
-def _wait_for_master(master: str, limit_s: float) -> bool:
+def _evidence(master: str, state: MasterState, namespace: str, machine: ThisMachine) -> Evidence:
+    """Look for the robot where it could be: in other namespaces, and at other masters."""
+    ports, nodes = system.ros_processes(ROOT)
+    hosts = ["localhost", *(machine.environment.get(name, "") for name in ADDRESSES)]
+    places = [f"http://{host}:{system.DEFAULT_PORT}" for host in hosts if host]
+    places += [f"http://{host}:{port}" for port in ports for host in hosts if host]
+    return Evidence(
+        master=state,
+        namespace="/" + namespace.strip("/"),
+        robots=masters.robots_at(master) if state is MasterState.ANSWERS else (),
+        elsewhere=masters.robots_elsewhere(master, places),
+        local_nodes=len(nodes),
+    )
+
+
+def _state_of_master(master: str, limit_s: float) -> MasterState:
     """Return whether the master answers; one that is starting gets time if it was asked for."""
     clock = Clock()
     deadline_s = clock.now_s() + (limit_s if limit_s > DEFAULT_WAIT_S else 0.0)
-    while not master_answers(master):
-        if clock.now_s() >= deadline_s:
-            return False
+    while True:
+        state = masters.state_of(master)
+        if state is MasterState.ANSWERS or clock.now_s() >= deadline_s:
+            return state
         clock.wait_s(threading.Event(), POLL_S)
-    return True
 
 
 def _test(graph: Graph) -> Optional[AnalyzerTest]:

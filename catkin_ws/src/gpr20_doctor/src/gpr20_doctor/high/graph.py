@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List
+from typing import Any, Dict, Iterable, List
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -11,11 +11,11 @@ from std_msgs.msg import Bool
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_doctor import faults
 from gpr20_doctor.high.node_reports import axis_position, descriptions, height_m, node_healths
+from gpr20_doctor.low.masters import NodeState, node_states
 from gpr20_doctor.mid.listener import Listener
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
@@ -24,17 +24,6 @@ from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
 
 NODE = "doctor"
-# A master that lives answers within this time [s].
-MASTER_LIMIT_S = 2.0
-
-
-def master_answers(master: str) -> bool:
-    """Return whether the ROS master answers in time."""
-    try:
-        value_of(limited_server(master, MASTER_LIMIT_S).getPid(f"/{NODE}"))
-    except NO_ANSWER:
-        return False
-    return True
 
 
 class Graph:
@@ -47,7 +36,9 @@ class Graph:
             namespace: Of the robot, with or without slashes.
             master: Address of the master.
         """
-        self._prefix = f"/{namespace.strip('/')}".rstrip("/")
+        self.namespace = f"/{namespace.strip('/')}"
+        self._master = master
+        self._prefix = self.namespace.rstrip("/")
         rospy.init_node(NODE, anonymous=True, disable_signals=True, disable_rosout=True)
         self.listener = Listener(Clock(), master)
         self._subscribers: List[rospy.Subscriber] = [
@@ -93,6 +84,16 @@ class Graph:
             ).with_fault(faults.NO_VNA_RESULT)
             return AnalyzerTest("", failure=late)
         return analyzer_test_of(answer)
+
+    def node_states(self, names: Iterable[str]) -> Dict[str, NodeState]:
+        """Ask nodes whether they are there.
+
+        Args:
+            names: Without the namespace.
+        """
+        own = list(names)
+        states = node_states(self._master, [f"{self._prefix}/{name}" for name in own])
+        return dict(zip(own, states.values()))
 
     def leave(self) -> None:
         """Leave the graph."""

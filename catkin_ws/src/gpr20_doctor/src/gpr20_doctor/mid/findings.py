@@ -6,6 +6,7 @@ from typing import Iterable, List, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid import machine_checks, robot_checks
+from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.robot_facts import RobotFacts
@@ -33,6 +34,8 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tu
         found.extend(check_installed(robot, machine.software))
     if any(one.check == "disk" and one.level is not Level.UNKNOWN for one in found):
         found = [one for one in found if one.check != "data_disk"]
+    if machine is not None:
+        found = [advised(one, machine.place) for one in found]
     return tuple(sorted(found, key=lambda one: one.level, reverse=True))
 
 

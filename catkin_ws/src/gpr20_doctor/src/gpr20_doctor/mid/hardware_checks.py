@@ -73,14 +73,13 @@ def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
 def _missing_group(groups: GroupFacts, name: str) -> Finding:
     values = {"user": groups.user, "group": name}
     if name not in groups.existing:
-        text = Message("This computer has no group {group}.", group=name)
+        text = Message("This computer has no group {group}.", **values)
         return Finding.of_fault("groups", text.with_fault(faults.GROUP_MISSING))
     if name in groups.listed:
         text = Message("{user} is in the group {group} from the next login on.", **values)
         return Finding.of_fault("groups", text.with_fault(faults.GROUP_AT_NEXT_LOGIN))
     text = Message("{user} is not in the group {group}.", **values)
-    command = Message("Run: sudo usermod -aG {group} {user}. Then log out and in.", **values)
-    return Finding.of_fault("groups", text.with_fault(faults.NOT_IN_GROUP), command)
+    return Finding.of_fault("groups", text.with_fault(faults.NOT_IN_GROUP))
 
 
 def _spi(device: object) -> Finding:

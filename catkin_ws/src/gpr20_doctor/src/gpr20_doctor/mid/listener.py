@@ -9,6 +9,7 @@ from typing import Dict, Iterable, List, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
     MAX_SENSORS,
@@ -16,7 +17,7 @@ from gpr20_doctor.mid.node_health import (
     HealthLevel,
     NodeHealth,
 )
-from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
@@ -148,6 +149,11 @@ class Listener:
                 analyzer=analyzer,
             )
 
+    def silent(self) -> List[str]:
+        """Return the names of the nodes that should have reported and have not."""
+        with self._lock:
+            return [name for name in EXPECTED_NODES if name not in self._nodes]
+
     def _is_listed(self, name: str) -> bool:
         sensors = sum(one.startswith(SENSOR_PREFIX) for one in self._nodes)
         known = name in self._nodes or sensors < MAX_SENSORS
@@ -160,14 +166,15 @@ class Listener:
             return watched and reported and self._configured and self._surveying is not None
 
 
-def without_master(master: str) -> RobotFacts:
-    """Return what is known about a robot whose master does not answer."""
+def unheard(master: str, evidence: Evidence) -> RobotFacts:
+    """Return what is known about a robot of which nothing is heard."""
     return RobotFacts(
-        master_alive=False,
+        master_alive=evidence.master is MasterState.ANSWERS,
         control_alive=False,
         configured=False,
         simulated=False,
         surveying=False,
         nodes=(),
         master=master,
+        evidence=evidence,
     )

@@ -23,6 +23,13 @@ from gpr20_doctor.mid.machine_facts import (
 )
 from gpr20_doctor.mid.not_known import not_known
 from gpr20_doctor.mid.robot_checks import disk_space
+from gpr20_doctor.mid.system_checks import (
+    check_configuration,
+    check_date,
+    check_firewall,
+    check_memory,
+    check_volumes,
+)
 
 BYTES_PER_GB = 1e9
 WARM_C = 70.0
@@ -109,8 +116,7 @@ def check_disk(facts: MachineFacts) -> Iterator[Finding]:
 def check_clock(facts: MachineFacts) -> Iterator[Finding]:
     """Judge what chrony says."""
     clock = facts.clock
-    two = isinstance(facts.addresses, AddressFacts) and bool(facts.addresses.robot)
-    if not two:
+    if not facts.two_computers:
         yield Finding("clock", Level.NOTE, Message("Clock offset: there is one computer."))
     elif not isinstance(clock, ClockFacts):
         yield not_known("clock", Message("the offset of the clock"), clock)
@@ -132,7 +138,8 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
         text = Message("Network of the VNA: not checked now.")
         yield Finding("vna_port", Level.NOTE, text)
     elif not isinstance(vna, PortFacts):
-        remedy = Message("Write the address of the VNA into analyzer.yaml.")
+        file = printable(facts.place.config / "analyzer.yaml")
+        remedy = Message("Write the address of the VNA into {file}.", file=file)
         yield not_known("vna_port", Message("the network of the VNA"), vna, remedy)
     elif vna.failure is not None:
         text = Message(
@@ -220,11 +227,16 @@ def _disk_speed(trace_s: object) -> Finding:
 
 
 CHECKS: Tuple[Check, ...] = (
+    check_configuration,
     check_addresses,
+    check_firewall,
     check_hardware,
     check_temperature,
     check_power,
+    check_memory,
+    check_volumes,
     check_disk,
+    check_date,
     check_clock,
     check_vna_port,
 )

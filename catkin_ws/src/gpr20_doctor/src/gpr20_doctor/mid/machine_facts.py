@@ -10,6 +10,7 @@ from typing import FrozenSet, Optional, Tuple, Union
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
+from gpr20_doctor.mid.place import NO_PLACE, Place
 from gpr20_survey.folder.data_folder import KnownFolder
 
 # The libraries of the pins: the module of each name of the configuration.
@@ -156,6 +157,53 @@ class PowerFacts:
 
 
 @dataclass(frozen=True)
+class MemoryFacts:
+    """Memory of this computer.
+
+    Attributes:
+        available_bytes: What programs may still have [bytes].
+        ended_programs: How many Linux has ended for lack of it since the start.
+    """
+
+    available_bytes: int
+    ended_programs: int = 0
+
+
+@dataclass(frozen=True)
+class VolumeFacts:
+    """A file system that the robot writes to.
+
+    Attributes:
+        mount_point: Where it begins.
+        folder: The first of the folders on it that are looked at.
+        read_only: Whether nothing can be written.
+        free_bytes: What may still be written [bytes].
+        free_files: How many files may still be made; None: as many as there is space.
+    """
+
+    mount_point: str
+    folder: Path
+    read_only: bool
+    free_bytes: int
+    free_files: Optional[int] = None
+
+
+@dataclass(frozen=True)
+class OutsideFacts:
+    """What a computer with a foreign address reached when that was tried.
+
+    Attributes:
+        tried: Number of the ports.
+        reached: Those that took a connection, as ADDRESS:PORT.
+        switched_off: Whether the settings of the services say that there is no firewall.
+    """
+
+    tried: int
+    reached: Tuple[str, ...] = ()
+    switched_off: bool = False
+
+
+@dataclass(frozen=True)
 class PortFacts:
     """Whether a TCP port can be reached.
 
@@ -188,6 +236,14 @@ class MachineFacts:
         clock: What chrony says.
         vna: Whether the VNA can be reached.
         pins: Whether an axis has pins; False: other controllers move all axes.
+        place: Folders and services of this computer.
+        two_computers: Whether the robot has parts on another computer.
+        memory: Memory of this computer.
+        volumes: File systems that the robot writes to.
+        outside: What a foreign computer reaches.
+        closed: Whether nothing of ROS can be reached but from this computer.
+        configuration: What the check of the whole robot found, with its faults.
+        behind_s: How far this clock is before the making of the installed software [s].
     """
 
     hardware: HardwareUse
@@ -203,3 +259,11 @@ class MachineFacts:
     clock: Union[ClockFacts, Unknown, None] = None
     vna: Union[PortFacts, Unknown, None] = None
     pins: bool = True
+    place: Place = NO_PLACE
+    two_computers: bool = False
+    memory: Union[MemoryFacts, Unknown, None] = None
+    volumes: Union[Tuple[VolumeFacts, ...], Unknown, None] = None
+    outside: Union[OutsideFacts, Unknown, None] = None
+    closed: bool = False
+    configuration: Union[Tuple[Message, ...], Unknown, None] = None
+    behind_s: float = 0.0

@@ -6,8 +6,10 @@ import errno
 import math
 import os
 import threading
+import time
 from pathlib import Path
-from typing import Callable, List, Mapping, Optional, TypeVar, Union
+from typing import Callable, Dict, List, Mapping, Optional, Tuple, TypeVar, Union
+from urllib.parse import urlsplit
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import state_folder
@@ -20,9 +22,11 @@ from gpr20_doctor.low import (
     disk_speed,
     groups,
     network,
+    outside,
     pi_sensors,
     pin_libraries,
     realtime_limits,
+    system,
 )
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import (
@@ -35,15 +39,18 @@ from gpr20_doctor.mid.machine_facts import (
     GroupFacts,
     HardwareUse,
     MachineFacts,
+    MemoryFacts,
+    OutsideFacts,
     PortFacts,
     PowerFacts,
     RealtimeFacts,
+    VolumeFacts,
 )
 from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_survey.files.file_system import existing_folder
+from gpr20_survey.files.file_system import existing_folder, file_system_of
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFolder
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.trace.ms2026c import MAX_FREQUENCY_POINTS
@@ -66,6 +73,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
     pins = needed and request.pins
     spi = device_files.spi_device(request.root, *request.spi)
     pi = pi_sensors.is_raspberry_pi(request.root)
+    exposed = _known(lambda: _exposed(request))
     return MachineFacts(
         hardware=request.hardware,
         addresses=_known(lambda: _addresses(request.environment)),
@@ -80,6 +88,13 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         clock=_known(_clock) if request.thorough else None,
         vna=_vna(request.vna) if request.thorough else None,
         pins=request.pins,
+        place=request.place,
+        two_computers=request.two_computers,
+        memory=_known(lambda: MemoryFacts(*system.memory(request.root))),
+        volumes=_known(lambda: _in_time(lambda: _volumes(request))),
+        outside=_outside(request, exposed),
+        closed=exposed == [],
+        behind_s=max(0.0, Path(__file__).stat().st_mtime - time.time()),
     )
 
 
@@ -101,6 +116,59 @@ def _addresses(environment: Mapping[str, str]) -> AddressFacts:
         ros_address=environment.get("ROS_HOSTNAME") or environment.get("ROS_IP", ""),
         master_uri=environment.get("ROS_MASTER_URI", ""),
     )
+
+
+def _exposed(request: MachineRequest) -> List[Tuple[str, int]]:
+    """Return where ROS listens on this computer for more than the computer itself."""
+    master = urlsplit(request.environment.get("ROS_MASTER_URI", "")).port or system.DEFAULT_PORT
+    return [
+        (address, port)
+        for address, port in system.listening(request.root)
+        if port in {master, *request.ports} and not address.startswith(outside.LOOPBACK)
+    ]
+
+
+def _outside(
+    request: MachineRequest, exposed: Union[List[Tuple[str, int]], Unknown]
+) -> Union[OutsideFacts, Unknown, None]:
+    """Try what a foreign computer reaches; None where nothing of ROS is open to others."""
+    if isinstance(exposed, Unknown):
+        return exposed
+    own = [one for one in _addresses(request.environment).own if one != LOOPBACK]
+    if not exposed and not own:
+        return None
+    if not request.thorough or request.surveying:
+        return Unknown(Message("it is not tried now"))
+    off = request.environment.get("GPR20_FIREWALL") == "off"
+
+    def attempt() -> OutsideFacts:
+        # Also of a robot that is off: a port that the doctor opens.
+        reached = outside.reached_from_outside(own, exposed)
+        tried = len(own) + len(exposed)
+        return OutsideFacts(tried, tuple(f"{host}:{port}" for host, port in reached), off)
+
+    return _known(lambda: _in_time(attempt))
+
+
+def _volumes(request: MachineRequest) -> Tuple[VolumeFacts, ...]:
+    """Look at each file system that the robot writes to, once."""
+    state = state_folder(request.environment)
+    wanted = [request.root, request.root / "var/log", request.place.log, state, request.data]
+    found: Dict[int, VolumeFacts] = {}
+    for folder in filter(None, wanted):
+        existing = existing_folder(folder)
+        one, numbers = file_system_of(existing), os.statvfs(str(existing))
+        found.setdefault(
+            one.device,
+            VolumeFacts(
+                one.mount_point,
+                folder,
+                one.read_only,
+                numbers.f_bavail * numbers.f_frsize,
+                numbers.f_favail if numbers.f_files else None,
+            ),
+        )
+    return tuple(found.values())
 
 
 def _temperature_c(root: Path, pi: bool) -> Optional[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import List, Mapping, Optional, Tuple, Union
+from typing import FrozenSet, List, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.data_folder import data_folder
@@ -14,12 +14,12 @@ from gpr20_doctor.low import config_files, network, pi_sensors
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.node_health import axis_node
+from gpr20_doctor.mid.place import NO_PLACE, Place, place_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import Backend
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE, NodeDescription
 
 ROOT = Path("/")
-DEFAULT_CONFIGURATION = "~/.gpr20/robot"
 DEFAULT_SPI = (0, 0)
 REAL, SIMULATED, AUTOMATIC = "gpr20", "simulated", "auto"
 
@@ -37,8 +37,12 @@ class MachineRequest:
         data: Folder of the surveys; None: not on this computer.
         data_disk: Whether that folder must be on a disk of its own.
         vna: Address of the VNA; None: not to be checked.
-        thorough: Whether to do what takes longer: speed of the disk, VNA, chrony.
+        thorough: Whether to do what takes longer: speed of the disk, VNA, chrony, firewall.
         root: Root of the file system.
+        place: Folders and services of this computer.
+        two_computers: Whether the robot has parts on another computer.
+        surveying: Whether a survey is running or paused.
+        ports: Ports of the ROS nodes, wherever they run.
     """
 
     hardware: HardwareUse
@@ -51,23 +55,35 @@ class MachineRequest:
     vna: Union[str, Unknown, None] = None
     thorough: bool = True
     root: Path = ROOT
+    place: Place = NO_PLACE
+    two_computers: bool = False
+    surveying: bool = False
+    ports: FrozenSet[int] = frozenset()
 
 
-@dataclass(frozen=True)
 class ThisMachine:
-    """What decides which parts of a robot are on this computer.
+    """What decides which parts of a robot are on this computer."""
 
-    Attributes:
-        host: Name of this computer.
-        environment: The environment variables.
-        root: Root of the file system.
-        config: Folder of the robot's configuration; None: the default one.
-    """
+    def __init__(
+        self,
+        host: str,
+        environment: Mapping[str, str],
+        root: Path = ROOT,
+        config: Optional[Path] = None,
+    ) -> None:
+        """Find the folders of this computer.
 
-    host: str
-    environment: Mapping[str, str]
-    root: Path = ROOT
-    config: Optional[Path] = None
+        Args:
+            host: Name of this computer.
+            environment: The environment variables.
+            root: Root of the file system.
+            config: Folder of the robot's configuration; None: the one that is used here.
+
+        Raises:
+            RuntimeError: A folder is that of a user whom nobody knows.
+        """
+        self.host, self.root = host, root
+        self.place, self.environment = place_of(environment, root, config)
 
     def request(
         self,
@@ -75,6 +91,7 @@ class ThisMachine:
         surveying: bool = False,
         robot: str = AUTOMATIC,
         thorough: bool = True,
+        ports: FrozenSet[int] = frozenset(),
     ) -> MachineRequest:
         """Return what is to be looked at.
 
@@ -83,6 +100,7 @@ class ThisMachine:
             surveying: Whether a survey is running or paused.
             robot: gpr20, simulated, or auto: what the nodes or this computer say.
             thorough: Whether to do what takes longer.
+            ports: Ports of the ROS nodes, wherever they run.
         """
         axis = nodes.get(axis_node(AxisId.X))
         libraries = self._pin_libraries(nodes)
@@ -99,7 +117,15 @@ class ThisMachine:
             vna=None if surveying or robot == SIMULATED else self._vna(nodes.get(ANALYZER)),
             thorough=thorough,
             root=self.root,
+            place=self.place,
+            two_computers=self._two_computers(nodes),
+            surveying=surveying,
+            ports=ports,
         )
+
+    def _two_computers(self, nodes: Mapping[str, NodeDescription]) -> bool:
+        hosts = {one.software.host for one in nodes.values()} - {"", self.host}
+        return bool(hosts or self.environment.get("GPR20_ROBOT"))
 
     def _hardware(self, robot: str, axis: Optional[NodeDescription]) -> HardwareUse:
         if robot == SIMULATED:
@@ -117,7 +143,7 @@ class ThisMachine:
             node = nodes.get(axis_node(axis_id))
             own: object
             if node is None:
-                own = config_files.configured(self._config, "axes.yaml", axis_id.value)
+                own = config_files.configured(self.place.config, "axes.yaml", axis_id.value)
             else:
                 own = node.configuration
             if not (isinstance(own, Mapping) and own.get("controller")):
@@ -129,7 +155,7 @@ class ThisMachine:
         for key, default in zip(("spi_bus", "spi_device"), DEFAULT_SPI):
             number = None if sensor is None else sensor.configuration.get(key)
             if number is None:
-                number = config_files.configured(self._config, "height.yaml", key)
+                number = config_files.configured(self.place.config, "height.yaml", key)
             numbers.append(number if isinstance(number, int) else default)
         return numbers[0], numbers[1]
 
@@ -137,20 +163,20 @@ class ThisMachine:
         if self._is("GPR20_ROBOT") or (storage is not None and storage.software.host != self.host):
             return None
         folder = storage.configuration.get("data") if storage is not None else None
-        folder = folder or config_files.configured(self._config, "storage.yaml", "data")
+        folder = folder or config_files.configured(self.place.config, "storage.yaml", "data")
         return data_folder(str(folder or ""), self.environment)
 
     def _data_disk(self, storage: Optional[NodeDescription]) -> bool:
         if storage is not None:
             return storage.configuration.get("data_disk") is True
-        return config_files.configured(self._config, "storage.yaml", "data_disk") is True
+        return config_files.configured(self.place.config, "storage.yaml", "data_disk") is True
 
     def _vna(self, analyzer: Optional[NodeDescription]) -> Union[str, Unknown, None]:
         host = "" if analyzer is None else analyzer.software.host
         if self._is("GPR20_ROBOT") or (analyzer is not None and host != self.host):
             return None
         address = analyzer.configuration.get("address") if analyzer is not None else None
-        address = address or config_files.configured(self._config, "analyzer.yaml", "address")
+        address = address or config_files.configured(self.place.config, "analyzer.yaml", "address")
         if not address:
             return Unknown(Message("its address is not in analyzer.yaml"))
         try:
@@ -158,11 +184,6 @@ class ThisMachine:
         except Gpr20Error:
             return None  # an analyzer that is not reached over VXI-11
         return str(address)
-
-    @property
-    def _config(self) -> Path:
-        given = self.config or self.environment.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
-        return Path(given).expanduser()
 
     def _is(self, name: str) -> bool:
         """Return whether this computer is only one of two, the one with an address."""

@@ -6,15 +6,16 @@ Each check is a function from the facts to findings. To add one, write it and li
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, Iterator, Tuple
+from typing import Callable, Dict, Iterable, Iterator, Optional, Tuple
 
 from gpr20_common.faults import DISK_FULL, NODE_SILENT
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.remedies import first_step
 from gpr20_doctor import faults
+from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, axis_node
-from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, axis_node
+from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_doctor.mid.titles import node_title
 from gpr20_doctor.mid.version_checks import check_versions
 from gpr20_survey.axes.axis_id import AxisId
@@ -89,19 +90,68 @@ ENDSTOP_REACH_MM = 5.0
 # Antennas that are lower touch the ground; at a greater height they measure little of it [m].
 USUAL_HEIGHT_M = (0.01, 0.6)
 
+# The part itself says why it is silent.
+SILENT = (NodeState.HANGS, NodeState.GONE)
+
 Check = Callable[[RobotFacts], Iterable[Finding]]
 
 
 def check_contact(facts: RobotFacts) -> Iterator[Finding]:
     """Judge the contact with the ROS master and the main control."""
+    if facts.unheard:
+        yield Finding.of_fault("master", _why_unheard(facts.master, facts.evidence))
+        return
     if not facts.master_alive:
-        text = Message("The ROS master does not answer.", details=facts.master)
-        yield Finding.of_fault("master", text.with_fault(faults.NO_MASTER))
+        yield Finding.of_fault("master", _no_master(facts.master, facts.evidence))
     elif facts.control_alive:
         yield Finding("master", Level.OK, Message("Contact with the robot"))
-    if not facts.control_alive and not facts.unheard:
+    if not facts.control_alive and facts.evidence.nodes.get(MAIN_CONTROL) not in SILENT:
         text = Message("There is no contact with the main control.")
         yield Finding.of_fault("control", text.with_fault(NODE_SILENT))
+
+
+def _why_unheard(master: str, evidence: Evidence) -> Message:
+    """Return the one reason for which nothing of a robot is heard."""
+    if evidence.robots:
+        return Message(
+            "There is no robot in the namespace {namespace}. On this ROS master there are: "
+            "{robots}",
+            namespace=evidence.namespace,
+            robots=", ".join(evidence.robots),
+            first=evidence.robots[0].strip("/") or "/",
+        ).with_fault(faults.OTHER_NAMESPACE)
+    # That of a master that hangs may move: it comes first.
+    if evidence.elsewhere and evidence.master is not MasterState.HANGS:
+        return Message(
+            "There is no robot at the ROS master {master}. Robots were found at: {robots}",
+            master=master,
+            robots=", ".join(f"{uri} ({robot})" for uri, robot in evidence.elsewhere),
+            first=evidence.elsewhere[0][0],
+        ).with_fault(faults.MASTER_ELSEWHERE)
+    if evidence.master is MasterState.ANSWERS:
+        text = Message("The ROS master answers, but it has no robot.", details=master)
+        return text.with_fault(faults.NO_ROBOT)
+    return _no_master(master, evidence)
+
+
+def _no_master(master: str, evidence: Evidence) -> Message:
+    if evidence.master is MasterState.HANGS:
+        text = Message(
+            "The ROS master hangs: it does not answer. The robot may still move.", details=master
+        )
+        return text.with_fault(faults.MASTER_HANGS)
+    if evidence.master is MasterState.UNREACHABLE:
+        text = Message("The computer of the ROS master is not reached.", details=master)
+        return text.with_fault(faults.MASTER_UNREACHABLE)
+    if evidence.local_nodes:
+        return Message(
+            "The ROS master has ended, but {count} parts of the robot still run on this computer. "
+            "The robot may still move.",
+            count=evidence.local_nodes,
+            details=master,
+        ).with_fault(faults.MASTER_ENDED)
+    text = Message("The ROS master does not answer.", details=master)
+    return text.with_fault(faults.NO_MASTER)
 
 
 def check_unheard(facts: RobotFacts) -> Iterator[Finding]:
@@ -109,8 +159,8 @@ def check_unheard(facts: RobotFacts) -> Iterator[Finding]:
     yield Finding(
         "parts",
         Level.UNKNOWN,
-        Message("Axes, height sensor, VNA, storage and versions: not known without the master."),
-        Message("Start the robot's software, then run gpr20 doctor again."),
+        Message("Axes, height sensor, VNA, storage and versions: not known without the robot."),
+        Message("First do what the fault above says, then run gpr20 doctor again."),
     )
 
 
@@ -140,7 +190,14 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
 
 def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     """Judge each node by its own report."""
-    return (_part(node, facts.listening_s) for node in facts.nodes)
+    known = facts.evidence.nodes
+    missing = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
+    if missing:
+        text = Message("Not running: {parts}", parts=tuple(map(node_title, missing)))
+        yield Finding.of_fault("missing", text.with_fault(faults.PARTS_MISSING))
+    for node in facts.nodes:
+        if node.name not in missing:
+            yield _part(node, facts.listening_s, known.get(node.name))
 
 
 def check_disk(facts: RobotFacts) -> Iterator[Finding]:
@@ -218,6 +275,7 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
         "The clock of {node} differs from this computer's by {offset_s:.1f} s.",
         node=node_title(node),
         offset_s=abs(offset_s),
+        details=facts.software[node].host if node in facts.software else "",
     )
     yield Finding.of_fault("clocks", text.with_fault(faults.CLOCKS_DIFFER))
 
@@ -245,8 +303,11 @@ def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Find
     return Finding.of_fault(check, text.with_fault(faults.ENDSTOP_DOUBTFUL))
 
 
-def _part(node: NodeHealth, listening_s: float) -> Finding:
+def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> Finding:
     name = node_title(node.name)
+    if state is NodeState.HANGS:
+        text = Message("{name} hangs: it runs, but does not answer.", name=name)
+        return Finding.of_fault(node.name, text.with_fault(faults.NODE_HANGS))
     if node.level is HealthLevel.OK:
         return Finding(node.name, Level.OK, name)
     if node.level is HealthLevel.STALE:

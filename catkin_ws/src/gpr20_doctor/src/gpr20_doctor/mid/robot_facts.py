@@ -8,6 +8,7 @@ from typing import Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, ReportedValues
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.analyzer_test import AnalyzerTest
@@ -42,6 +43,27 @@ class AxisPosition:
 
 
 @dataclass(frozen=True)
+class Evidence:
+    """What was found out about a robot, or about parts of it, that cannot be heard.
+
+    Attributes:
+        master: What was found at the address of the master.
+        namespace: Where the robot was looked for, with a slash in front.
+        robots: Namespaces of the robots on the same master.
+        elsewhere: (master, namespace) of the robots on other masters.
+        local_nodes: Number of nodes whose processes run on this computer.
+        nodes: What the silent nodes say when they are asked.
+    """
+
+    master: MasterState = MasterState.NOT_THERE
+    namespace: str = "/"
+    robots: Tuple[str, ...] = ()
+    elsewhere: Tuple[Tuple[str, str], ...] = ()
+    local_nodes: int = 0
+    nodes: Mapping[str, NodeState] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class RobotFacts:
     """What is known about the robot.
 
@@ -61,6 +83,7 @@ class RobotFacts:
         axes: State of the axes; one that is not known is missing.
         height_m: The last height of the antennas [m]; not finite: there was none.
         analyzer: Result of a test of the VNA; None: not tested.
+        evidence: What was found out about what cannot be heard.
     """
 
     master_alive: bool
@@ -78,11 +101,12 @@ class RobotFacts:
     axes: Mapping[AxisId, AxisPosition] = field(default_factory=dict)
     height_m: float = math.nan
     analyzer: Optional[AnalyzerTest] = None
+    evidence: Evidence = field(default_factory=Evidence)
 
     @property
     def unheard(self) -> bool:
         """Whether nothing at all is known about the robot."""
-        return not self.master_alive and not self.nodes
+        return not self.control_alive and not self.nodes
 
     def node(self, name: str) -> Optional[NodeHealth]:
         """Return the health of a node that reports; None if it does not."""

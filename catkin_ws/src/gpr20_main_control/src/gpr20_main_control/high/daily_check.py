@@ -25,8 +25,8 @@ from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_common.terminal_text import say
-from gpr20_doctor.high.graph import master_answers
 from gpr20_doctor.high.node_reports import descriptions
+from gpr20_doctor.low.masters import MasterState, state_of
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.high.ros_devices import RosAnalyzer
@@ -79,7 +79,7 @@ def main() -> int:
 
 
 def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[], str]) -> int:
-    if not master_answers(rosgraph.get_master_uri()):
+    if state_of(rosgraph.get_master_uri()) is not MasterState.ANSWERS:
         raise RequestRefusedError(
             Message("no ROS master answers; start the robot first"), fault=faults.NODE_LOST
         )

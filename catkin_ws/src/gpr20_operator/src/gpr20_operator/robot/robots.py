@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import singledispatchmethod
-from typing import Callable, Dict, FrozenSet, Iterable, Optional, Tuple
+from typing import Callable, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.robot.events import ControlState
 
-# What offers both is the main control of a robot.
-SERVICES = ("start_survey", "stop_survey")
 # A robot that is starting is not yet a missing one [s].
 STARTING_S = 5.0
 
@@ -59,18 +57,6 @@ class ListedRobot:
         if self.state is None:
             return Message("no report yet")
         return self.state.title
-
-
-def robots_on_master(services: Iterable[str]) -> FrozenSet[str]:
-    """Return the namespaces of the robots, from the full names of all services."""
-    names = set(services)
-    first = SERVICES[0]
-    spaces = {name[: -len(first)] for name in names if name.endswith(f"/{first}")}
-    return frozenset(
-        space.rstrip("/") or "/"
-        for space in spaces
-        if all(f"{space}{service}" in names for service in SERVICES)
-    )
 
 
 @dataclass

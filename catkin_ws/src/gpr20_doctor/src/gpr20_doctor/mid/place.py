@@ -1,0 +1,77 @@
+"""The folders and services that this computer really uses, for checks and advice."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, Mapping, Optional, Tuple
+
+SETTINGS = "etc/gpr20/environment"
+FIREWALL = "usr/lib/gpr20/firewall"
+UNITS = ("lib/systemd/system", "usr/lib/systemd/system")
+SERVICES = ("gpr20-robot", "gpr20-server")
+SERVICE_LOGS = "var/log/gpr20"
+DEFAULT_CONFIGURATION = "~/.gpr20/robot"
+_SETTING = re.compile(r'(GPR20_[A-Z_]+)="?([^"]*?)"?\s*')
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where things are on this computer.
+
+    Attributes:
+        config: Folder of the robot's configuration.
+        log: Folder of the logs.
+        settings: File with the settings of the services; None: no packages are installed.
+        service: Name of the robot's service here; empty: none is installed.
+        firewall: The program that loads the firewall; None: no packages are installed.
+    """
+
+    config: Path = Path(DEFAULT_CONFIGURATION)
+    log: Path = Path("~/.ros/log")
+    settings: Optional[Path] = None
+    service: str = ""
+    firewall: Optional[Path] = None
+
+
+NO_PLACE = Place()
+
+
+def place_of(
+    environment: Mapping[str, str], root: Path, config: Optional[Path] = None
+) -> Tuple[Place, Dict[str, str]]:
+    """Return where things are, and the environment completed by the settings of the services.
+
+    Args:
+        environment: The variables of this process; what is set counts.
+        root: Root of the file system.
+        config: Folder of the configuration that was asked for; None: none was.
+
+    Raises:
+        RuntimeError: A folder is that of a user whom nobody knows.
+    """
+    settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
+    known = {**_values(settings), **environment}
+    folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
+    units = [
+        name for name in SERVICES for one in UNITS if (root / one / f"{name}.service").exists()
+    ]
+    logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
+    place = Place(
+        config=Path(folder).expanduser().absolute(),
+        log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
+        settings=settings if settings.exists() else None,
+        service=units[0] if units else "",
+        firewall=root / FIREWALL if (root / FIREWALL).exists() else None,
+    )
+    return place, known
+
+
+def _values(settings: Path) -> Dict[str, str]:
+    try:
+        lines = settings.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return {}
+    found = filter(None, map(_SETTING.fullmatch, lines))
+    return {one.group(1): one.group(2) for one in found}

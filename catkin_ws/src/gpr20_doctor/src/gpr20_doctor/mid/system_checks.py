@@ -1,0 +1,155 @@
+"""Checks of what the whole computer needs: memory, file systems, firewall, configuration.
+
+Each check is a function from the facts to findings, as in `machine_checks`, which lists them.
+"""
+
+from __future__ import annotations
+
+from typing import Iterator
+
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_doctor import faults
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.machine_facts import MachineFacts, MemoryFacts, OutsideFacts, VolumeFacts
+from gpr20_doctor.mid.not_known import not_known
+
+MB, GB = 1e6, 1e9
+# Below them the system begins to end programs [bytes].
+LOW_MEMORY, NO_MEMORY = 200e6, 80e6
+# Logs of a day; below the second, programs fail when they write [bytes].
+LOW_SPACE, NO_SPACE = 200e6, 20e6
+FEW_FILES = 2000
+# A clock that starts at the last date that it knows is days behind; a time zone is not.
+BEHIND_LIMIT_S = 86400.0
+LISTED = 4
+
+
+def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
+    """Say what the check of the whole robot found in the files on this computer."""
+    found = facts.configuration
+    if found is None:
+        return  # of the running robot, it is known to the nodes
+    folder = printable(facts.place.config)
+    if not isinstance(found, tuple):
+        subject = Message("whether the configuration in {folder} is correct", folder=folder)
+        command = Message("Run: {command}", command=_check_command(facts))
+        yield not_known("config_files", subject, found, command)
+    elif not found:
+        text = Message("Configuration files in {folder}", folder=folder)
+        yield Finding("config_files", Level.OK, text)
+    else:
+        for reason in found:
+            # Each problem has its own fault; one without has that of a value.
+            text = Message("{reason}", reason=reason)
+            known = text if text.cause is not None else text.with_fault(faults.FILES_WRONG)
+            yield Finding.of_fault("config_files", known)
+
+
+def _check_command(facts: MachineFacts) -> str:
+    if facts.place.settings is not None:
+        return "gpr20-run config check"
+    return f"rosrun gpr20_launch robot_config check {printable(facts.place.config)}"
+
+
+def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge what a computer with a foreign address reaches here."""
+    outside = facts.outside
+    if outside is None:
+        yield _nothing_open(facts.closed)
+    elif not isinstance(outside, OutsideFacts):
+        subject = Message("whether a foreign computer reaches the robot's ports")
+        as_root = "sudo gpr20-run doctor" if facts.place.settings else "sudo -E rosrun ..."
+        command = Message("Run the doctor once as root: {command}", command=as_root)
+        yield not_known("firewall", subject, outside, command)
+    elif not outside.reached:
+        text = Message("Foreign computers are kept out: {tried} ports tried", tried=outside.tried)
+        yield Finding("firewall", Level.OK, text)
+    else:
+        text = Message(
+            "A computer with a foreign address reaches {ports}: everybody in the network can move "
+            "the robot.",
+            ports=", ".join(outside.reached[:LISTED]),
+        )
+        off = outside.switched_off
+        fault = faults.FIREWALL_OFF if off else faults.FIREWALL_OPEN
+        yield Finding.of_fault("firewall", text.with_fault(fault))
+
+
+def _nothing_open(closed: bool) -> Finding:
+    if closed:
+        text = Message("Firewall: not needed, ROS listens to this computer alone.")
+        return Finding("firewall", Level.NOTE, text)
+    return not_known("firewall", Message("where ROS listens"), None)
+
+
+def check_memory(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge the memory that programs may still have."""
+    memory = facts.memory
+    if memory is None:
+        return
+    if not isinstance(memory, MemoryFacts):
+        yield not_known("memory", Message("the free memory"), memory)
+        return
+    free = memory.available_bytes
+    text = Message("Memory: {free_mb:.0f} MB free", free_mb=free / MB)
+    if free < LOW_MEMORY:
+        low = text.with_fault(faults.MEMORY_LOW)
+        yield Finding.of_fault("memory", low if free < NO_MEMORY else low.as_warning())
+    elif memory.ended_programs:
+        ended = Message(
+            "Linux has ended {count} programs for lack of memory since the start.",
+            count=memory.ended_programs,
+        )
+        yield Finding.of_fault("memory", ended.with_fault(faults.MEMORY_RAN_OUT))
+    else:
+        yield Finding("memory", Level.OK, text)
+
+
+def check_volumes(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge the file systems that the robot writes to."""
+    volumes = facts.volumes
+    if volumes is None:
+        return
+    if not isinstance(volumes, tuple):
+        yield not_known("volumes", Message("the file systems"), volumes)
+        return
+    bad = [one for volume in volumes for one in _volume(volume)]
+    yield from bad
+    if not bad:
+        points = ", ".join(printable(one.mount_point) for one in volumes)
+        text = Message("File systems that can be written: {points}", points=points)
+        yield Finding("volumes", Level.OK, text)
+
+
+def _volume(volume: VolumeFacts) -> Iterator[Finding]:
+    names = {"point": printable(volume.mount_point), "folder": printable(volume.folder)}
+    if volume.read_only:
+        text = Message("The file system {point} is read-only; {folder} is on it.", **names)
+        yield Finding.of_fault("volumes", text.with_fault(faults.VOLUME_READ_ONLY))
+        return
+    if volume.free_bytes < LOW_SPACE:
+        text = Message(
+            "The file system {point} has {free_mb:.0f} MB left; {folder} is on it.",
+            free_mb=volume.free_bytes / MB,
+            **names,
+        ).with_fault(faults.VOLUME_FULL)
+        full = volume.free_bytes < NO_SPACE
+        yield Finding.of_fault("volumes", text if full else text.as_warning())
+    if volume.free_files is not None and volume.free_files < FEW_FILES:
+        text = Message(
+            "The file system {point} can hold only {count} more files; {folder} is on it.",
+            count=volume.free_files,
+            **names,
+        )
+        yield Finding.of_fault("volumes", text.with_fault(faults.VOLUME_FULL))
+
+
+def check_date(facts: MachineFacts) -> Iterator[Finding]:
+    """Find a clock that cannot be right."""
+    if facts.behind_s > BEHIND_LIMIT_S:
+        text = Message(
+            "This computer's clock is {days:.0f} days before the date of the installed software.",
+            days=facts.behind_s / 86400.0,
+        )
+        yield Finding.of_fault("date", text.with_fault(faults.CLOCK_BEHIND))
