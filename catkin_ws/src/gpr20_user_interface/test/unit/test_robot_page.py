@@ -12,7 +12,7 @@ from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
-from gpr20_doctor.mid.finding import Unknown
+from gpr20_doctor.mid.finding import Level, Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
@@ -26,6 +26,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import Part
 from gpr20_user_interface.look.look import TOUCH_PX
+from gpr20_user_interface.pages.robot.overview import FINDING_COLOURS
 from gpr20_user_interface.window.rail import TabName
 
 AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0, 800.0, -90.0))
@@ -224,18 +225,24 @@ def test_instruments_are_not_tested_beside_a_survey(service):
     assert service.tools.asked == [("examine", True)]
 
 
-def test_only_what_is_wrong_is_listed_until_a_touch_unfolds_the_rest(service):
+def test_what_is_good_is_listed_only_after_a_touch_and_what_is_not_known_always(service):
     overview = service.robot.overview
     nodes = tuple(NodeHealth(name, HealthLevel.OK, verbatim("fine"), {}) for name in EXPECTED_NODES)
     show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     service.draw()
-    assert listed(service) == []
+    unknown = listed(service)
+    assert unknown and all(text.startswith("UNKNOWN") for text in unknown)
+    assert overview.headline.text() == f"No fault found, but not known: {len(unknown)}"
+    assert FINDING_COLOURS[Level.UNKNOWN] not in (
+        FINDING_COLOURS[Level.OK],
+        FINDING_COLOURS[Level.NOTE],
+    )
     count = int(overview.fold_button.text().split()[0])
     assert count >= len(EXPECTED_NODES)
     click(overview.fold_button)
     assert sum(text.startswith("GOOD") for text in listed(service)) == count
     click(overview.fold_button)
-    assert listed(service) == []
+    assert listed(service) == unknown
 
 
 def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):

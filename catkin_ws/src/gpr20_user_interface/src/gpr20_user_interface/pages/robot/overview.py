@@ -37,7 +37,8 @@ from gpr20_user_interface.widgets.widgets import (
 FINDING_COLOURS: Dict[Level, TextColours] = {
     Level.OK: TextColours.GOOD,
     Level.NOTE: TextColours.REST,
-    Level.UNKNOWN: TextColours.REST,
+    # It may be good or bad: never the colour of what is good or does not matter.
+    Level.UNKNOWN: TextColours.DOUBTFUL,
     Level.WARNING: TextColours.DOUBTFUL,
     Level.FAULT: TextColours.BAD,
 }
@@ -127,9 +128,9 @@ class Overview(TranslatedWidget):
         self._findings: Tuple[Finding, ...] = ()
         self._model: Optional[ServiceModel] = None
         self._folded = True
-        self._headline = QLabel()
-        self._headline.setObjectName("title")
-        self._headline.setWordWrap(True)
+        self.headline = QLabel()
+        self.headline.setObjectName("title")
+        self.headline.setWordWrap(True)
         self.findings, self.parts = QLabel(), PartTiles()
         self.findings.setTextFormat(Qt.TextFormat.RichText)
         self.findings.setWordWrap(True)
@@ -147,8 +148,8 @@ class Overview(TranslatedWidget):
 
     @property
     def listed(self) -> List[Finding]:
-        """The findings that are listed: what is wrong, or every check."""
-        return [one for one in self._findings if not self._folded or one.level >= Level.WARNING]
+        """The findings that are listed: what is wrong or not known, or every check."""
+        return [one for one in self._findings if not self._folded or one.level >= Level.UNKNOWN]
 
     def show_findings(self, findings: Tuple[Finding, ...]) -> None:
         """Show what is wrong with the robot; most times it is the same as before."""
@@ -201,17 +202,19 @@ class Overview(TranslatedWidget):
     def _write_counts(self) -> None:
         levels = [one.level for one in self._findings]
         wrong = sum(level >= Level.WARNING for level in levels)
+        unknown = levels.count(Level.UNKNOWN)
         if not levels:
             headline = self.tr("The checks have not ended yet.")
         elif wrong:
             headline = self.tr("To do: {count}").format(count=wrong)
+        elif unknown:
+            headline = self.tr("No fault found, but not known: {count}").format(count=unknown)
         else:
             headline = self.tr("The checks have found no fault.")
-        self._headline.setText(headline)
+        self.headline.setText(headline)
         good = self.tr("{good} checks good").format(good=levels.count(Level.OK))
-        others = sum(level in (Level.NOTE, Level.UNKNOWN) for level in levels)
-        if others:
-            good += "\n" + self.tr("{count} open").format(count=others)
+        if Level.NOTE in levels:
+            good += "\n" + self.tr("{count} notes").format(count=levels.count(Level.NOTE))
         self.fold_button.setText(good if self._folded else self.tr("Only what is wrong"))
         examining = self._model is not None and self._model.examining
         self.check_button.setText(self.tr("CHECKING") if examining else self.tr("CHECK ALL"))
@@ -227,7 +230,7 @@ class Overview(TranslatedWidget):
         fill(self._content, self.findings, self._parts_title, self.parts)
         self._content.addStretch(1)
         words = QVBoxLayout()
-        fill(words, self._headline, self.hint)
+        fill(words, self.headline, self.hint)
         # Not at the bottom, where sheets are closed: a second touch must not begin the service.
         self._top, self._bottom, self._layout = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
         fill(self._top, (words, 2), (self.enter_button, 1))
