@@ -1,4 +1,4 @@
-"""Write docs/reference/messages.md: every fault by its code, with what to do first in both languages.
+"""Write docs/reference/messages.md: faults by their code, with what to do first, in two languages.
 
 Started by scripts/translations.sh; with --check it fails if the page is not up to date.
 """
