@@ -10,20 +10,20 @@ case "${1-}" in
     *) echo "install.sh: name gpr20-robot, gpr20-server or gpr20-analysis" >&2; exit 2 ;;
 esac
 sha256sum --check --quiet SHA256SUMS
-lists="$(mktemp -d)"
-trap 'rm -rf "$lists"' EXIT
-mkdir "$lists/partial"
-# In a folder without spaces, as apt wants it.
-ln -s "$PWD" "$lists/bundle"
-echo "deb [trusted=yes] file:$lists/bundle ./" >"$lists/sources.list"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$work/lists/partial"
+# The bundle under a name without spaces, as apt wants it.
+ln -s "$PWD" "$work/bundle"
+echo "deb [trusted=yes] file:$work/bundle ./" >"$work/sources.list"
 
 bundled_apt() {
-    apt-get -q -y --no-install-recommends -o Dir::Etc::sourcelist="$lists/sources.list" \
-        -o Dir::Etc::sourceparts=- -o Dir::State::lists="$lists" -o Dir::Cache::pkgcache= \
-        -o Dir::Cache::srcpkgcache= -o APT::Sandbox::User=root "$@"
+    apt-get -q -y --no-install-recommends -o Dir::Etc::sourcelist="$work/sources.list" \
+        -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$work/lists" \
+        -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= -o APT::Sandbox::User=root "$@"
 }
 
-bundled_apt update
+bundled_apt update >/dev/null
 bundled_apt install "$1"
 # Kept, so that the next update has a way back.
 [ ! -x /usr/sbin/gpr20-update ] || gpr20-update .

@@ -93,9 +93,7 @@ class World:
         """Run gpr20-update; return what it printed."""
         environment = {**self.environment, "KILL_AT": str(kill_at)}
         command = ["/usr/bin/python3", "-I", str(self.program), *map(str, arguments)]
-        done = subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=False
-        )
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == status, done.stdout + done.stderr
         return done.stdout + done.stderr
 

@@ -21,7 +21,9 @@ FILES_OF_RELEASE = 40
 
 def run(*command: object, **options: object) -> str:
     """Run a program that must succeed; return what it printed."""
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, **options)
+    done = subprocess.run(
+        list(map(str, command)), capture_output=True, text=True, check=False, **options
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -36,7 +38,7 @@ def make_program(target: Path, main: Optional[str] = None) -> None:
     shutil.rmtree(source)
 
 
-def release_files(version: str, size_bytes: int = 2000) -> Dict[str, bytes]:
+def release_files(version: str, size_bytes: int = 100_000) -> Dict[str, bytes]:
     """Return the files of a release by their path in a slot; no two versions have one alike."""
     files = {"release": f"{version}\n".encode()}
     for number in range(FILES_OF_RELEASE):
@@ -111,7 +113,9 @@ def sign(bundle: Path, key: Path, namespace: str = "gpr20-release") -> None:
     run("ssh-keygen", "-q", "-Y", "sign", "-f", key, "-n", namespace, bundle / "SHA256SUMS")
 
 
-def make_bundle(stick: Path, version: str, key: Path, program: Path, **more: bytes) -> Path:
+def make_bundle(
+    stick: Path, version: str, key: Path, program: Path, more: Optional[Mapping[str, bytes]] = None
+) -> Path:
     """Make a bundle of one version; return its folder.
 
     Args:
@@ -119,7 +123,7 @@ def make_bundle(stick: Path, version: str, key: Path, program: Path, **more: byt
         version: Its version.
         key: Who signs it.
         program: The program gpr20-update of this version.
-        more: Further files of gpr20-common, by path with _ for /.
+        more: Further files of gpr20-common, by path.
     """
     bundle = stick / f"gpr20-{version}"
     bundle.mkdir(parents=True)
@@ -129,7 +133,7 @@ def make_bundle(stick: Path, version: str, key: Path, program: Path, **more: byt
         "etc/gpr20/environment": f"# {version}\nGPR20_LAUNCH_ARGUMENTS=\n".encode(),
         "etc/gpr20/release_signers": signers_line(key).encode(),
         "usr/sbin/gpr20-update": program.read_bytes(),
-        **{name.replace("_", "/"): data for name, data in more.items()},
+        **(more or {}),
     }
     needs = f"gpr20-software (>= {version}), other-library (>= {version})"
     conffiles = [name for name in common if name.startswith("etc/")]

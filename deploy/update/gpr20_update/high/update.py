@@ -46,7 +46,7 @@ class Updater:
         """
         self._refuse_unfinished()
         self._robot.refuse_during_survey(no_survey)
-        stick = open_bundle(find_bundle(place), self._paths.signers)
+        stick = open_bundle(find_bundle(place.resolve()), self._paths.signers)
         self._say(f"{shown(stick.folder)}: version {stick.version}, signed by {stick.signer}")
         stick.check_architecture(self._packages.architecture())
         installed = self._packages.installed()

@@ -152,7 +152,7 @@ class Packages:
         replace_file(sources, lambda file: file.write(line))
         options = {
             "Dir::Etc::sourcelist": sources,
-            "Dir::Etc::sourceparts": "-",
+            "Dir::Etc::sourceparts": "/dev/null",
             "Dir::State::lists": self._paths.state / "lists",
             "Dir::Cache::pkgcache": "",
             "Dir::Cache::srcpkgcache": "",
