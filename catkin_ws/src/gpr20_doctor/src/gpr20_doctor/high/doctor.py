@@ -29,11 +29,12 @@ from gpr20_doctor.high.graph import Graph
 from gpr20_doctor.low import masters, system
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
+from gpr20_doctor.mid.bundle import write_bundle
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import exit_status, findings
 from gpr20_doctor.mid.listener import unheard
 from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import ROOT, ThisMachine
+from gpr20_doctor.mid.machine_request import ROOT, MachineRequest, ThisMachine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES
 from gpr20_doctor.mid.output import as_json, lines
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
@@ -80,7 +81,10 @@ def main() -> int:
 def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check everything and print it; return the exit status."""
     try:
-        found = _find(given)
+        found, robot, request = _find(given)
+        missing = (
+            None if given.bundle is None else write_bundle(given.bundle, found, robot, request)
+        )
     except (OSError, RuntimeError, rospy.ROSException) as error:
         # ~USER without such a user, a master that ends while it is asked.
         failed = Message("The doctor could not work: {reason}", reason=str(error))
@@ -93,15 +97,24 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
         print(as_json(found, catalogue), flush=True)
     else:
         say(*lines(found, catalogue), flush=True)
+    if given.bundle is not None:
+        written = Message(
+            "{file} is written. {count} parts could not be collected: index.json in it says why.",
+            file=given.bundle,
+            count=len(missing),
+        )
+        say(catalogue.text(written), file=sys.stderr)
     return exit_status(found)
 
 
-def _find(given: argparse.Namespace) -> Tuple[Finding, ...]:
+def _find(
+    given: argparse.Namespace,
+) -> Tuple[Tuple[Finding, ...], RobotFacts, MachineRequest]:
     machine = ThisMachine(socket.gethostname(), os.environ, config=given.config)
     robot, nodes = _robot(given, machine)
     ports = masters.node_ports(robot.master) if robot.master_alive else frozenset()
     request = machine.request(nodes, robot.surveying, given.robot, not given.quick, ports)
-    return findings(robot, probe_machine(request))
+    return findings(robot, probe_machine(request)), robot, request
 
 
 def _robot(

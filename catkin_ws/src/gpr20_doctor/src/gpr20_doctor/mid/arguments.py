@@ -40,6 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--config", type=Path, help="folder of the robot's configuration, if no robot runs"
     )
+    parser.add_argument(
+        "--bundle",
+        type=_new_file,
+        metavar="FILE.zip",
+        help="also write one file for remote help: findings, logs, configuration without secrets",
+    )
 
 
 def _seconds(text: str) -> float:
@@ -47,3 +53,12 @@ def _seconds(text: str) -> float:
     if not 0.0 <= seconds <= LONGEST_WAIT_S:
         raise argparse.ArgumentTypeError(f"give 0 to {LONGEST_WAIT_S:g} s")
     return seconds
+
+
+def _new_file(text: str) -> Path:
+    path = Path(text).expanduser()
+    if path.exists():
+        raise argparse.ArgumentTypeError(f"{path} exists; give the name of a new file")
+    if not path.absolute().parent.is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder {path.absolute().parent}")
+    return path
