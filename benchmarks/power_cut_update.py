@@ -31,6 +31,8 @@ import update_kit
 from power_cut_disk import PowerCutDisk, hide_mounts
 
 SIZE_MIB = 1500
+# Of each file of the release.
+FILE_BYTES = 100_000
 LIMIT_S = 300.0
 CONTINUE = ("/usr/bin/python3", "-I", "/var/lib/gpr20-update/gpr20-update", "--continue")
 UPDATE = ("gpr20-update", "/sticks/gpr20-2.0")
@@ -89,7 +91,7 @@ def install(root: Path, work: Path) -> None:
     update_kit.make_program(program)
     for version in ("1.0", "2.0"):
         more = {"usr/bin/gpr20-run": GPR20_RUN}
-        bundle = update_kit.make_bundle(root / "sticks", version, key, program, more)
+        bundle = update_kit.make_bundle(root / "sticks", version, key, program, more, FILE_BYTES)
         (bundle / "install.sh").write_bytes(
             (update_kit.ROOT / "deploy/bundle_install.sh").read_bytes()
         )
@@ -167,7 +169,7 @@ def judge(root: Path, data: Dict[str, str]) -> str:
     lines = must(root, *QUERY, *update_kit.NAMES).split("\n")[:-1]
     audit = must(root, "dpkg", "--audit")
     release = (root / "opt/gpr20/current/release").read_text("utf-8").strip()
-    problem = update_kit.slot_problems(root) or audit
+    problem = update_kit.slot_problems(root, FILE_BYTES) or audit
     if set(lines) != {f"installed {release}"}:
         problem = f"{release} with {lines}"
     if data_of(root) != data:
@@ -207,13 +209,13 @@ def main() -> int:
         renew(disk, work)
         begun, after_s = number % 4 > 0, random.uniform(0.0, whole_s)
         cut = run_and_cut(disk, list(UPDATE), after_s, random.random() < 0.5, begun)
-        at_boot = update_kit.slot_problems(disk.folder)
+        at_boot = update_kit.slot_problems(disk.folder, FILE_BYTES)
         step = step_of(disk.folder) if cut else "after its end"
         steps[step] += 1
         again = step in UNFINISHED and number % 3 == 0
         if again:
             run_and_cut(disk, list(CONTINUE), random.uniform(0.0, whole_s / 2), False)
-            at_boot = at_boot or update_kit.slot_problems(disk.folder)
+            at_boot = at_boot or update_kit.slot_problems(disk.folder, FILE_BYTES)
         if step_of(disk.folder) != BEFORE:
             must(disk.folder, *CONTINUE)
         ended = at_boot or judge(disk.folder, data)

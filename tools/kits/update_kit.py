@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NAMES = ("gpr20-software", "gpr20-common", "gpr20-robot")
 SIGNER = "release@gpr20.example"
 # Files of a release; enough that a cut hits the middle of them.
-FILES_OF_RELEASE = 40
+FILES_OF_RELEASE, SIZE_BYTES = 40, 4_000
 
 
 def run(*command: object, **options: object) -> str:
@@ -38,7 +38,7 @@ def make_program(target: Path, main: Optional[str] = None) -> None:
     shutil.rmtree(source)
 
 
-def release_files(version: str, size_bytes: int = 100_000) -> Dict[str, bytes]:
+def release_files(version: str, size_bytes: int = SIZE_BYTES) -> Dict[str, bytes]:
     """Return the files of a release by their path in a slot; no two versions have one alike."""
     files = {"release": f"{version}\n".encode()}
     for number in range(FILES_OF_RELEASE):
@@ -101,11 +101,13 @@ def signers_line(key: Path) -> str:
     return f'{SIGNER} namespaces="gpr20-release" {kind} {blob}\n'
 
 
-def sign(bundle: Path, key: Path, namespace: str = "gpr20-release") -> None:
-    """Write index, checksums and signature of a bundle."""
+def sign(
+    bundle: Path, key: Path, namespace: str = "gpr20-release", index: Optional[str] = None
+) -> None:
+    """Write index, checksums and signature of a bundle; the index may be a wrong one."""
     for name in ("Packages", "SHA256SUMS", "SHA256SUMS.sig"):
         (bundle / name).unlink(missing_ok=True)
-    index = run("dpkg-scanpackages", "--multiversion", ".", cwd=bundle)
+    index = index or run("dpkg-scanpackages", "--multiversion", ".", cwd=bundle)
     (bundle / "Packages").write_text(index, encoding="utf-8")
     names = sorted(one.name for one in bundle.iterdir())
     sums = {one: hashlib.sha256((bundle / one).read_bytes()).hexdigest() for one in names}
@@ -114,7 +116,12 @@ def sign(bundle: Path, key: Path, namespace: str = "gpr20-release") -> None:
 
 
 def make_bundle(
-    stick: Path, version: str, key: Path, program: Path, more: Optional[Mapping[str, bytes]] = None
+    stick: Path,
+    version: str,
+    key: Path,
+    program: Path,
+    more: Optional[Mapping[str, bytes]] = None,
+    size_bytes: int = SIZE_BYTES,
 ) -> Path:
     """Make a bundle of one version; return its folder.
 
@@ -124,10 +131,12 @@ def make_bundle(
         key: Who signs it.
         program: The program gpr20-update of this version.
         more: Further files of gpr20-common, by path.
+        size_bytes: Of each file of the release.
     """
     bundle = stick / f"gpr20-{version}"
     bundle.mkdir(parents=True)
-    release = {f"opt/gpr20/unpacked/{name}": one for name, one in release_files(version).items()}
+    files = release_files(version, size_bytes)
+    release = {f"opt/gpr20/unpacked/{name}": one for name, one in files.items()}
     make_deb(bundle, "gpr20-software", version, release, scripts=True)
     common = {
         "etc/gpr20/environment": f"# {version}\nGPR20_LAUNCH_ARGUMENTS=\n".encode(),
@@ -145,7 +154,7 @@ def make_bundle(
     return bundle
 
 
-def slot_problems(root: Path) -> str:
+def slot_problems(root: Path, size_bytes: int = SIZE_BYTES) -> str:
     """Return what is wrong with the release that `current` names; empty: it is whole."""
     current = root / "opt/gpr20/current"
     slot = root / "opt/gpr20" / (current.readlink() if current.is_symlink() else "missing")
@@ -156,4 +165,4 @@ def slot_problems(root: Path) -> str:
     found = {
         str(one.relative_to(slot)): one.read_bytes() for one in slot.rglob("*") if one.is_file()
     }
-    return "" if found == release_files(version) else f"{slot} is not {version}"
+    return "" if found == release_files(version, size_bytes) else f"{slot} is not {version}"

@@ -118,9 +118,14 @@ def read(path: Path) -> Backup:
         UpdateError: It is none, or it is damaged.
     """
     try:
-        with tarfile.open(str(path), "r:gz") as tar:
+        # To the end, where its checksum is.
+        with gzip.open(str(path)) as packed:
+            data = packed.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise UpdateError(f"{shown(path)} holds more than {MAX_BYTES >> 20} MB")
+        with tarfile.open(fileobj=io.BytesIO(data)) as tar:
             files = dict(_members(tar, path))
-    except (OSError, EOFError, zlib.error, tarfile.TarError, gzip.BadGzipFile) as error:
+    except (OSError, EOFError, zlib.error, tarfile.TarError) as error:
         raise UpdateError(f"{shown(path)} is no backup, or is damaged: {shown(error)}") from error
     described = _read_description(files.pop(FIRST, Content(b"", 0, "")).data, path)
     found = {name: hashlib.sha256(one.data).hexdigest() for name, one in files.items()}
@@ -200,7 +205,6 @@ def _add(tar: tarfile.TarFile, name: str, content: Content) -> None:
 
 
 def _members(tar: tarfile.TarFile, path: Path) -> Iterator[Tuple[str, Content]]:
-    total = 0
     for member in tar:
         parts = PurePosixPath(member.name).parts
         inside = member.name == FIRST or any(
@@ -212,9 +216,6 @@ def _members(tar: tarfile.TarFile, path: Path) -> Iterator[Tuple[str, Content]]:
                 f"{shown(path)} holds {shown(member.name)!r}; allowed are files below "
                 f"{' and '.join(FOLDERS)}"
             )
-        total += member.size
-        if total > MAX_BYTES:
-            raise UpdateError(f"{shown(path)} holds more than {MAX_BYTES >> 20} MB")
         file = tar.extractfile(member)
         assert file is not None
         yield member.name, Content(file.read(), member.mode & RIGHTS, member.uname)
