@@ -26,4 +26,5 @@ bundled_apt() {
 bundled_apt update >/dev/null
 bundled_apt install "$1"
 # Kept, so that the next update has a way back.
-[ ! -x /usr/sbin/gpr20-update ] || gpr20-update .
+[ ! -x /usr/sbin/gpr20-update ] || gpr20-update . ||
+    echo "install.sh: $1 is installed, but the next update has no way back yet" >&2

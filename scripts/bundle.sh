@@ -78,6 +78,6 @@ cp "$GPR20_ROOT/deploy/bundle_install.sh" "$bundle/install.sh"
     dpkg-scanpackages --multiversion . >Packages 2>/dev/null
     sha256sum -- * >SHA256SUMS
 )
-ssh-keygen -q -Y sign -f "$key" -n "$NAMESPACE" "$bundle/SHA256SUMS" 2>/dev/null ||
+ssh-keygen -Y sign -f "$key" -n "$NAMESPACE" "$bundle/SHA256SUMS" ||
     fail "the bundle could not be signed with $key"
 echo "$bundle: $(find "$bundle" -name '*.deb' | wc -l) packages, $(du -sh "$bundle" | cut -f1)"
