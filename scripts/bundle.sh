@@ -34,7 +34,6 @@ own=("$packages"/gpr20-*.deb) software=("$packages"/gpr20-software_*.deb)
 version="$(dpkg-deb -f "${software[0]}" Version)"
 architecture="$(dpkg-deb -f "${software[0]}" Architecture)"
 [ "$architecture" != all ] || architecture="$(dpkg --print-architecture)"
-# A FAT stick has no name with a colon.
 bundle="${places[1]}/gpr20-$version"
 [ ! -e "$bundle" ] || fail "$bundle exists; delete it first"
 
@@ -42,7 +41,7 @@ work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work"/{own,lists/partial,archives/partial}
 cp "${own[@]}" "$work/own"
-(cd "$work/own" && dpkg-scanpackages --multiversion . >Packages 2>/dev/null)
+(cd "$work/own" && dpkg-scanpackages --multiversion . >Packages)
 # The sources of this machine, and the packages themselves.
 cp -r /etc/apt/sources.list.d "$work/parts"
 echo "deb [trusted=yes] file:$work/own ./" >"$work/parts/gpr20_own.list"
@@ -75,7 +74,7 @@ done
 cp "$GPR20_ROOT/deploy/bundle_install.sh" "$bundle/install.sh"
 (
     cd "$bundle"
-    dpkg-scanpackages --multiversion . >Packages 2>/dev/null
+    dpkg-scanpackages --multiversion . >Packages
     sha256sum -- * >SHA256SUMS
 )
 ssh-keygen -Y sign -f "$key" -n "$NAMESPACE" "$bundle/SHA256SUMS" ||

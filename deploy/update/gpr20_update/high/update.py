@@ -93,7 +93,7 @@ class Updater:
             self._robot.start(record.services)
             self._say("asking the doctor")
             wrong = self._robot.new_faults(frozenset(record.faults))
-        except UpdateError as error:
+        except (UpdateError, OSError) as error:
             wrong = [str(error)]
         if wrong:
             self._return(record, "; ".join(wrong))
@@ -148,10 +148,10 @@ class Updater:
 
     def _return(self, record: Record, why: str) -> None:
         """Make everything as it was before; may be repeated at any point."""
-        self._journal.write(dataclasses.replace(record, step=Step.RETURNING, outcome=why))
         self._say(f"returning to version {record.before}" + (f": {shown(why)}" if why else ""))
-        self._robot.stop()
         try:
+            self._journal.write(dataclasses.replace(record, step=Step.RETURNING, outcome=why))
+            self._robot.stop()
             # At once: whatever the rest meets, a whole release and its configuration are used.
             self._packages.use_slot(record.before)
             if record.backup:
@@ -167,8 +167,8 @@ class Updater:
         """Say what is installed, what is kept and how the last update ended."""
         record = self._journal.read()
         used = self._packages.slot_version()
-        for name, version in self._packages.installed().items():
-            self._say(f"{name} {version}")
+        for name, (state, version) in self._packages.states().items():
+            self._say(f"{name} {version} {state}")
         self._say(f"release in use: {used}")
         kept = ", ".join(sorted(one.name for one in self._paths.kept.glob("*")))
         self._say(f"kept packages: {kept or 'none'}")

@@ -98,11 +98,14 @@ def sync(path: Path) -> None:
 def replace_file(path: Path, write: Callable[[BinaryIO], object], mode: int = 0o600) -> None:
     """Give a file new content in one step, or leave it as it was; return when it is durable."""
     temporary = path.with_name(f".{path.name}.new")
-    with temporary.open("wb") as file:
-        os.fchmod(file.fileno(), mode)
+    with contextlib.suppress(FileNotFoundError):
+        temporary.unlink()
+    # Its rights are not changed later, which a FAT stick refuses; nor is a link followed.
+    descriptor = os.open(str(temporary), os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+    with open(descriptor, "wb") as file:
         write(file)
         file.flush()
-        os.fsync(file.fileno())
+        os.fsync(descriptor)
     os.replace(str(temporary), str(path))
     sync(path.parent)
 

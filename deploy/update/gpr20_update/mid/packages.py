@@ -35,23 +35,25 @@ class Packages:
         """Return the kind of computer, as Debian calls it."""
         return _must(run("dpkg", "--print-architecture", limit_s=QUERY_LIMIT_S)).output.strip()
 
+    def states(self) -> Dict[str, Tuple[str, str]]:
+        """Return state and version of each package of this project, by name."""
+        return {name: one for name, one in self._all().items() if name.startswith("gpr20-")}
+
     def installed(self) -> Dict[str, str]:
         """Return the version of each package of this project, by name.
 
         Raises:
             UpdateError: None is installed, or one is between two states or versions.
         """
-        found = {name: own for name, own in self._all().items() if name.startswith("gpr20-")}
-        versions = {version for _status, version in found.values()}
-        broken = [name for name, (status, _version) in found.items() if status != INSTALLED]
+        found = self.states()
         if SOFTWARE not in found:
             raise UpdateError(f"{SOFTWARE} is not installed; install it first (docs/install.md)")
-        if broken or len(versions) != 1:
+        if len(set(found.values())) != 1 or found[SOFTWARE][0] != INSTALLED:
             raise UpdateError(
                 f"the packages {', '.join(found)} are not all whole and of one version; run "
                 "dpkg --configure -a and install one version of all of them first"
             )
-        return {name: version for name, (_status, version) in found.items()}
+        return {name: version for name, (_state, version) in found.items()}
 
     def is_newer(self, version: str, than: str) -> bool:
         """Return whether a version is newer than another one."""

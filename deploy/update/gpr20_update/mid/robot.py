@@ -132,7 +132,8 @@ class Robot:
 
     def faults(self) -> Optional[FrozenSet[Found]]:
         """Return each FAULT that the doctor finds; None: it cannot judge."""
-        asked = ("doctor", "--json", "--language", "en", "--wait", str(WAIT_S))
+        wait = ("--wait", str(WAIT_S)) if self.active() else ()
+        asked = ("doctor", "--json", "--language", "en", *wait)
         try:
             findings = json.loads(self._run_part(*asked, limit_s=DOCTOR_LIMIT_S))["findings"]
             return frozenset(
