@@ -191,7 +191,7 @@ def environment(tmp_path):
             assert count == 1
         file = tmp_path / "environment"
         file.write_text(text)
-        return {"GPR20_ENVIRONMENT": str(file), "GPR20_CLOCK_SOURCE": str(tmp_path / "no/clock")}
+        return {"GPR20_ENVIRONMENT": str(file)}
 
     return write
 
