@@ -3,18 +3,25 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
+import zipfile
+from contextlib import contextmanager
 
 import rospkg
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from gpr20_common.errors import NodeSilentError
+from gpr20_common.low.node_probe import NodeProbe
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
 from gpr20_simulator.srv import SetFault
 
@@ -23,8 +30,9 @@ sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros
 from survey_client import SurveyClient
 
 LIMIT_S = 60.0
-# Free space depends on the computer that runs the test.
-DISK = ("disk", "data_disk", "disk_speed")
+# They depend on the computer that runs the test.
+COMPUTER = ("disk", "data_disk", "disk_speed", "memory", "volumes")
+MASTER = os.environ["ROS_MASTER_URI"]
 
 
 def doctor(*arguments, **environment):
@@ -41,7 +49,7 @@ def doctor(*arguments, **environment):
     took_s = time.monotonic() - began_s
     record = json.loads(ended.stdout)
     assert record["status"] == ended.returncode, ended.stderr
-    found = {one["check"]: one for one in record["findings"] if one["check"] not in DISK}
+    found = {one["check"]: one for one in record["findings"] if one["check"] not in COMPUTER}
     return ended.returncode, found, took_s
 
 
@@ -53,6 +61,32 @@ def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
+
+
+@contextmanager
+def master_at(port, delay_s=0):
+    """Run a ROS master without a robot."""
+    command = f"sleep {delay_s}; exec rosmaster --core -p {port}"
+    with subprocess.Popen(["bash", "-c", command], start_new_session=True) as core:
+        try:
+            yield core
+        finally:
+            os.killpg(core.pid, signal.SIGKILL)
+
+
+def process_of(node):
+    """Return the process of a node; 0: it does not answer."""
+    try:
+        return NodeProbe(MASTER, "/test", rospy.resolve_name(node), 2.0).process()
+    except NodeSilentError:
+        return 0
+
+
+def wait_until(condition):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.2)
 
 
 class DoctorTest(unittest.TestCase):
@@ -103,14 +137,19 @@ class DoctorTest(unittest.TestCase):
             self.assertTrue(one["remedy"] or one["level"] in ("OK", "NOTE"), one)
         self.assertLess(took_s, 30.0)
 
-    def test_4_a_robot_that_is_off_is_said_to_be_off(self):
-        master = f"http://127.0.0.1:{free_port()}"
-        status, found, took_s = doctor(ROS_MASTER_URI=master)
+    def test_4_the_master_that_has_the_robot_is_named_and_the_advice_leads_there(self):
+        wrong = f"http://127.0.0.1:{free_port()}"
+        status, found, took_s = doctor("--quick", ROS_MASTER_URI=wrong)
         self.assertEqual(status, 2)
-        self.assertEqual(found["master"]["details"], master)
-        self.assertEqual(found["master"]["level"], "FAULT")
+        self.assertEqual(found["master"]["fault_code"], "doctor.master_elsewhere")
+        self.assertIn(wrong, found["master"]["text"])
+        self.assertIn(f":{MASTER.split(':')[-1].strip('/')} (/)", found["master"]["text"])
         self.assertEqual(found["parts"]["level"], "UNKNOWN")
+        self.assertEqual(levels(found, "FAULT"), {"master"})
+        self.assertRegex(found["master"]["remedy"], "export ROS_MASTER_URI=http://.*[0-9]")
         self.assertLess(took_s, 10.0)
+        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=MASTER)
+        self.assertEqual(found["master"]["level"], "OK")
 
     def test_5_different_software_on_two_computers_is_a_warning(self):
         nodes = [
@@ -127,18 +166,31 @@ class DoctorTest(unittest.TestCase):
         configuration.publish(RobotConfiguration(known=True, nodes=nodes))
         control = rospy.Publisher("/mixed/control_status", ControlStatus, **latched)
         control.publish(ControlStatus())
+        behind = DiagnosticArray(
+            status=[DiagnosticStatus(name="mixed/height_sensor: Status", message="ok")]
+        )
+        reports = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+
+        def report(_event):
+            behind.header.stamp = rospy.Time.now() - rospy.Duration(75)
+            reports.publish(behind)
+
+        timer = rospy.Timer(rospy.Duration(0.2), report)
         _status, found, _took_s = doctor("--ns", "mixed", "--quick", "--wait", "2")
+        timer.shutdown()
+        self.assertEqual(found["clocks"]["fault_code"], "clock.computers_differ")
+        self.assertIn("75.", found["clocks"]["text"])
+        self.assertEqual(found["clocks"]["details"], "pi")
+        self.assertIn("Not running: ", found["missing"]["text"])
         self.assertEqual(found["versions"]["level"], "WARNING")
         self.assertIn("0.1.0 (a1) on pc; 0.1.0 (b2) on pi", found["versions"]["text"])
 
     def test_6_a_master_that_starts_later_is_waited_for(self):
         port = free_port()
-        late = f"sleep 1; exec rosmaster --core -p {port}"
-        with subprocess.Popen(["bash", "-c", late], start_new_session=True) as core:
+        with master_at(port, delay_s=1):
             master = f"http://127.0.0.1:{port}"
             _status, found, _took_s = doctor("--quick", "--wait", "6", ROS_MASTER_URI=master)
-            os.killpg(core.pid, signal.SIGTERM)
-        self.assertEqual(levels(found, "FAULT") & {"master", "control"}, {"control"})
+        self.assertIn("has no robot", found["master"]["text"])
 
     def test_7_a_folder_of_no_user_is_a_sentence_and_no_verdict(self):
         master = f"http://127.0.0.1:{free_port()}"
@@ -152,6 +204,46 @@ class DoctorTest(unittest.TestCase):
         )
         self.assertEqual(ended.returncode, 3)
         self.assertTrue(ended.stderr.startswith("The doctor could not work: "), ended.stderr)
+
+    def test_8_a_wrong_namespace_is_one_fault_and_the_advice_leads_to_the_robot(self):
+        status, found, _took_s = doctor("--quick", ROS_NAMESPACE="field/b")
+        self.assertEqual((status, levels(found, "FAULT", "WARNING")), (2, {"master"}))
+        self.assertEqual(found["master"]["fault_code"], "doctor.other_namespace")
+        self.assertIn("/field/b", found["master"]["text"])
+        namespace = re.search(r"gpr20 doctor --ns (\S+)\.", found["master"]["remedy"]).group(1)
+        _status, found, _took_s = doctor("--quick", "--ns", namespace)
+        self.assertEqual(found["master"]["level"], "OK")
+
+    def test_9_a_part_that_hangs_is_found_until_the_robot_has_restarted_it(self):
+        halted = process_of("height_sensor")
+        os.kill(halted, signal.SIGSTOP)
+        _status, found, _took_s = doctor("--quick")
+        self.assertEqual(found["height_sensor"]["fault_code"], "doctor.node_hangs")
+        self.assertIn("Wait one minute", found["height_sensor"]["remedy"])
+        wait_until(lambda: process_of("height_sensor") not in (0, halted))
+        _status, found, _took_s = doctor("--quick", "--wait", "30")
+        self.assertEqual(levels(found, "FAULT"), set())
+
+    def test_a_a_master_that_hangs_is_told_from_one_that_is_missing(self):
+        port = free_port()
+        master = f"http://127.0.0.1:{port}"
+        with master_at(port) as core:
+            wait_until(lambda: socket.socket().connect_ex(("127.0.0.1", port)) == 0)
+            os.killpg(core.pid, signal.SIGSTOP)
+            _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        self.assertEqual(found["master"]["fault_code"], "doctor.master_hangs")
+        self.assertTrue(found["master"]["remedy"].startswith("Switch off the motors' power."))
+        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        self.assertEqual(found["master"]["fault_code"], "doctor.master_elsewhere")
+
+    def test_b_a_bundle_holds_what_the_parts_report(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "help.zip")
+            doctor("--quick", "--bundle", file)
+            with zipfile.ZipFile(file) as archive:
+                nodes = json.loads(archive.read("diagnostics.json").decode())
+                self.assertIn("versions.json", archive.namelist())
+        self.assertIn("x_axis/axis_driver", [one["node"] for one in nodes])
 
 
 if __name__ == "__main__":

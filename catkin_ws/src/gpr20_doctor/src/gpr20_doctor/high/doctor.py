@@ -9,7 +9,7 @@ import socket
 import sys
 import threading
 from dataclasses import replace
-from typing import List, Mapping, Optional, Tuple
+from typing import Dict, List, Mapping, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -82,9 +82,9 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check everything and print it; return the exit status."""
     try:
         found, robot, request = _find(given)
-        missing = (
-            None if given.bundle is None else write_bundle(given.bundle, found, robot, request)
-        )
+        missing: Dict[str, str] = {}
+        if given.bundle is not None:
+            missing = write_bundle(given.bundle, found, robot, request)
     except (OSError, RuntimeError, rospy.ROSException) as error:
         # ~USER without such a user, a master that ends while it is asked.
         failed = Message("The doctor could not work: {reason}", reason=str(error))
@@ -141,16 +141,17 @@ def _robot(
 
 def _evidence(master: str, state: MasterState, namespace: str, machine: ThisMachine) -> Evidence:
     """Look for the robot where it could be: in other namespaces, and at other masters."""
-    ports, nodes = system.ros_processes(ROOT)
+    here = system.ros_processes(ROOT)
     hosts = ["localhost", *(machine.environment.get(name, "") for name in ADDRESSES)]
-    places = [f"http://{host}:{system.DEFAULT_PORT}" for host in hosts if host]
-    places += [f"http://{host}:{port}" for port in ports for host in hosts if host]
+    ports = [system.DEFAULT_PORT, *here.ports]
+    places = [f"http://{host}:{port}" for port in ports for host in hosts if host]
+    own = master.rstrip("/")
     return Evidence(
         master=state,
         namespace="/" + namespace.strip("/"),
         robots=masters.robots_at(master) if state is MasterState.ANSWERS else (),
-        elsewhere=masters.robots_elsewhere(master, places),
-        local_nodes=len(nodes),
+        elsewhere=masters.robots_elsewhere(own, [*filter(None, here.masters), *places]),
+        local_nodes=sum(one in ("", own) for one in here.masters),
     )
 
 

@@ -17,7 +17,6 @@ import sys
 from typing import Iterator, List, Sequence, Tuple
 
 STRANGER, HERE, ANYWHERE = "192.0.2.2", "192.0.2.1", "0.0.0.0"
-LOOPBACK = "127."
 LIMIT_S = 10.0
 ATTEMPT_S = 1.5
 NOT_ROOT = "only root may try it"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Dict, Iterator, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 DEFAULT_PORT = 11311
 BYTES_PER_KB = 1024
@@ -35,24 +35,34 @@ def _numbers(path: Path) -> Dict[str, int]:
     return {row[0]: int(row[1]) for row in rows if len(row) > 1}
 
 
-def ros_processes(root: Path) -> Tuple[List[int], List[str]]:
-    """Return the ports of the ROS masters on this computer, and the names of its nodes."""
-    ports, nodes = [], []
-    for words in _command_lines(root):
+class RosProcesses(NamedTuple):
+    """What runs on a computer: ports of ROS masters, and the master of each node; "": unknown."""
+
+    ports: List[int]
+    masters: List[str]
+
+
+def ros_processes(root: Path) -> RosProcesses:
+    """Return the ROS masters and nodes on this computer, also those that nobody can ask."""
+    found = RosProcesses([], [])
+    for folder in (root / "proc").glob("[0-9]*"):
+        words = _words(folder / "cmdline")
         if any(word.endswith("/rosmaster") for word in words[:3]) and "-p" in words[:-1]:
             port = words[words.index("-p") + 1]
-            ports.append(int(port) if port.isdigit() else DEFAULT_PORT)
+            found.ports.append(int(port) if port.isdigit() else DEFAULT_PORT)
         # roslaunch names each node that it starts.
-        nodes += [one[len("__name:=") :] for one in words if one.startswith("__name:=")]
-    return ports, nodes
+        if any(one.startswith("__name:=") for one in words):
+            prefix = "ROS_MASTER_URI="
+            own = (one for one in _words(folder / "environ") if one.startswith(prefix))
+            found.masters.append(next(own, prefix)[len(prefix) :].rstrip("/"))
+    return found
 
 
-def _command_lines(root: Path) -> Iterator[List[str]]:
-    for path in (root / "proc").glob("[0-9]*/cmdline"):
-        try:
-            yield path.read_bytes().decode(errors="replace").split("\0")
-        except OSError:
-            continue  # it has just ended, or belongs to somebody who hides it
+def _words(path: Path) -> List[str]:
+    try:
+        return path.read_bytes().decode(errors="replace").split("\0")
+    except OSError:
+        return []  # it has just ended, or belongs to somebody else
 
 
 def listening(root: Path) -> List[Tuple[str, int]]:

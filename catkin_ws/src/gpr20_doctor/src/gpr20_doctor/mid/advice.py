@@ -6,15 +6,16 @@ A fault that is not in the table has its own remedy, which is the same on every 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Dict
+from typing import Callable, Dict, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import Place
+from gpr20_survey.faults import OTHER_DATA_FOLDER
 
-Advice = Callable[[Message, Place], Message]
+Advice = Callable[[Message, Place], Optional[Message]]
 LAUNCH = "roslaunch gpr20 survey.launch"
 
 
@@ -96,12 +97,11 @@ def _firewall_open(_text: Message, place: Place) -> Message:
 
 
 def _firewall_off(text: Message, place: Place) -> Message:
+    load = _firewall_open(text, place)
     if place.settings is None:
-        return _firewall_open(text, place)
-    return Message(
-        "Write GPR20_FIREWALL=on into {file}. Then run: sudo /usr/lib/gpr20/firewall load",
-        file=printable(place.settings),
-    )
+        return load
+    file = printable(place.settings)
+    return Message("Write GPR20_FIREWALL=on into {file}. {load}", file=file, load=load)
 
 
 def _height(_text: Message, place: Place) -> Message:
@@ -142,7 +142,17 @@ def _full(text: Message, _place: Place) -> Message:
     )
 
 
+def _other_data(text: Message, place: Place) -> Optional[Message]:
+    if place.settings is None:
+        return text.remedy
+    return Message(
+        "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
+        "used from now on, run: sudo -u gpr20 gpr20-run config accept_data"
+    )
+
+
 ADVICE: Dict[str, Advice] = {
+    OTHER_DATA_FOLDER.code: _other_data,
     faults.NO_MASTER.code: _restart,
     faults.MASTER_ENDED.code: _motors_then_restart,
     faults.MASTER_HANGS.code: _motors_then_restart,

@@ -124,7 +124,7 @@ def _exposed(request: MachineRequest) -> List[Tuple[str, int]]:
     return [
         (address, port)
         for address, port in system.listening(request.root)
-        if port in {master, *request.ports} and not address.startswith(outside.LOOPBACK)
+        if port in {master, *request.ports} and not address.startswith("127.")
     ]
 
 
@@ -134,7 +134,7 @@ def _outside(
     """Try what a foreign computer reaches; None where nothing of ROS is open to others."""
     if isinstance(exposed, Unknown):
         return exposed
-    own = [one for one in _addresses(request.environment).own if one != LOOPBACK]
+    own = [one for one in _addresses(request.environment).own if not one.startswith("127.")]
     if not exposed and not own:
         return None
     if not request.thorough or request.surveying:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Mapping, Optional, Tuple
+from typing import Dict, List, Mapping, Optional, Tuple
 
 SETTINGS = "etc/gpr20/environment"
 FIREWALL = "usr/lib/gpr20/firewall"
@@ -54,18 +55,20 @@ def place_of(
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
     known = {**_values(settings), **environment}
     folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
-    units = [
-        name for name in SERVICES for one in UNITS if (root / one / f"{name}.service").exists()
-    ]
+    units = [name for name in SERVICES if any(map(os.path.exists, _unit_files(root, name)))]
     logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
     place = Place(
         config=Path(folder).expanduser().absolute(),
         log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
-        settings=settings if settings.exists() else None,
+        settings=settings if os.path.exists(str(settings)) else None,
         service=units[0] if units else "",
-        firewall=root / FIREWALL if (root / FIREWALL).exists() else None,
+        firewall=root / FIREWALL if os.path.exists(str(root / FIREWALL)) else None,
     )
     return place, known
+
+
+def _unit_files(root: Path, name: str) -> List[str]:
+    return [str(root / folder / f"{name}.service") for folder in UNITS]
 
 
 def _values(settings: Path) -> Dict[str, str]:

@@ -122,16 +122,24 @@ def _why_unheard(master: str, evidence: Evidence) -> Message:
         ).with_fault(faults.OTHER_NAMESPACE)
     # That of a master that hangs may move: it comes first.
     if evidence.elsewhere and evidence.master is not MasterState.HANGS:
-        return Message(
-            "There is no robot at the ROS master {master}. Robots were found at: {robots}",
-            master=master,
-            robots=", ".join(f"{uri} ({robot})" for uri, robot in evidence.elsewhere),
-            first=evidence.elsewhere[0][0],
-        ).with_fault(faults.MASTER_ELSEWHERE)
+        return _elsewhere(master, evidence).with_fault(faults.MASTER_ELSEWHERE)
     if evidence.master is MasterState.ANSWERS:
         text = Message("The ROS master answers, but it has no robot.", details=master)
         return text.with_fault(faults.NO_ROBOT)
     return _no_master(master, evidence)
+
+
+def _elsewhere(master: str, evidence: Evidence) -> Message:
+    values = {
+        "master": master,
+        "robots": ", ".join(f"{uri} ({robot})" for uri, robot in evidence.elsewhere),
+        "first": evidence.elsewhere[0][0],
+    }
+    if evidence.master is MasterState.ANSWERS:
+        return Message(
+            "The ROS master {master} has no robot. Robots were found at: {robots}", **values
+        )
+    return Message("There is no ROS master at {master}. Robots were found at: {robots}", **values)
 
 
 def _no_master(master: str, evidence: Evidence) -> Message:

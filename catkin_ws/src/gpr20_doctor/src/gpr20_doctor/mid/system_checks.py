@@ -41,7 +41,7 @@ def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
     else:
         for reason in found:
             # Each problem has its own fault; one without has that of a value.
-            text = Message("{reason}", reason=reason)
+            text = Message("Configuration: {reason}", reason=reason)
             known = text if text.cause is not None else text.with_fault(faults.FILES_WRONG)
             yield Finding.of_fault("config_files", known)
 

@@ -1,0 +1,302 @@
+"""A computer is broken in each way of a table; the doctor finds it, and its advice ends it.
+
+The commands of an advice are run as they are written. Those that would change the real computer
+are stand-ins of the same name, first in PATH; files and mounts are real ones below a folder. What
+needs a running robot is in `doctor.test`, the firewall in scripts/test/test_firewall.py.
+"""
+
+import os
+import re
+import socket
+import subprocess
+import tempfile
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Callable, NamedTuple, Optional
+from unittest import mock
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gpr20_common.low.clock import Clock
+from gpr20_doctor.mid import machine_probe
+from gpr20_doctor.mid.finding import Level
+from gpr20_doctor.mid.findings import findings
+from gpr20_doctor.mid.machine_request import REAL, ThisMachine
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
+
+pytestmark = pytest.mark.needs("mounts")
+
+SIZE = "size=230m,nr_inodes=2500"
+FOLLOWS = "x,y,1,0,{offset},0,0,0,0,0,0,0,0,{leap}"
+NORMAL = FOLLOWS.format(offset="0.0001", leap="Normal")
+COMMAND = re.compile(r"[Rr]un: (.+?)(?:\. [A-Z]|\.?$)")
+PROGRAMS = {
+    "sudo": 'exec "$@"',
+    "chronyc": '[ "$1" != makestep ] || echo "{normal}" >{root}/chrony; cat {root}/chrony',
+    "vcgencmd": "cat {root}/throttled",
+    "raspi-config": 'touch "{root}/dev/spidev0.0"',
+}
+
+
+class Computer:
+    """A Raspberry Pi with the services of the packages, as files and mounts below a folder."""
+
+    def __init__(self, folder):
+        self.root, self.logs, self.data = folder / "root", folder / "logs", folder / "data"
+        self.settings = self.root / "etc/gpr20/environment"
+        self.environment = {
+            "ROS_IP": "127.0.0.1",
+            "ROS_LOG_DIR": str(self.logs),
+            "GPR20_STATE": str(folder / "state"),
+        }
+        self.now_s = 0.0
+        self.vna = socket.create_server(("127.0.0.1", 0))
+        for name, text in {
+            "proc/device-tree/model": "Raspberry Pi 4",
+            "proc/meminfo": "MemAvailable: 2000000 kB\n",
+            "proc/vmstat": "oom_kill 0\n",
+            "proc/net/tcp": "sl\n",
+            "sys/class/thermal/thermal_zone0/temp": "50000",
+            "dev/spidev0.0": "",
+            "etc/group": "gpio:x:1:\nspi:x:2:\n",
+            "lib/systemd/system/gpr20-robot.service": "",
+            "robot/analyzer.yaml": "address: 127.0.0.1\n",
+            "chrony": NORMAL,
+            "throttled": "throttled=0x0",
+        }.items():
+            self.write(name, text)
+        self.set_addresses("127.0.0.1", "127.0.0.2")
+        for name, script in PROGRAMS.items():
+            path = folder / "bin" / name
+            path.parent.mkdir(exist_ok=True)
+            script = script.replace("{root}", str(self.root)).replace("{normal}", NORMAL)
+            path.write_text(f"#!/bin/sh\n{script}\n")
+            path.chmod(0o755)
+        for place in (self.logs, self.data):
+            place.mkdir()
+            self.mount(place)
+        state = folder / "state"
+        DataFolder(DataFolderUse(self.data, state), Clock()).check()
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def set_addresses(self, robot, server):
+        lines = [f"GPR20_ROBOT={robot}", f"GPR20_SERVER={server}", f"GPR20_DATA={self.data}"]
+        lines.append(f"GPR20_CONFIG={self.root}/robot")
+        self.write("etc/gpr20/environment", "\n".join(lines))
+
+    def mount(self, place):
+        subprocess.run(["mount", "-t", "tmpfs", "-o", SIZE, "tmpfs", str(place)], check=True)
+
+    def unmount(self, place):
+        subprocess.run(["umount", str(place)], check=True)
+
+    def look(self):
+        """Return what is wrong, by the code of its fault."""
+        request = ThisMachine("pi", self.environment, self.root).request({}, robot=REAL)
+        port = self.vna.getsockname()[1] if self.vna.fileno() >= 0 else 1
+        late = mock.patch.object(machine_probe.time, "time", lambda: self.now_s or 4e9)
+        with late, mock.patch.object(machine_probe, "PORTMAPPER", port):
+            found = findings(None, machine_probe.probe_machine(request))
+        return {one.text.fault_code: one for one in found if one.level >= Level.WARNING}
+
+    def close(self):
+        self.vna.close()
+
+
+@contextmanager
+def computer():
+    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
+        path = f"{name}/bin:{os.environ['PATH']}"
+        stack.enter_context(mock.patch.dict(os.environ, {"PATH": path}))
+        made = Computer(Path(name))
+        for place in (made.logs, made.data):
+            unmount = ["umount", "--lazy", str(place)]
+            stack.callback(subprocess.run, unmount, check=False, stderr=subprocess.DEVNULL)
+        stack.callback(made.close)
+        yield made
+
+
+class State(NamedTuple):
+    """A way to break a computer.
+
+    Attributes:
+        code: Of the fault that must be found.
+        words: What its advice must say.
+        inject: Breaks the computer.
+        act: Does by hand what the advice says; None: its commands are run.
+    """
+
+    code: str
+    words: str
+    inject: Callable[[Computer], object]
+    act: Optional[Callable[[Computer], object]] = None
+
+
+def fill(one):
+    with (one.logs / "large").open("wb") as file:
+        os.posix_fallocate(file.fileno(), 0, 225 << 20)
+
+
+def crowd(one):
+    for number in range(600):
+        (one.logs / f"small-{number}").touch()
+
+
+def clear(one):
+    for path in one.logs.iterdir():
+        path.unlink()
+
+
+def remount_read_only(one):
+    subprocess.run(["mount", "-o", "remount,ro", str(one.logs)], check=True)
+
+
+def file(name, text):
+    return lambda one: one.write(name, text)
+
+
+def address(value):
+    return lambda one: one.environment.update(ROS_IP=value)
+
+
+def date(now_s):
+    return lambda one: setattr(one, "now_s", now_s)
+
+
+def plug_in(one):
+    one.unmount(one.data)
+
+
+def listen(one):
+    one.vna = socket.create_server(("127.0.0.1", 0))
+
+
+def exchange_disk(one):
+    """Another disk is mounted over the right one."""
+    one.mount(one.data)
+
+
+MEMORY, FIRMWARE = "proc/meminfo", "throttled"
+TEMPERATURE = "sys/class/thermal/thermal_zone0/temp"
+ALONE = FOLLOWS.format(offset="0", leap="Not synchronised")
+STATES = {
+    "the SPI bus is off": State(
+        "computer.spi_off", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
+    ),
+    "chrony follows nobody": State(
+        "clock.not_followed", "cable", file("chrony", ALONE), file("chrony", NORMAL)
+    ),
+    "the clock is 2 s off": State(
+        "clock.off", "makestep", file("chrony", FOLLOWS.format(offset="2.0", leap="Normal"))
+    ),
+    "the clock starts in 1970": State("clock.behind", "sudo date -s", date(86400.0), date(4e9)),
+    "the processor is hot": State(
+        "computer.hot", "fan", file(TEMPERATURE, "85000"), file(TEMPERATURE, "60000")
+    ),
+    "the supply is weak": State(
+        "computer.voltage_low",
+        "battery",
+        file(FIRMWARE, "throttled=0x50005"),
+        file(FIRMWARE, "throttled=0x0"),
+    ),
+    "the memory is used up": State(
+        "computer.memory_low",
+        "ps aux",
+        file(MEMORY, "MemAvailable: 50000 kB\n"),
+        file(MEMORY, "MemAvailable: 900000 kB\n"),
+    ),
+    "a program was ended for lack of memory": State(
+        "computer.memory_ran_out",
+        "restart the computer",
+        file("proc/vmstat", "oom_kill 2\n"),
+        file("proc/vmstat", "oom_kill 0\n"),
+    ),
+    "the disk of the logs is read-only": State(
+        "computer.volume_read_only", "remount,rw", remount_read_only
+    ),
+    "the disk of the logs is full": State("computer.volume_full", "Delete", fill, clear),
+    "the disk of the logs takes no more files": State(
+        "computer.volume_full", "Delete", crowd, clear
+    ),
+    "another disk is mounted in place of the surveys": State(
+        "storage.other_data_folder", "mount the disk", exchange_disk, plug_in
+    ),
+    "the VNA is off": State("vna.unreachable", "switched on", lambda one: one.vna.close(), listen),
+    "the two addresses are those of other computers": State(
+        "network.address_missing",
+        "etc/gpr20/environment",
+        lambda one: one.set_addresses("192.0.2.5", "192.0.2.6"),
+        lambda one: one.set_addresses("127.0.0.1", "127.0.0.2"),
+    ),
+    "ROS_IP is that of another computer": State(
+        "network.address_wrong", "gpr20-run doctor", address("192.0.2.9"), address("127.0.0.1")
+    ),
+}
+
+
+def follow(state, one, advice):
+    """Do what an advice says."""
+    assert state.words in advice
+    if state.act is not None:
+        state.act(one)
+        return
+    commands = COMMAND.findall(advice)
+    assert commands, advice
+    subprocess.run(["sh", "-ec", commands[0]], check=True, stdout=subprocess.DEVNULL)
+
+
+@pytest.fixture(scope="module")
+def healthy():
+    """What is found on this machine whatever is done to it."""
+    with computer() as one:
+        return set(one.look())
+
+
+def test_each_broken_state_is_found_and_its_advice_ends_it(healthy):
+    with computer() as one:
+        for name, state in STATES.items():
+            assert state.code not in healthy, name
+            state.inject(one)
+            found = one.look()
+            assert set(found) - healthy == {state.code}, name
+            follow(state, one, str(found[state.code].remedy))
+            assert set(one.look()) == healthy, name
+
+
+# One cannot be seen beside the other.
+HIDDEN = (
+    {"the disk of the logs is full", "the disk of the logs is read-only"},
+    {"the disk of the logs takes no more files", "the disk of the logs is read-only"},
+    {"the memory is used up", "a program was ended for lack of memory"},
+    {"chrony follows nobody", "the clock is 2 s off"},
+    {"the two addresses are those of other computers", "ROS_IP is that of another computer"},
+)
+SETS = st.sets(st.sampled_from(sorted(STATES)), min_size=2, max_size=6)
+
+
+@settings(max_examples=12)
+@given(SETS.filter(lambda names: not any(one <= names for one in HIDDEN)), st.randoms())
+def test_several_at_once_are_all_found_and_each_advice_ends_its_own(healthy, names, random):
+    with computer() as one:
+        for name in names:
+            STATES[name].inject(one)
+        left = sorted(names)
+        random.shuffle(left)
+        while left:
+            found = one.look()
+            assert set(found) - healthy == {STATES[name].code for name in left}
+            name = left.pop()
+            follow(STATES[name], one, str(found[STATES[name].code].remedy))
+            # Deleting ends both ways in which a disk can be full.
+            left = [
+                more
+                for more in left
+                if STATES[more].act is not STATES[name].act or STATES[more].act is None
+            ]
+        assert set(one.look()) == healthy
