@@ -40,6 +40,11 @@ CHOSEN = {
         *("test_segy_files", "test_truncated_bags", "test_zarr_codecs"),
     ],
     "gpr20_foreign_formats": ["test_files_are_recognized", "test_gprmax_import"],
+    # What the worker computes and writes, the tests of the analysis choose; here it is the process.
+    "gpr20_imaging": [
+        "test_analysis_worker::test_a_reason_comes_with_its_fault",
+        *("test_exporting", "test_usb_volumes"),
+    ],
     "gpr20_main_control": ["test_survey_run", "test_survey_stop", "test_workers"],
     "gpr20_simulator": [
         *("test_rpc", "test_rpc_server", "test_scpi", "test_spi", "test_stale_states"),
@@ -61,7 +66,7 @@ CHOSEN = {
     "gpr20_viewer": ["test_view_command", "test_view_picks"],
 }
 # Slow, and the same under each Python: motion over time, and what the kernel does.
-LEFT_OUT = ["test_axis_controller", "test_data_disk", "test_imaging", "test_log_recovery"]
+LEFT_OUT = ["test_axis_controller", "test_data_disk", "test_log_recovery"]
 LEFT_OUT += ["test_pulse_client", "test_signature", "test_tcp_keepalive"]
 # What these computers have no use for: ROS, and what the robot's pins and buses need.
 ABSENT = "actionlib diagnostic_msgs diagnostic_updater genpy geometry_msgs gpr20_msgs pigpio rosbag"
@@ -89,11 +94,13 @@ class OtherPython:
         version: Its version.
         venv: Its virtual environment, a folder of the checkout.
         packages: The packages whose code is written for it.
+        left_out: Tests of these packages that need others.
     """
 
     version: str
     venv: str
     packages: Sequence[str]
+    left_out: Sequence[str] = ()
 
     @property
     def program(self) -> Path:
@@ -106,6 +113,17 @@ PYTHONS = [
     OtherPython("3.8", ".venv38", EVERYTHING),
     OtherPython("3.13", ".venv313", ["gpr20_analysis", "gpr20_common", "gpr20_survey"]),
 ]
+# The libraries that Ubuntu 20.04 brings, on demand: CONTRIBUTING.md. The analysis needs later ones.
+if "GPR20_UBUNTU_VENV" in os.environ:
+    ANALYSIS = {"gpr20_analysis", "gpr20_foreign_formats", "gpr20_imaging", "gpr20_viewer"}
+    PYTHONS.append(
+        OtherPython(
+            "ubuntu20.04",
+            os.environ["GPR20_UBUNTU_VENV"],
+            sorted({*EVERYTHING} - ANALYSIS - {"gpr20_scikit_rf"}),
+            ["test_old_surveys", "test_own_language"],
+        )
+    )
 
 
 def with_code(packages: Sequence[str]) -> List[str]:
@@ -113,12 +131,12 @@ def with_code(packages: Sequence[str]) -> List[str]:
     return [one for one in packages if (ROOT / "catkin_ws/src" / one / "src").is_dir()]
 
 
-def chosen_files(package: str) -> List[str]:
-    """Return the test files of a package that run under the other Pythons."""
+def chosen_tests(package: str) -> List[str]:
+    """Return the test files of a package, or tests, that run under the other Pythons."""
     folder = ROOT / "catkin_ws/src" / package / "test/unit"
     found = {path.stem: str(path) for path in sorted(folder.rglob("test_*.py"))}
     names = CHOSEN.get(package, sorted(set(found).difference(LEFT_OUT)))
-    return [found[name] for name in names]
+    return [name.replace(name.split("::")[0], found[name.split("::")[0]]) for name in names]
 
 
 @pytest.mark.real_time
@@ -133,7 +151,8 @@ def test_the_unit_tests_pass_under(python, request, record_property):
     options.append("--hypothesis-profile=few_examples")
     if getattr(request.node, "execution_count", 1) > 1:
         options.append("--last-failed")
-    tests = [test for package in python.packages for test in chosen_files(package)]
+    tests = [test for package in python.packages for test in chosen_tests(package)]
+    tests = [test for test in tests if Path(test).stem not in python.left_out]
     ended = run_limited(
         [str(python.program), "-m", "pytest", *options, *tests],
         without_ros(environment),

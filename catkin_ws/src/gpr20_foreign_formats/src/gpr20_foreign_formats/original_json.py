@@ -156,8 +156,12 @@ def read_original(
     if (heights_m == CONSTANT_M).all():
         heights_m[:] = math.nan
         decisions.append(HEIGHT_DECIDED)
-    if height_m is not None:
+    if height_m is not None and np.isnan(heights_m).any():
         heights_m[np.isnan(heights_m)] = height_m
+        given = Message(
+            "samples without a height have {height_m:g} m, as the user said", height_m=height_m
+        )
+        decisions.append(given)
     data = on_grid(
         folder.name,
         np.array([sample["position"] for sample in samples]),

@@ -182,7 +182,8 @@ def test_the_constant_of_the_original_is_no_height_and_a_given_one_makes_an_imag
     export_survey(survey.assign(height=heights), tmp_path / "scans", "original-json")
     (tmp_path / "scans.sha256").unlink()
     folder = imported(tmp_path / "scans", "original-json", tmp_path / "data", "--height", "0.2")
-    assert any("constant of the original control" in one for one in decisions_of(folder))
+    decided = " ".join(decisions_of(folder))
+    assert "constant of the original control" in decided and "have 0.2 m, as the user" in decided
     found = load_survey(folder)
     assert set(found.height.values[np.isfinite(found.height.values)]) == {0.2}
     options = ImageOptions(permittivity=4.0, leave_out_missing=True)
