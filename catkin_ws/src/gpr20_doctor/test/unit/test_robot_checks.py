@@ -12,9 +12,11 @@ from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
+from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.axes.axis_id import AxisId
@@ -256,3 +258,91 @@ def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot):
     if exit_status(found) == GOOD:
         assert robot.master_alive and robot.control_alive
         assert robot.configured and robot.configuration_problem is None
+
+
+HERE = Place(service="gpr20-robot", two_computers=True)
+GONE, HANGS = NodeState.GONE, NodeState.HANGS
+
+
+def unheard(state, **found):
+    nothing = replace(facts(master_alive=False, control_alive=False), nodes=())
+    return replace(nothing, evidence=Evidence(state, "/a", **found))
+
+
+SILENT = [
+    (unheard(MasterState.NOT_THERE), "doctor.no_master", "On the other computer run: sudo sys"),
+    (unheard(MasterState.HANGS), "doctor.master_hangs", "Switch off the motors' power. On the"),
+    (unheard(MasterState.UNREACHABLE), "doctor.master_unreachable", "the cable between them"),
+    (unheard(MasterState.NOT_THERE, local_nodes=3), "doctor.master_ended", "the motors' power"),
+    (
+        unheard(MasterState.ANSWERS, robots=("/b", "/c")),
+        "doctor.other_namespace",
+        "Run: gpr20 doctor --ns b.",
+    ),
+    (
+        unheard(MasterState.NOT_THERE, elsewhere=(("http://x:1", "/a"),)),
+        "doctor.master_elsewhere",
+        "Run: export ROS_MASTER_URI=http://x:1.",
+    ),
+    (
+        unheard(MasterState.HANGS, elsewhere=(("http://x:1", "/a"),)),
+        "doctor.master_hangs",
+        "Switch off the motors' power.",
+    ),
+    (unheard(MasterState.ANSWERS), "doctor.no_robot", "sudo systemctl restart gpr20-robot"),
+]
+
+
+@each_case("robot, code, advice", SILENT)
+def test_a_robot_that_is_not_heard_has_one_fault_with_its_reason(robot, code, advice):
+    fault, unknown = findings(robot, None)
+    assert (fault.level, fault.text.fault_code) == (Level.FAULT, code)
+    assert unknown.level is Level.UNKNOWN
+    assert advice in str(advised(fault, HERE).remedy)
+
+
+@each_case(
+    "silent, code, words, advice",
+    [
+        ({HEIGHT: HANGS}, "doctor.node_hangs", "Height sensor hangs", "Wait one minute"),
+        (
+            {HEIGHT: GONE, X_AXIS: GONE},
+            "doctor.parts_missing",
+            "Not running: X axis; Height sensor",
+            "If it stays: Run: sudo systemctl restart gpr20-robot.",
+        ),
+        (
+            {VNA: GONE},
+            "doctor.parts_missing",
+            "Not running: VNA driver",
+            "If it stays: On the other computer run: sudo systemctl restart gpr20-server.",
+        ),
+        ({HEIGHT: NodeState.ANSWERS}, "node.silent", "does not report", "Wait one minute"),
+    ],
+)
+def test_a_silent_part_is_judged_by_what_it_answers(silent, code, words, advice):
+    nodes = {name: (STALE, verbatim(""), {}) for name in silent}
+    robot = facts(nodes, evidence=Evidence(MasterState.ANSWERS, nodes=silent))
+    (fault,) = [one for one in findings(robot, None) if one.level is Level.FAULT]
+    assert fault.text.fault_code == code and words in str(fault.text)
+    assert advice in str(advised(fault, HERE).remedy)
+
+
+@each_case(
+    "place, command",
+    [
+        (Place(), "start it: roslaunch gpr20 survey.launch"),
+        (Place(two_computers=True), "start it: roslaunch gpr20 server.launch"),
+        (Place(service="gpr20-robot"), "Run: sudo systemctl restart gpr20-robot."),
+        (Place(service="gpr20-server", two_computers=True), "Run: sudo systemctl restart gpr20-s"),
+    ],
+)
+def test_an_advice_names_what_is_installed_here(place, command):
+    fault = advised(findings(unheard(MasterState.NOT_THERE), None)[0], place)
+    assert command in str(fault.remedy)
+
+
+def test_the_software_of_a_part_that_is_not_heard_is_not_called_the_same():
+    robot = facts(software={name: SAME for name in EXPECTED_NODES if name != HEIGHT})
+    (found,) = [one for one in findings(robot, None) if one.check == "versions"]
+    assert found.level is Level.UNKNOWN and "Height sensor" in str(found.text)

@@ -12,11 +12,12 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.place import Place
+from gpr20_doctor.mid.place import ROBOT, SERVER, Place
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 
 Advice = Callable[[Message, Place], Optional[Message]]
-LAUNCH = "roslaunch gpr20 survey.launch"
+LAUNCHES = {ROBOT: "robot.launch", SERVER: "server.launch"}
+ALL_IN_ONE = "survey.launch"
 
 
 def advised(finding: Finding, place: Place) -> Finding:
@@ -27,19 +28,35 @@ def advised(finding: Finding, place: Place) -> Finding:
 
 def _value(text: Message, name: str) -> str:
     found = (one.values[name] for one in text.nested() if name in one.values)
-    return str(next(found, "?"))
+    return str(next(found, ""))
 
 
-def _restart(_text: Message, place: Place) -> Message:
+def _restart(text: Message, place: Place) -> Message:
+    service = _value(text, "service") if place.two_computers else place.service
     if not place.service:
+        command = LAUNCHES.get(service, ALL_IN_ONE)
         return Message(
             "End what is left of the robot's launch with Ctrl-C, then start it: {command}",
-            command=LAUNCH,
+            command=f"roslaunch gpr20 {command}",
+        )
+    if service not in ("", place.service):
+        return Message(
+            "On the other computer run: sudo systemctl restart {service}. If it is found again, "
+            "run there: journalctl -u {service} -n 50",
+            service=service,
         )
     return Message(
         "Run: sudo systemctl restart {service}. If it is found again, run: journalctl -u {service} "
         "-n 50",
         service=place.service,
+    )
+
+
+def _wait_then_restart(text: Message, place: Place) -> Message:
+    restart = _restart(text, place)
+    return Message(
+        "Wait one minute: what ends is started again by itself. If it stays: {restart}",
+        restart=restart,
     )
 
 
@@ -160,7 +177,7 @@ ADVICE: Dict[str, Advice] = {
     faults.MASTER_ELSEWHERE.code: _other_master,
     faults.OTHER_NAMESPACE.code: _other_namespace,
     faults.NO_ROBOT.code: _restart,
-    faults.PARTS_MISSING.code: _restart,
+    faults.PARTS_MISSING.code: _wait_then_restart,
     faults.ADDRESS_MISSING.code: _address,
     faults.ADDRESS_WRONG.code: _listening,
     faults.NETWORK_OPEN.code: _listening,

@@ -11,7 +11,8 @@ from typing import Dict, List, Mapping, Optional, Tuple
 SETTINGS = "etc/gpr20/environment"
 FIREWALL = "usr/lib/gpr20/firewall"
 UNITS = ("lib/systemd/system", "usr/lib/systemd/system")
-SERVICES = ("gpr20-robot", "gpr20-server")
+# With two computers, the one has axes and height sensor, the other the ROS master and the rest.
+ROBOT, SERVER = "gpr20-robot", "gpr20-server"
 SERVICE_LOGS = "var/log/gpr20"
 DEFAULT_CONFIGURATION = "~/.gpr20/robot"
 _SETTING = re.compile(r'(GPR20_[A-Z_]+)="?([^"]*?)"?\s*')
@@ -27,6 +28,7 @@ class Place:
         settings: File with the settings of the services; None: no packages are installed.
         service: Name of the robot's service here; empty: none is installed.
         firewall: The program that loads the firewall; None: no packages are installed.
+        two_computers: Whether the robot has another computer, by its addresses.
     """
 
     config: Path = Path(DEFAULT_CONFIGURATION)
@@ -34,6 +36,7 @@ class Place:
     settings: Optional[Path] = None
     service: str = ""
     firewall: Optional[Path] = None
+    two_computers: bool = False
 
 
 NO_PLACE = Place()
@@ -55,13 +58,14 @@ def place_of(
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
     known = {**_values(settings), **environment}
     folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
-    units = [name for name in SERVICES if any(map(os.path.exists, _unit_files(root, name)))]
+    units = [name for name in (ROBOT, SERVER) if any(map(os.path.exists, _unit_files(root, name)))]
     logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
     place = Place(
         config=Path(folder).expanduser().absolute(),
         log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
         settings=settings if os.path.exists(str(settings)) else None,
         service=units[0] if units else "",
+        two_computers=bool(known.get("GPR20_SERVER")),
         firewall=root / FIREWALL if os.path.exists(str(root / FIREWALL)) else None,
     )
     return place, known

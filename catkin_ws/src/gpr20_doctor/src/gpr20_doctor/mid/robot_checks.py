@@ -15,6 +15,7 @@ from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, axis_node
+from gpr20_doctor.mid.place import ROBOT, SERVER
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_doctor.mid.titles import node_title
 from gpr20_doctor.mid.version_checks import check_versions
@@ -90,6 +91,8 @@ ENDSTOP_REACH_MM = 5.0
 # Antennas that are lower touch the ground; at a greater height they measure little of it [m].
 USUAL_HEIGHT_M = (0.01, 0.6)
 
+# What drives the hardware, on a computer of its own if there are two.
+DRIVERS = (*map(axis_node, AxisId), HEIGHT_SENSOR)
 # The part itself says why it is silent.
 SILENT = (NodeState.HANGS, NodeState.GONE)
 
@@ -143,9 +146,10 @@ def _elsewhere(master: str, evidence: Evidence) -> Message:
 
 
 def _no_master(master: str, evidence: Evidence) -> Message:
+    values = {"details": master, "service": SERVER}
     if evidence.master is MasterState.HANGS:
         text = Message(
-            "The ROS master hangs: it does not answer. The robot may still move.", details=master
+            "The ROS master hangs: it does not answer. The robot may still move.", **values
         )
         return text.with_fault(faults.MASTER_HANGS)
     if evidence.master is MasterState.UNREACHABLE:
@@ -156,9 +160,9 @@ def _no_master(master: str, evidence: Evidence) -> Message:
             "The ROS master has ended, but {count} parts of the robot still run on this computer. "
             "The robot may still move.",
             count=evidence.local_nodes,
-            details=master,
+            **values,
         ).with_fault(faults.MASTER_ENDED)
-    text = Message("The ROS master does not answer.", details=master)
+    text = Message("The ROS master does not answer.", **values)
     return text.with_fault(faults.NO_MASTER)
 
 
@@ -201,7 +205,10 @@ def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     known = facts.evidence.nodes
     missing = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
     if missing:
-        text = Message("Not running: {parts}", parts=tuple(map(node_title, missing)))
+        parts = tuple(map(node_title, missing))
+        services = {ROBOT if name in DRIVERS else SERVER for name in missing}
+        service = services.pop() if len(services) == 1 else ""
+        text = Message("Not running: {parts}", parts=parts, service=service)
         yield Finding.of_fault("missing", text.with_fault(faults.PARTS_MISSING))
     for node in facts.nodes:
         if node.name not in missing:
