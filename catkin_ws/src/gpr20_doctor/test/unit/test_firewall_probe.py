@@ -67,7 +67,7 @@ def machine(tmp_path):
     (tmp_path / "usr/lib/gpr20/firewall").symlink_to(FIREWALL)
     (tmp_path / "proc").symlink_to("/proc")
     one.set("on")
-    for folder in (tmp_path, *tmp_path.parents[:2]):
+    for folder in (tmp_path, *list(tmp_path.parents)[:2]):
         folder.chmod(0o755)
     subprocess.run(["ip", "netns", "add", one.name], check=True)
     try:
