@@ -13,6 +13,7 @@ from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import MachineRequest
+from gpr20_doctor.mid.place import place_of
 from gpr20_launch import faults
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, LaunchRequest
 from gpr20_launch.mid.robot_files import Sections
@@ -59,6 +60,7 @@ def machine_warnings(
             data_disk=storage.get("data_disk") is True,
             thorough=False,
             root=root,
+            place=place_of(environment, root, request.folder)[0],
         )
     )
     bad = tuple(one for one in findings(None, facts) if one.level >= Level.WARNING)
