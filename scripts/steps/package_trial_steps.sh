@@ -44,7 +44,11 @@ expect_release() {
 }
 
 install() {
-    apt-get -q install -y --no-install-recommends --allow-downgrades "$package=$1"
+    local names
+    names="$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' 'gpr20-*' 2>/dev/null |
+        sed -n "s/^ii *\(.*\)/\1=$1/p" || true)"
+    # shellcheck disable=SC2086
+    apt-get -q install -y --no-install-recommends --allow-downgrades "$package=$1" $names
 }
 
 # survey: as its service, without the hardware, and verified.
@@ -118,7 +122,7 @@ state | diff /root/state - || fail "the downgrade changed configuration or surve
 say "remove"
 apt-get -q remove -y 'gpr20-*'
 state | diff /root/state - || fail "the removal changed configuration or surveys"
-[ ! -e /opt/gpr20 ] || fail "/opt/gpr20 is left"
+[ ! -e /opt/gpr20 ] || fail "/opt/gpr20 is left: $(find /opt/gpr20 | head -n 5)"
 
 say "purge; what is left:"
 apt-get -q purge -y 'gpr20-*'
