@@ -56,13 +56,14 @@ class Updater:
                 f"the bundle has version {stick.version}, which is older than {before}, which is "
                 f"installed; {FORMER} returns with gpr20-update --back"
             )
+        if stick.version != before:
+            self._former(before)
         self._say("copying and comparing; the stick is needed until the next line")
         stick.copy(self._paths.kept / stick.version)
         if stick.version == before:
             self._say(f"version {before} is installed; its packages are kept, to return to it")
             return True
         bundle, names = self._kept(stick.version), sorted(installed)
-        self._former(before)
         self._packages.try_install(bundle, names)
         self._say("asking the doctor")
         faults = self._robot.faults()
@@ -242,8 +243,7 @@ class Updater:
 
     def _keep_program(self) -> None:
         """Keep this program, which is one file: the update may replace it."""
-        own = Path(sys.argv[0]).read_bytes()
-        replace_file(self._paths.program, lambda file: file.write(own), 0o700)
+        replace_file(self._paths.program, [Path(sys.argv[0]).read_bytes()], 0o700)
 
     def _prune(self, versions: Set[str]) -> None:
         """Delete packages that no return needs: other versions, and what stays installed."""

@@ -11,12 +11,13 @@ import subprocess
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Callable, Iterator, Mapping, Optional
+from typing import Iterable, Iterator, Mapping, Optional, Tuple
 
 from gpr20_update.errors import UpdateError
 
 BLOCK_BYTES = 1 << 20
 NOT_ENDED = -1
+ROOT = (0, 0)
 _POLL_S = 0.2
 
 
@@ -95,15 +96,26 @@ def sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def replace_file(path: Path, write: Callable[[BinaryIO], object], mode: int = 0o600) -> None:
-    """Give a file new content in one step, or leave it as it was; return when it is durable."""
+def replace_file(
+    path: Path, blocks: Iterable[bytes], mode: int = 0o600, owner: Tuple[int, int] = ROOT
+) -> None:
+    """Give a file new content in one step, or leave it as it was; return when it is durable.
+
+    Args:
+        path: The file.
+        blocks: Its content.
+        mode: Its rights.
+        owner: Numbers of its user and group.
+    """
     temporary = path.with_name(f".{path.name}.new")
     with contextlib.suppress(FileNotFoundError):
         temporary.unlink()
-    # Its rights are not changed later, which a FAT stick refuses; nor is a link followed.
+    # No link is followed. A FAT stick refuses to change rights and owner.
     descriptor = os.open(str(temporary), os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     with open(descriptor, "wb") as file:
-        write(file)
+        if owner != ROOT:
+            os.fchown(descriptor, *owner)
+        file.writelines(blocks)
         file.flush()
         os.fsync(descriptor)
     os.replace(str(temporary), str(path))

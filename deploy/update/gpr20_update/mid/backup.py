@@ -9,6 +9,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import itertools
 import json
 import os
 import pwd
@@ -20,7 +21,7 @@ import time
 import zlib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any, BinaryIO, Dict, Iterator, Mapping, Tuple
+from typing import Any, Dict, Iterator, Mapping, Tuple
 
 from gpr20_update.errors import UpdateError
 from gpr20_update.low.paths import Paths
@@ -37,7 +38,7 @@ GROUP = "gpr20"
 _LEFT_OUT = frozenset({"etc/gpr20/release_signers"})
 _PRIVATE = re.compile(rb"-----BEGIN [A-Z0-9 ]*PRIVATE KEY-----")
 _OTHER_FOLDER = re.compile(r'^GPR20_CONFIG="?([^"\n]*)', re.MULTILINE)
-RIGHTS = 0o777
+RIGHTS = 0o755
 MAX_FILE_BYTES = 16 << 20
 MAX_BYTES = 64 << 20
 # The last ones that were made before an update or a restore.
@@ -91,20 +92,20 @@ def take(paths: Paths, version: str) -> Backup:
 
 def write(backup: Backup, path: Path) -> None:
     """Write a backup durably."""
-
-    def write_tar(file: BinaryIO) -> None:
-        with tarfile.open(fileobj=file, mode="w:gz", format=tarfile.PAX_FORMAT) as tar:
-            _add(tar, FIRST, Content(_description(backup), 0o600, "root"))
-            for name, one in sorted(backup.files.items()):
-                _add(tar, name, one)
-
-    replace_file(path, write_tar)
+    packed = io.BytesIO()
+    with tarfile.open(fileobj=packed, mode="w:gz", format=tarfile.PAX_FORMAT) as tar:
+        _add(tar, FIRST, Content(_description(backup), 0o600, "root"))
+        for name, one in sorted(backup.files.items()):
+            _add(tar, name, one)
+    replace_file(path, [packed.getvalue()])
 
 
 def keep(paths: Paths, version: str) -> Path:
     """Make a backup of this computer where the others are; delete old ones."""
     paths.backups.mkdir(exist_ok=True)
-    path = paths.backups / f"{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}_{version}.tar.gz"
+    begin = paths.backups / f"{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}_{version}"
+    names = (begin.with_name(f"{begin.name}_{number:03}.tar.gz") for number in itertools.count())
+    path = next(one for one in names if not one.exists())
     write(take(paths, version), path)
     for old in sorted(paths.backups.glob("*.tar.gz"))[:-KEPT_BACKUPS]:
         old.unlink()
@@ -224,20 +225,13 @@ def _members(tar: tarfile.TarFile, path: Path) -> Iterator[Tuple[str, Content]]:
 def _put(path: Path, content: Content, paths: Paths) -> None:
     """Write a file, with the folders above it that are missing, for its owner."""
     # A backup gives files to nobody else.
-    users = [one for one in pwd.getpwall() if one.pw_name == content.owner in OWNERS]
-    user = users[0] if users else pwd.getpwuid(0)
-    missing = [one for one in (path.parent, *path.parent.parents) if not one.exists()]
-    for folder in reversed(missing):
+    users = {one.pw_name: one for one in pwd.getpwall() if one.pw_name in OWNERS}
+    user = users.get(content.owner, pwd.getpwuid(0))
+    owner = (user.pw_uid, user.pw_gid)
+    for folder in reversed([one for one in path.parents if not one.exists()]):
         folder.mkdir(mode=0o755)
-        os.chown(str(folder), user.pw_uid, user.pw_gid)
+        os.chown(str(folder), *owner)
         sync(folder.parent)
-    expected = paths.root.resolve() / path.parent.relative_to(paths.root)
-    if path.parent.resolve() != expected:
+    if path.parent.resolve() != paths.root.resolve() / path.parent.relative_to(paths.root):
         raise UpdateError(f"{shown(path.parent)} is a link; a restore writes into folders only")
-    replace_file(path, lambda file: _write(file, content, user))
-
-
-def _write(file: BinaryIO, content: Content, user: pwd.struct_passwd) -> None:
-    os.fchmod(file.fileno(), content.mode)
-    os.fchown(file.fileno(), user.pw_uid, user.pw_gid)
-    file.write(content.data)
+    replace_file(path, [content.data], content.mode, owner)

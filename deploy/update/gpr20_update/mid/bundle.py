@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import hashlib
 import os
 import re
@@ -9,7 +10,7 @@ import shutil
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Dict, Iterator, List, Mapping, Tuple
+from typing import Dict, Iterator, List, Mapping, Tuple
 
 from gpr20_update.errors import UpdateError
 from gpr20_update.low.system import BLOCK_BYTES, remove, replace_file, run, shown, sync
@@ -18,7 +19,7 @@ SUMS, SIGNATURE, INDEX = "SHA256SUMS", "SHA256SUMS.sig", "Packages"
 NAMESPACE = "gpr20-release"
 SOFTWARE = "gpr20-software"
 ALL_ARCHITECTURES = "all"
-MAX_LIST_BYTES = 4 << 20
+MAX_LIST_BYTES, MAX_FILE_BYTES = 4 << 20, 4 << 30
 RESERVE_BYTES = 300 << 20
 KIB = 1024
 _LIMIT_S = 20.0
@@ -73,15 +74,13 @@ class Bundle:
         self._check_space(target.parent)
         new.mkdir(parents=True)
         try:
-            for name in self.sums:
-                _copy(self.folder / name, new / name, self.sums[name])
+            for name, digest in self.sums.items():
+                replace_file(new / name, _compared(self.folder / name, digest))
             for name, content in self.lists.items():
-                (new / name).write_bytes(content)
-                sync(new / name)
+                replace_file(new / name, [content])
         except (UpdateError, OSError):
             remove(new)
             raise
-        sync(new)
         remove(target)
         new.rename(target)
         sync(target.parent)
@@ -109,7 +108,7 @@ class Bundle:
         """
         for name, digest in self.sums.items():
             if name.startswith("gpr20-"):
-                _compared(self.folder / name, digest)
+                collections.deque(_compared(self.folder / name, digest), maxlen=0)
 
 
 def find_bundle(place: Path) -> Path:
@@ -147,9 +146,7 @@ def open_bundle(folder: Path, signers: Path) -> Bundle:
     lists = {name: _read(folder / name) for name in (SUMS, SIGNATURE)}
     signer = _signer(folder, lists, signers)
     sums = dict(_sums(folder, lists[SUMS].decode("ascii", "replace")))
-    index = _read(folder / INDEX)
-    if hashlib.sha256(index).hexdigest() != sums.get(INDEX):
-        raise _changed(folder / INDEX)
+    index = b"".join(_compared(folder / INDEX, sums.get(INDEX, "")))
     packages = {one["Package"]: one for one in _stanzas(index.decode("utf-8", "replace"))}
     if not {"Version", "Architecture"} <= set(packages.get(SOFTWARE, {})):
         raise UpdateError(f"the bundle {shown(folder)} has no package {SOFTWARE}; make it again")
@@ -204,68 +201,43 @@ def _stanzas(text: str) -> Iterator[Dict[str, str]]:
 
 
 def _read(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_LIST_BYTES + 1)
-    except FileNotFoundError as error:
-        raise UpdateError(
-            f"{shown(path)} is missing: the bundle is incomplete; copy it to the stick again"
-        ) from error
-    except OSError as error:
-        raise _unreadable(path, error) from error
+    content = b"".join(_blocks(path, MAX_LIST_BYTES))
     if len(content) > MAX_LIST_BYTES:
         raise UpdateError(f"{shown(path)} is larger than {MAX_LIST_BYTES >> 20} MB; make it again")
     return content
 
 
-def _copy(source: Path, target: Path, digest: str) -> None:
-    def write(file: BinaryIO) -> None:
-        for block in _compared_blocks(source, digest):
-            try:
-                file.write(block)
-            except OSError as error:
-                raise UpdateError(f"{target} cannot be written: {error.strerror}") from error
-
-    replace_file(target, write, 0o644)
-
-
-def _compared(path: Path, digest: str) -> None:
-    for _block in _compared_blocks(path, digest):
-        pass
-
-
-def _compared_blocks(path: Path, digest: str) -> Iterator[bytes]:
-    """Yield the content of a file; raise at its end if it is not what was signed."""
-    found = hashlib.sha256()
+def _blocks(path: Path, most_bytes: int) -> Iterator[bytes]:
+    """Yield the content of a file; not much more than so many bytes."""
     try:
+        # A pipe does not block.
         with open(os.open(str(path), os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
-            while True:
+            while file.tell() <= most_bytes:
                 block = file.read(BLOCK_BYTES)
                 if not block:
-                    break
-                found.update(block)
+                    return
                 yield block
     except FileNotFoundError as error:
         raise UpdateError(
             f"{shown(path)} is missing: the bundle is incomplete; copy it to the stick again"
         ) from error
     except OSError as error:
-        raise _unreadable(path, error) from error
+        raise UpdateError(
+            f"{shown(path)} cannot be read: {error.strerror}; plug the stick in again and repeat"
+        ) from error
+
+
+def _compared(path: Path, digest: str) -> Iterator[bytes]:
+    """Yield the content of a file; raise at its end if it is not what was signed."""
+    found = hashlib.sha256()
+    for block in _blocks(path, MAX_FILE_BYTES):
+        found.update(block)
+        yield block
     if found.hexdigest() != digest:
-        raise _changed(path)
-
-
-def _changed(path: Path) -> UpdateError:
-    return UpdateError(
-        f"{shown(path)} is not as it was signed: it is damaged or was changed; copy the bundle to "
-        "the stick again"
-    )
-
-
-def _unreadable(path: Path, error: OSError) -> UpdateError:
-    return UpdateError(
-        f"{shown(path)} cannot be read: {error.strerror}; plug the stick in again and repeat"
-    )
+        raise UpdateError(
+            f"{shown(path)} is not as it was signed: it is damaged or was changed; copy the bundle "
+            "to the stick again"
+        )
 
 
 def packages_of(bundle: Bundle, names: List[str]) -> List[Path]:

@@ -61,8 +61,7 @@ class Journal:
     def write(self, record: Record) -> None:
         """Replace the record; return when it is durable."""
         fields = {**dataclasses.asdict(record), "step": record.step.value}
-        data = json.dumps(fields, indent=2).encode()
-        replace_file(self._path, lambda file: file.write(data))
+        replace_file(self._path, [json.dumps(fields, indent=2).encode()])
 
     def read(self) -> Optional[Record]:
         """Return the record; None: nothing was ever begun.

@@ -150,8 +150,7 @@ class Packages:
     def _apt(self, bundle: Bundle, *words: str) -> Ended:
         """Run apt-get with the bundle as the only source; its sums were compared before."""
         sources = self._paths.state / "sources.list"
-        line = f"deb [trusted=yes] file:{bundle.folder} ./\n".encode()
-        replace_file(sources, lambda file: file.write(line))
+        replace_file(sources, [f"deb [trusted=yes] file:{bundle.folder} ./\n".encode()])
         options = {
             "Dir::Etc::sourcelist": sources,
             "Dir::Etc::sourceparts": "/dev/null",
