@@ -13,7 +13,7 @@ ruff format --check . "${nodes[@]}"
 
 # The messages are those that the build made.
 messages=catkin_ws/devel/lib/python3/dist-packages
-packages=(catkin_ws/src/*/src)
+packages=(catkin_ws/src/*/src deploy/update)
 MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits,pages} benchmarks)$messages"
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
@@ -22,7 +22,7 @@ types=(mypy --no-error-summary --scripts-are-modules)
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py
 
-PYTHONPATH="$(printf '%s:' catkin_ws/src/*/src)$PYTHONPATH" lint-imports --no-cache --no-logo
+PYTHONPATH="$(printf '%s:' "${packages[@]}")$PYTHONPATH" lint-imports --no-cache --no-logo
 mapfile -t programs < <(git ls-files 'catkin_ws/src/*/src/*.py' 'deploy/*.py')
 python3 tools/checks/word_decisions.py "${programs[@]}" "${nodes[@]}"
 scripts/translations.sh --check

@@ -19,11 +19,10 @@ SIGNER = "release@gpr20.example"
 FILES_OF_RELEASE, SIZE_BYTES = 40, 4_000
 
 
-def run(*command: object, **options: object) -> str:
+def run(*command: object, cwd: Optional[Path] = None) -> str:
     """Run a program that must succeed; return what it printed."""
-    done = subprocess.run(
-        list(map(str, command)), capture_output=True, text=True, check=False, **options
-    )
+    words = list(map(str, command))
+    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
