@@ -66,7 +66,7 @@ CHOSEN = {
     "gpr20_viewer": ["test_view_command", "test_view_picks"],
 }
 # Slow, and the same under each Python: motion over time, and what the kernel does.
-LEFT_OUT = ["test_axis_controller", "test_data_disk", "test_log_recovery"]
+LEFT_OUT = ["test_axis_controller", "test_data_disk", "test_firewall_probe", "test_log_recovery"]
 LEFT_OUT += ["test_pulse_client", "test_signature", "test_tcp_keepalive"]
 # What these computers have no use for: ROS, and what the robot's pins and buses need.
 ABSENT = "actionlib diagnostic_msgs diagnostic_updater genpy geometry_msgs gpr20_msgs pigpio rosbag"
