@@ -207,7 +207,7 @@ def main() -> int:
     steps: Counter[str] = Counter()
     for number in range(1, given.cuts + 1):
         renew(disk, work)
-        begun, after_s = number % 4 > 0, random.uniform(0.0, 1.5 * whole_s)
+        begun, after_s = number % 4 > 0, random.uniform(0.0, whole_s)
         cut = run_and_cut(disk, list(UPDATE), after_s, random.random() < 0.5, begun)
         at_boot = update_kit.slot_problems(disk.folder, FILE_BYTES)
         step = step_of(disk.folder) if cut else "after its end"

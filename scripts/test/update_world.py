@@ -45,7 +45,7 @@ PROGRAMS = {
     "runuser": 'shift 3; exec "$@"\n',
     "gpr20-run": GPR20_RUN,
 }
-MAIN = """import os, signal, subprocess, sys
+MAIN = """import os, signal, subprocess
 from gpr20_update.high.command import main
 
 events, last, begun = 0, int(os.environ.get("KILL_AT", "0")), False
@@ -64,9 +64,10 @@ def counted(function, path_of):
 
 os.replace = counted(os.replace, lambda arguments: arguments[1])
 subprocess.Popen = counted(subprocess.Popen, lambda arguments: "")
-status = main(os.environ["ROOT"])
-print("events", events)
-sys.exit(status)
+try:
+    main(os.environ["ROOT"])
+finally:
+    print("events", events)
 """
 
 

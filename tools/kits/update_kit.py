@@ -33,7 +33,8 @@ def make_program(target: Path, main: Optional[str] = None) -> None:
     shutil.copytree(ROOT / "deploy/update", source, ignore=shutil.ignore_patterns("__pycache__"))
     if main is not None:
         (source / "__main__.py").write_text(main, encoding="utf-8")
-    zipapp.create_archive(source, target, "/usr/bin/python3 -I")
+    entry = None if main else "gpr20_update.high.command:main"
+    zipapp.create_archive(source, target, "/usr/bin/python3 -I", entry)
     shutil.rmtree(source)
 
 

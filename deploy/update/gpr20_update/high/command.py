@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 from gpr20_update.errors import UpdateError
 from gpr20_update.high.update import Updater
@@ -23,8 +23,12 @@ EXIT_STATUS = (
 )
 
 
-def main(root: str = "/") -> int:
-    """Do what the arguments ask for; return the exit status."""
+def main(root: str = "/") -> NoReturn:
+    """Do what the arguments ask for; exit. The program is one file with this function."""
+    sys.exit(_run(Paths(Path(root))))
+
+
+def _run(paths: Paths) -> int:
     parser = argparse.ArgumentParser("gpr20-update", description=__doc__, epilog=EXIT_STATUS)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("stick", nargs="?", type=Path, help="folder of the stick, or of its bundle")
@@ -44,7 +48,6 @@ def main(root: str = "/") -> int:
     # A terminal that is closed and Ctrl-C do not end an installation halfway.
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    paths = Paths(Path(root))
     try:
         if os.geteuid() != 0:
             raise UpdateError("gpr20-update needs root; run: sudo gpr20-update ...")
