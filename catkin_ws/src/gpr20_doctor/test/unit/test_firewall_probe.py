@@ -16,9 +16,11 @@ ROBOT, SERVER = "10.20.0.1", "10.20.0.2"
 LOOK = """
 import os, sys
 from pathlib import Path
+from gpr20_doctor.low import whole_check
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
+whole_check.PROGRAM = ("false", "", "robot_config")
 request = ThisMachine("pi", {"ROS_MASTER_URI": f"http://{sys.argv[2]}:11311"},
                       Path(sys.argv[1])).request({})
 (one,) = [one for one in findings(None, probe_machine(request)) if one.check == "firewall"]

@@ -5,6 +5,7 @@ are stand-ins of the same name, first in PATH; files and mounts are real ones be
 needs a running robot is in `doctor.test`, the firewall in scripts/test/test_firewall.py.
 """
 
+import json
 import os
 import re
 import socket
@@ -20,6 +21,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Fault, Message
+from gpr20_common.sent_message import message_fields
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import findings
@@ -36,6 +39,7 @@ PROGRAMS = {
     "sudo": 'exec "$@"',
     "chronyc": '[ "$1" != makestep ] || echo "{normal}" >{root}/chrony; cat {root}/chrony',
     "vcgencmd": "cat {root}/throttled",
+    "rosrun": "cat {root}/problems",
     "raspi-config": 'touch "{root}/dev/spidev0.0"',
 }
 
@@ -65,6 +69,7 @@ class Computer:
             "robot/analyzer.yaml": "address: 127.0.0.1\n",
             "chrony": NORMAL,
             "throttled": "throttled=0x0",
+            "problems": "[]",
         }.items():
             self.write(name, text)
         self.set_addresses("127.0.0.1", "127.0.0.2")
@@ -185,7 +190,16 @@ def exchange_disk(one):
 MEMORY, FIRMWARE = "proc/meminfo", "throttled"
 TEMPERATURE = "sys/class/thermal/thermal_zone0/temp"
 ALONE = FOLLOWS.format(offset="0", leap="Not synchronised")
+MISTAKE = Message("axes.yaml, x/dir_pin and y/dir_pin use the same pin").with_fault(
+    Fault("config.wrong_value", Message("Correct the file that the message names."))
+)
 STATES = {
+    "two axes use one pin": State(
+        "config.wrong_value",
+        "Correct the file",
+        file("problems", json.dumps([message_fields(MISTAKE)])),
+        file("problems", "[]"),
+    ),
     "the SPI bus is off": State(
         "computer.spi_off", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
     ),
@@ -280,7 +294,7 @@ HIDDEN = (
 SETS = st.sets(st.sampled_from(sorted(STATES)), min_size=2, max_size=6)
 
 
-@settings(max_examples=12)
+@settings(max_examples=20)
 @given(SETS.filter(lambda names: not any(one <= names for one in HIDDEN)), st.randoms())
 def test_several_at_once_are_all_found_and_each_advice_ends_its_own(healthy, names, random):
     with computer() as one:

@@ -1,6 +1,7 @@
 """The probes: of trees of files as computers have them, and of this computer."""
 
 import errno
+import json
 import os
 import socket
 import stat
@@ -10,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 from gpr20_doctor.low import (
     chrony,
     config_files,
@@ -20,6 +23,8 @@ from gpr20_doctor.low import (
     pi_sensors,
     pin_libraries,
     realtime_limits,
+    system,
+    whole_check,
 )
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Unknown
@@ -28,6 +33,12 @@ from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFolder
+
+
+@pytest.fixture(autouse=True)
+def no_check_of_the_whole_robot(monkeypatch):
+    # It takes a second; doctor.test runs it.
+    monkeypatch.setattr(whole_check, "PROGRAM", ("false", "", "robot_config"))
 
 
 def tree(folder, **files):
@@ -145,6 +156,60 @@ def test_a_value_of_the_configuration_is_read_or_missing(tmp_path):
     assert config_files.configured(tmp_path, "analyzer.yaml", "other") is None
     assert config_files.configured(tmp_path, "site.yaml", "site") is None
     assert config_files.configured(tmp_path, "no.yaml", "site") is None
+
+
+def test_memory_and_what_runs_and_listens_are_read_as_linux_writes_them(tmp_path):
+    tree(tmp_path, proc__meminfo="MemAvailable:  1000 kB\n", proc__vmstat="oom_kill 3\n")
+    assert system.memory(tmp_path) == (1_024_000, 3)
+    tree(tmp_path, proc__meminfo="MemFree: 1 kB\n")
+    with pytest.raises(ValueError):
+        system.memory(tmp_path)
+    with pytest.raises(OSError):
+        system.listening(tmp_path)
+    lines = ["sl local remote st", " 0: 0100007F:2C2F 0:0 0A 0", " 1: 0200140A:2C2F 0:0 01 0"]
+    tree(tmp_path, proc__net__tcp="\n".join(lines))
+    anywhere = f"sl\n 0: {'0' * 32}:0050 0:0 0A 0\n 1: {'1' * 32}:0051 0:0 0A 0"
+    tree(tmp_path, proc__net__tcp6=anywhere)
+    assert system.listening(tmp_path) == [("127.0.0.1", 11311), ("0.0.0.0", 80)]
+    tree(
+        tmp_path,
+        proc__1__cmdline="python3\0/opt/ros/bin/rosmaster\0--core\0-p\x0011712\0",
+        proc__2__cmdline="node\0__name:=main_control\0",
+        proc__2__environ="A=1\0ROS_MASTER_URI=http://pc:11311/\0",
+        proc__3__cmdline="node\0__name:=imaging\0",
+        proc__4__cmdline="python3\0/opt/ros/bin/roslaunch\0gpr20\0config:=/etc/mole\0",
+        proc__4__environ="ROS_MASTER_URI=http://pc:11311\0GPR20_CONFIG=/etc/other\0",
+        proc__5__cmdline="python3\0/opt/ros/bin/roslaunch\0gpr20\0",
+        proc__5__environ="ROS_MASTER_URI=http://pi:11311\0GPR20_CONFIG=/etc/other\0",
+    )
+    found = system.ros_processes(tmp_path)
+    assert (found.ports, sorted(found.masters)) == ([11712], ["", "http://pc:11311"])
+    assert found.configuration("http://pc:11311/") == Path("/etc/mole")
+    assert found.configuration("http://pi:11311") == Path("/etc/other")
+    assert found.configuration("http://nobody:11311") is None
+
+
+ADVISED = Message("the pin is used twice").with_fault(OTHER_DATA_FOLDER)
+
+
+@pytest.mark.parametrize(
+    "script, expected",
+    [
+        ("echo '[]'", ()),
+        (f"cat <<'END'\n{json.dumps([message_fields(ADVISED)])}\nEND\nexit 1", (ADVISED,)),
+        ("echo '{\"a\": 1}'", ValueError),
+        ("echo no", ValueError),
+        ("echo 'unrecognized arguments' >&2; exit 2", OSError),
+    ],
+)
+def test_the_check_of_the_whole_robot_is_asked(tmp_path, monkeypatch, script, expected):
+    monkeypatch.setattr(whole_check, "PROGRAM", (program(tmp_path, script), "", "robot_config"))
+    if isinstance(expected, tuple):
+        found = whole_check.problems(tmp_path, tmp_path, "gpr20", "robot")
+        assert found == expected and all(one.fault_code for one in found)
+    else:
+        with pytest.raises(expected):
+            whole_check.problems(tmp_path, None, "gpr20", "robot")
 
 
 def test_a_computer_without_anything_is_known_to_have_nothing(tmp_path):

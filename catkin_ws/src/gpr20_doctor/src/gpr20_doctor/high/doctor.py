@@ -9,7 +9,7 @@ import socket
 import sys
 import threading
 from dataclasses import replace
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -110,27 +110,38 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
 def _find(
     given: argparse.Namespace,
 ) -> Tuple[Tuple[Finding, ...], RobotFacts, MachineRequest]:
-    machine = ThisMachine(socket.gethostname(), os.environ, config=given.config)
-    robot, nodes = _robot(given, machine)
+    here, master = system.ros_processes(ROOT), rosgraph.get_master_uri()
+    config = given.config or here.configuration(master)
+    machine = ThisMachine(socket.gethostname(), os.environ, config=config)
+    robot, nodes = _robot(given, _Search(master, given.ns, here, machine.environment))
     ports = masters.node_ports(robot.master) if robot.master_alive else frozenset()
     request = machine.request(nodes, robot.surveying, given.robot, not given.quick, ports)
     return findings(robot, probe_machine(request)), robot, request
 
 
+class _Search(NamedTuple):
+    """Where a robot is looked for, and what could show where else it is."""
+
+    master: str
+    namespace: str
+    here: system.RosProcesses
+    environment: Mapping[str, str]
+
+
 def _robot(
-    given: argparse.Namespace, machine: ThisMachine
+    given: argparse.Namespace, search: _Search
 ) -> Tuple[RobotFacts, Mapping[str, NodeDescription]]:
-    master = rosgraph.get_master_uri()
+    master = search.master
     state = _state_of_master(master, given.wait)
     if state is not MasterState.ANSWERS:
-        return unheard(master, _evidence(master, state, given.ns, machine)), {}
+        return unheard(master, _evidence(search, state)), {}
     graph = Graph(given.ns, master)
     try:
         graph.listener.wait(given.wait)
         silent = graph.node_states(graph.listener.silent())
         nobody = silent == dict.fromkeys(EXPECTED_NODES, NodeState.GONE)
         if nobody and not graph.listener.facts().control_alive:
-            return unheard(master, _evidence(master, state, given.ns, machine)), {}
+            return unheard(master, _evidence(search, state)), {}
         analyzer = None if given.quick else _test(graph)
         facts = graph.listener.facts(analyzer)
         evidence = Evidence(state, graph.namespace, nodes=silent)
@@ -139,19 +150,18 @@ def _robot(
         graph.leave()
 
 
-def _evidence(master: str, state: MasterState, namespace: str, machine: ThisMachine) -> Evidence:
+def _evidence(search: _Search, state: MasterState) -> Evidence:
     """Look for the robot where it could be: in other namespaces, and at other masters."""
-    here = system.ros_processes(ROOT)
-    hosts = ["localhost", *(machine.environment.get(name, "") for name in ADDRESSES)]
-    ports = [system.DEFAULT_PORT, *here.ports]
+    own = search.master.rstrip("/")
+    hosts = ["localhost", *(search.environment.get(name, "") for name in ADDRESSES)]
+    ports = [system.DEFAULT_PORT, *search.here.ports]
     places = [f"http://{host}:{port}" for port in ports for host in hosts if host]
-    own = master.rstrip("/")
     return Evidence(
         master=state,
-        namespace="/" + namespace.strip("/"),
-        robots=masters.robots_at(master) if state is MasterState.ANSWERS else (),
-        elsewhere=masters.robots_elsewhere(own, [*filter(None, here.masters), *places]),
-        local_nodes=sum(one in ("", own) for one in here.masters),
+        namespace="/" + search.namespace.strip("/"),
+        robots=masters.robots_at(own) if state is MasterState.ANSWERS else (),
+        elsewhere=masters.robots_elsewhere(own, [*filter(None, search.here.masters), *places]),
+        local_nodes=sum(one in ("", own) for one in search.here.masters),
     )
 
 

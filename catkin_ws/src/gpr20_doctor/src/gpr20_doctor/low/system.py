@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 DEFAULT_PORT = 11311
-BYTES_PER_KB = 1024
+BYTES_PER_KB, IPV4_BYTES = 1024, 4
 
 
 class Memory(NamedTuple):
@@ -36,26 +37,52 @@ def _numbers(path: Path) -> Dict[str, int]:
 
 
 class RosProcesses(NamedTuple):
-    """What runs on a computer: ports of ROS masters, and the master of each node; "": unknown."""
+    """What runs on a computer, also what nobody can ask; a master that is not known is "".
+
+    Attributes:
+        ports: Of the ROS masters.
+        masters: The master of each node.
+        configurations: (master, folder) of each launch with a folder of its own.
+    """
 
     ports: List[int]
     masters: List[str]
+    configurations: List[Tuple[str, Path]]
+
+    def configuration(self, master: str) -> Optional[Path]:
+        """Return the folder with which the robot of a master was launched; None: not known."""
+        found = {folder for uri, folder in self.configurations if uri == master.rstrip("/")}
+        return found.pop() if len(found) == 1 else None
 
 
 def ros_processes(root: Path) -> RosProcesses:
-    """Return the ROS masters and nodes on this computer, also those that nobody can ask."""
-    found = RosProcesses([], [])
-    for folder in (root / "proc").glob("[0-9]*"):
-        words = _words(folder / "cmdline")
-        if any(word.endswith("/rosmaster") for word in words[:3]) and "-p" in words[:-1]:
+    """Return the ROS masters, nodes and launches on this computer."""
+    found = RosProcesses([], [], [])
+    for process in (root / "proc").glob("[0-9]*"):
+        words = _words(process / "cmdline")
+        if _runs(words, "rosmaster") and "-p" in words[:-1]:
             port = words[words.index("-p") + 1]
             found.ports.append(int(port) if port.isdigit() else DEFAULT_PORT)
         # roslaunch names each node that it starts.
-        if any(one.startswith("__name:=") for one in words):
-            prefix = "ROS_MASTER_URI="
-            own = (one for one in _words(folder / "environ") if one.startswith(prefix))
-            found.masters.append(next(own, prefix)[len(prefix) :].rstrip("/"))
+        is_node = any(one.startswith("__name:=") for one in words)
+        if is_node or _runs(words, "roslaunch"):
+            environment = _words(process / "environ")
+            master = _after("ROS_MASTER_URI=", environment).rstrip("/")
+            folder = _after("config:=", words) or _after("GPR20_CONFIG=", environment)
+            if is_node:
+                found.masters.append(master)
+            elif folder:
+                path = Path(os.path.realpath(str(process / "cwd"))) / Path(folder).expanduser()
+                found.configurations.append((master, path))
     return found
+
+
+def _runs(words: List[str], program: str) -> bool:
+    return any(Path(word).name == program for word in words[:3])
+
+
+def _after(prefix: str, words: List[str]) -> str:
+    return next((one[len(prefix) :] for one in words if one.startswith(prefix)), "")
 
 
 def _words(path: Path) -> List[str]:
@@ -73,9 +100,17 @@ def listening(root: Path) -> List[Tuple[str, int]]:
         ValueError: It was not understood.
     """
     found = []
-    for line in (root / "proc/net/tcp").read_text().splitlines()[1:]:
-        _number, local, _remote, state = line.split()[:4]
-        if state == "0A":
-            address, port = local.split(":")
-            found.append((".".join(map(str, reversed(bytes.fromhex(address)))), int(port, 16)))
+    # A kernel without IPv6 has no second table.
+    more = [one for one in [root / "proc/net/tcp6"] if one.exists()]
+    for table in (root / "proc/net/tcp", *more):
+        lines = table.read_text().splitlines()[1:]
+        for address, port in (line.split()[1].split(":") for line in lines if _listens(line)):
+            numbers = bytes.fromhex(address)
+            if len(numbers) == IPV4_BYTES or not any(numbers):
+                first = reversed(numbers[:IPV4_BYTES])
+                found.append((".".join(map(str, first)), int(port, 16)))
     return found
+
+
+def _listens(line: str) -> bool:
+    return line.split()[3] == "0A"

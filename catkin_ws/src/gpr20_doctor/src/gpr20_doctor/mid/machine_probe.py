@@ -27,6 +27,7 @@ from gpr20_doctor.low import (
     pin_libraries,
     realtime_limits,
     system,
+    whole_check,
 )
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import (
@@ -46,7 +47,7 @@ from gpr20_doctor.mid.machine_facts import (
     RealtimeFacts,
     VolumeFacts,
 )
-from gpr20_doctor.mid.machine_request import MachineRequest
+from gpr20_doctor.mid.machine_request import REAL, SIMULATED, MachineRequest
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
@@ -59,6 +60,8 @@ LOOPBACK = "127.0.0.1"
 # Of the VXI-11 instruments: where they say which port to use.
 PORTMAPPER = 111
 PORT_LIMIT_S = 2.0
+# The parts of a robot, as the launch files call them.
+ROBOT, SERVER, SURVEY = "robot", "server", "survey"
 DISK_LIMIT_S = 4.0
 DAEMON_LIMIT_S = 0.1
 # Bits of the firmware: low voltage now and before, slowed down now.
@@ -94,6 +97,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         volumes=_known(lambda: _in_time(lambda: _volumes(request))),
         outside=_outside(request, exposed),
         closed=exposed == [],
+        configuration=_known(lambda: _configuration(request)) if request.thorough else None,
         behind_s=max(0.0, Path(__file__).stat().st_mtime - time.time()),
     )
 
@@ -115,6 +119,16 @@ def _addresses(environment: Mapping[str, str]) -> AddressFacts:
         own=tuple(one for one in (robot, server) if one and network.is_own_address(one)),
         ros_address=environment.get("ROS_HOSTNAME") or environment.get("ROS_IP", ""),
         master_uri=environment.get("ROS_MASTER_URI", ""),
+    )
+
+
+def _configuration(request: MachineRequest) -> Tuple[Message, ...]:
+    simulated = request.hardware is HardwareUse.SIMULATED
+    part = SURVEY
+    if request.two_computers:
+        part = ROBOT if request.data is None else SERVER
+    return whole_check.problems(
+        request.place.config, request.data, SIMULATED if simulated else REAL, part
     )
 
 

@@ -78,7 +78,7 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
 
 def _nothing_open(closed: bool) -> Finding:
     if closed:
-        text = Message("Firewall: not needed, ROS listens to this computer alone.")
+        text = Message("Firewall: not needed, nothing of ROS is open to other computers.")
         return Finding("firewall", Level.NOTE, text)
     return not_known("firewall", Message("where ROS listens"), None)
 
