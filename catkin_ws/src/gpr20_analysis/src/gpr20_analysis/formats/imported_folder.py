@@ -86,7 +86,7 @@ class ImportSource:
             safe = name.replace("\\", r"\\").replace("\n", r"\n")
             mark = "" if safe == name else "\\"  # as sha256sum writes it
             lines.append(f"{mark}{found.sha256}  {safe}\n")
-        return "".join(lines).encode()
+        return "".join(lines).encode("utf-8", "surrogateescape")
 
     @classmethod
     def of(cls, path: Path, form: str) -> ImportSource:

@@ -199,6 +199,17 @@ def test_a_source_is_the_sum_of_its_files(tmp_path):
     assert both.content.sha256 == sum_of(lines.encode()).sha256
 
 
+def test_sha256sum_checks_files_of_any_name(tmp_path):
+    (tmp_path / "scans").mkdir()
+    for name in (b"a.csv", b"a b\\c\nd.csv", b"\xff\xfe.csv"):
+        (tmp_path / "scans" / os.fsdecode(name)).write_bytes(name)
+    source = ImportSource.of(tmp_path / "scans", "csv")
+    (tmp_path / "list").write_bytes(source.listed())
+    command = ["sha256sum", "--strict", "--quiet", "-c", "../list"]
+    assert subprocess.run(command, cwd=str(tmp_path / "scans")).returncode == 0
+    assert len(source.content.sha256) == 64 and source.content.size == 5 + 11 + 6
+
+
 def test_the_name_of_the_folder_is_that_of_a_survey_at_the_time_of_its_first_sample(tmp_path):
     survey = line_survey()
     times = np.datetime64("2026-03-04T05:06:07", "ns") + np.arange(5) * np.timedelta64(1, "s")

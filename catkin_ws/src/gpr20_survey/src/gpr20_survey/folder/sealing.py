@@ -217,7 +217,7 @@ def content_sum(sums: Mapping[str, FileSum]) -> str:
         sums: Of each of these files, by its name relative to the folder.
     """
     lines = (f"{sums[name].sha256} {sums[name].size} {name}\n" for name in sorted(sums))
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
+    return hashlib.sha256("".join(lines).encode("utf-8", "surrogateescape")).hexdigest()
 
 
 def _is_content(name: str) -> bool:
