@@ -18,6 +18,33 @@ UNKNOWN_FILE = Fault(
     "config.unknown_file",
     Message("Give the file one of the names that are allowed, or move it to another folder."),
 )
+PIN_CONFLICT = Fault(
+    "config.pin_conflict",
+    Message(
+        "Switch off the motors' power and the computer, find out what the pin is wired to, and "
+        "correct the file that the message names."
+    ),
+    replaces=True,
+)
+DOUBTFUL_VALUE = Fault(
+    "config.doubtful_value",
+    Message(
+        "Compare the value that the message names with the robot. Correct it, or leave it if the "
+        "robot is so."
+    ),
+    Severity.WARNING,
+    replaces=True,
+)
+LEFT_OVER_FILE = Fault(
+    "config.left_over_file",
+    Message("Compare the file with the one that is read, then move it to another folder."),
+    Severity.WARNING,
+)
+NOT_CHECKED = Fault(
+    "config.not_checked",
+    Message("Check on the robot what the message names, then delete its comment in the file."),
+    Severity.WARNING,
+)
 NO_FOLDER = Fault(
     "config.no_folder",
     Message("Correct the folder after config:=, or create it with robot_config create."),
@@ -42,4 +69,56 @@ WRONG_ARGUMENT = Fault(
 ROBOT_RUNNING = Fault(
     "launch.robot_running",
     Message("End the robot that is running, as the message says, then launch this one."),
+)
+PIN_CONFLICT = Fault(
+    "config.pin_conflict",
+    Message(
+        "Find out with a continuity meter where the pin leads, as docs/wiring.md describes, and "
+        "give each purpose a pin of its own."
+    ),
+)
+PIN_UNUSABLE = Fault(
+    "config.pin_unusable",
+    Message("Connect the signal to a pin that is free, and write that into the file."),
+)
+TRAVEL = Fault(
+    "config.travel",
+    Message("Measure how far the carriage can move, and correct the travel of the axis in mm."),
+)
+MOTION = Fault(
+    "config.motion",
+    Message("Correct step_size and the three pauses as docs/calibrate.md describes."),
+)
+ENDSTOP = Fault(
+    "config.endstop",
+    Message("Measure the signal of the endstop, pressed and free, and correct its keys."),
+)
+DATA_FOLDER = Fault(
+    "config.data_folder",
+    Message("Correct data: in storage.yaml, or mount the disk of the surveys."),
+)
+ADDRESS = Fault("config.address", Message("Correct the address: each device has one of its own."))
+SENSORS = Fault("config.sensors", Message("Correct sensors.yaml."))
+SITE = Fault("config.site", Message("Correct site.yaml."))
+LEFT_OVER_FILE = Fault(
+    "config.left_over_file",
+    Message(
+        "Compare it with the file that is read, keep the right values there, and move it to "
+        "another folder."
+    ),
+    Severity.WARNING,
+)
+NOT_CHECKED = Fault(
+    "config.not_checked",
+    Message(
+        "Do what the message says, correct the files if necessary, then delete the word from "
+        "wiring.yaml."
+    ),
+)
+INPUT_VOLTAGE = Fault(
+    "config.input_voltage",
+    Message(
+        "Supply the converter with 3.3 V, or put a level shifter between it and the Raspberry Pi: "
+        "its inputs are made for 3.3 V."
+    ),
 )

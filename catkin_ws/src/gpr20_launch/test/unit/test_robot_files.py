@@ -104,13 +104,6 @@ def test_templates_are_a_correct_configuration(tmp_path):
         ("axes", "x: {endstop_active: 0}", ("x/endstop_active",)),
         ("axes", "x: {enable_pin: none}", ("x/enable_pin",)),
         ("axes", "z: {endstop_active: high}", ("z", "endstop_active", "sensor_pin")),
-        ("axes", "z: {dir_pin: 16}", ("x/sensor_pin", "z/dir_pin", "pin 16")),
-        ("axes", "z: {enable_pin: 40}", ("y/sensor_pin", "z/enable_pin", "pin 40")),
-        (
-            "axes",
-            "x: {enable_pin: 18}\ny: {enable_pin: 18, enable_active: high}",
-            ("x/enable_pin", "y/enable_pin", "pin 18", "enable_active"),
-        ),
     ],
 )
 def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, shown):
@@ -118,12 +111,6 @@ def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, shown):
     with raises_fault(faults.WRONG_VALUE, path, *shown, error=ConfigurationError):
         read(tmp_path, **{file: text})
     path.unlink()
-
-
-def test_axes_may_share_what_enables_their_motor_drivers(tmp_path):
-    enabled = "{enable_pin: 18, enable_active: high}"
-    sections = read(tmp_path, axes="\n".join(f"{axis}: {enabled}" for axis in "xyz"))
-    assert {sections[f"{axis}_axis"]["enable_pin"] for axis in "xyz"} == {18}
 
 
 def test_keys_of_one_file_override_only_themselves(tmp_path):

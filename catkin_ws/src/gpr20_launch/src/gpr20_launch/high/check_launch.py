@@ -18,15 +18,17 @@ import rospkg
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.records import record_from
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.place import place_of
 from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
-from gpr20_launch.mid.launch_request import ROBOT, SERVER, SURVEY, LaunchRequest
-from gpr20_launch.mid.machine_warnings import machine_warnings
+from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
+from gpr20_launch.mid.machine_warnings import ROOT, machine_warnings
+from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import Sections
 from gpr20_launch.mid.running_robot import RunningNode, refusal
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
@@ -49,6 +51,17 @@ def main() -> int:
             _simulator(given),
             given.full_screen,
         )
+        environment = place_of(os.environ, ROOT)[1]
+        found = check_robot(
+            request.folder,
+            built_robot(),
+            environment,
+            given.data,
+            real=given.robot == REAL,
+            stores=given.part != ROBOT,
+        )
+        if any(one.refuses for one in found):
+            raise LaunchRefusedError(in_a_row(one.message for one in found if one.refuses))
         sections = request.sections(built_axes())
         if given.part != ROBOT:
             _check_sensors(sections)
@@ -57,7 +70,8 @@ def main() -> int:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
         say("", f"This robot cannot be launched: {error}", "", file=sys.stderr)
         return 1
-    _print_warnings(machine_warnings(request, sections, os.environ))
+    doubtful = [Finding.of_fault("config_files", one.message) for one in found]
+    _print_warnings([*doubtful, *machine_warnings(request, sections, os.environ)])
     print(json.dumps(sections))
     return 0
 
@@ -65,6 +79,12 @@ def main() -> int:
 def built_axes() -> Path:
     """Return the file with the axes of the robot as it is built."""
     return Path(rospkg.RosPack().get_path("gpr20_launch")) / "config" / "axes.yaml"
+
+
+def built_robot() -> BuiltRobot:
+    """Return the robot as it is built."""
+    description = Path(rospkg.RosPack().get_path("gpr20_visualization")) / "urdf" / "gpr20.urdf"
+    return BuiltRobot(built_axes(), description)
 
 
 def _parser() -> argparse.ArgumentParser:

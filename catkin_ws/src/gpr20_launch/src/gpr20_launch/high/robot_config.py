@@ -1,11 +1,13 @@
-"""robot_config: create and check a robot's configuration, its signing key, its data folder."""
+"""robot_config: create, import and check a robot's configuration, its signing key, its data."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 from pathlib import Path
+from typing import Callable, Dict, Mapping, Tuple
 
 import rosgraph
 
@@ -13,57 +15,114 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import say
-from gpr20_launch.high.check_launch import built_axes
-from gpr20_launch.mid.launch_request import storage_parameters
-from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, Sections, read_configuration
+from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.place import place_of
+from gpr20_launch.high.check_launch import built_axes, built_robot
+from gpr20_launch.mid.launch_request import (
+    REAL,
+    ROBOT,
+    SERVER,
+    SIMULATED,
+    SURVEY,
+    storage_parameters,
+)
+from gpr20_launch.mid.problem import Problem
+from gpr20_launch.mid.robot_check import check_robot
+from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, read_configuration
 from gpr20_launch.mid.signing_key import ensure_key
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.folder.data_folder import DataFolder
 
+ROOT = Path("/")
+
 
 def main() -> int:
     """Do what the command line asks; return the exit status."""
-    parser = argparse.ArgumentParser(
-        prog="robot_config",
-        description="Create or check the robot's configuration, make the key that signs its "
-        "surveys, or accept the data folder as the one that is used from now on.",
-    )
-    parser.add_argument("action", choices=("create", "check", "key", "accept_data"))
-    # As in the launch files, an empty variable means the default.
-    default = os.environ.get("GPR20_CONFIG") or DEFAULT_FOLDER
-    parser.add_argument("folder", nargs="?", default=default, type=Path)
-    parser.add_argument("--data", default="", help="of accept_data: as data:= of the launch")
-    given = parser.parse_args(rosgraph.myargv()[1:])
+    given = _parser().parse_args(rosgraph.myargv()[1:])
     folder = given.folder.expanduser().absolute()
     try:
-        if given.action == "create":
-            _create(folder)
-        if given.action == "key":
-            _make_key(folder)
-        sections = read_configuration(folder, built_axes())
-        if given.action == "accept_data":
-            _accept_data(sections, given.data)
-            return 0
+        return int(given.act(folder, given))
     except Gpr20Error as error:
         remedy = [] if error.message.remedy is None else [f"-> {error.message.remedy}"]
         say(f"robot_config: {error}", *remedy, file=sys.stderr)
-        return 1
     except OSError as error:
         say(f"robot_config: {folder}: {os_reason(error)}", file=sys.stderr)
-        return 1
-    say(f"{folder}: the configuration is correct")
+    return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="robot_config", description="Create, import and check the robot's configuration."
+    )
+    actions = parser.add_subparsers(dest="action", metavar="ACTION")
+    actions.required = True
+
+    def add(name: str, act: Callable[..., int], text: str) -> argparse.ArgumentParser:
+        one = actions.add_parser(name, help=text, description=text)
+        one.set_defaults(act=act)
+        return one
+
+    create = add("create", _create, "write commented files that show the defaults")
+    create.add_argument("--profile", choices=sorted(_profiles()), help="values of a known robot")
+    check = add("check", _check, "say what is wrong or doubtful; change nothing")
+    check.add_argument("--json", action="store_true", help="for programs")
+    check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
+    check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=SURVEY)
+    add("key", _make_key, "make the key that signs surveys")
+    accept = add("accept_data", _accept_data, "accept the data folder that is there from now on")
+    for one in (check, accept):
+        one.add_argument("--data", default="", help="as data:= of the launch")
+    # As in the launch files, an empty variable means the default.
+    default = os.environ.get("GPR20_CONFIG") or DEFAULT_FOLDER
+    for one in actions.choices.values():
+        one.add_argument("folder", nargs="?", default=default, type=Path)
+    return parser
+
+
+def _check(folder: Path, given: argparse.Namespace) -> int:
+    found = check_robot(
+        folder,
+        built_robot(),
+        place_of(os.environ, ROOT, folder)[1],
+        given.data,
+        real=given.robot == REAL,
+        stores=given.part != ROBOT,
+    )
+    if given.json:
+        print(json.dumps([one.record() for one in found], ensure_ascii=False))
+    else:
+        _say(folder, found)
+    return int(any(one.refuses for one in found))
+
+
+def _say(folder: Path, found: Tuple[Problem, ...]) -> None:
+    for one in found:
+        finding = Finding.of_fault("config_files", one.message)
+        say(f"{finding.level.title}: {finding.text}")
+        if finding.remedy is not None:
+            say(f"  -> {finding.remedy}")
+    if not found:
+        say(f"{folder}: the configuration is correct")
+
+
+def _create(folder: Path, given: argparse.Namespace) -> int:
+    texts = templates(built_axes())
+    if given.profile is not None:
+        files = _profiles()[given.profile].glob("*.yaml")
+        texts.update({path.name: path.read_text(encoding="utf-8") for path in files})
+    _write(folder, texts)
+    found = check_robot(folder, built_robot(), place_of(os.environ, ROOT, folder)[1], stores=False)
+    _say(folder, found)
     return 0
 
 
-def _accept_data(sections: Sections, data: str) -> None:
-    use = storage_parameters(sections, data).data_folder_use()
-    identity = DataFolder(use, Clock()).accept()
-    say(f"{use.path}: accepted as the data folder {identity}")
+def _profiles() -> Dict[str, Path]:
+    return {path.name: path for path in (built_axes().parent / "profiles").iterdir()}
 
 
-def _create(folder: Path) -> None:
+def _write(folder: Path, texts: Mapping[str, str]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in templates(built_axes()).items():
+    for name, text in sorted(texts.items()):
         path = folder / name
         try:
             with path.open("x", encoding="utf-8") as file:
@@ -74,7 +133,15 @@ def _create(folder: Path) -> None:
             say(f"{path} created")
 
 
-def _make_key(folder: Path) -> None:
+def _make_key(folder: Path, _given: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     for line in ensure_key(folder, read_configuration(folder, built_axes())):
         say(line)
+    return 0
+
+
+def _accept_data(folder: Path, given: argparse.Namespace) -> int:
+    use = storage_parameters(read_configuration(folder, built_axes()), given.data).data_folder_use()
+    identity = DataFolder(use, Clock()).accept()
+    say(f"{use.path}: accepted as the data folder {identity}")
+    return 0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, Mapping, Set, Tuple, Type, TypeVar
+from types import MappingProxyType
+from typing import Any, Dict, FrozenSet, List, Mapping, Optional, Set, Tuple, Type
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
@@ -14,6 +15,14 @@ from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
+from gpr20_launch.mid.problem import Problem
+from gpr20_launch.mid.typing_hints import (
+    hint_for_key,
+    hint_for_text,
+    hint_for_value,
+    with_hint,
+)
+from gpr20_launch.mid.wiring import Wiring
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -26,7 +35,7 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 DEFAULT_FOLDER = "~/.gpr20/robot"
 AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
-Record = TypeVar("Record")
+NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -60,8 +69,39 @@ FILES: Mapping[str, RobotFile] = {
         ((SENSORS, Sensors),),
     ),
     "site.yaml": RobotFile("this robot, its place and its operator", (("site", Site),)),
+    "wiring.yaml": RobotFile("what a person must still check on this robot", (("wiring", Wiring),)),
 }
 AXIS_SECTIONS = {axis_id.value: f"{axis_id.value}_axis" for axis_id in AxisId}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the files of a configuration hold, and what is wrong with them.
+
+    Attributes:
+        sections: Every section, without the values that are not allowed.
+        problems: These values, and files that cannot be read.
+        given: The keys that the files name, such as axes.yaml x/dir_pin.
+    """
+
+    sections: Sections
+    problems: Tuple[Problem, ...]
+    given: FrozenSet[Tuple[str, str]]
+
+    @property
+    def wrong(self) -> FrozenSet[Tuple[str, str]]:
+        """The keys of the problems."""
+        return frozenset((Path(one.file).name, one.key) for one in self.problems)
+
+    def axes(self) -> Dict[str, AxisParameters]:
+        """Return the axes whose values are allowed."""
+        found = {}
+        for axis, section in AXIS_SECTIONS.items():
+            try:
+                found[axis] = record_from(AxisParameters, self.sections[section], section)
+            except InvalidValueError:
+                continue  # it is one of the problems
+        return found
 
 
 def read_configuration(folder: Path, built_axes: Path) -> Sections:
@@ -75,44 +115,172 @@ def read_configuration(folder: Path, built_axes: Path) -> Sections:
         ConfigurationError: A file cannot be read, or has an unknown key or a value that is not
             allowed; the message names file, key, value and what is allowed.
     """
-    _refuse_unknown_files(folder)
-    sections: Sections = {}
+    found = read_files(folder, built_axes)
+    if found.problems:
+        raise ConfigurationError(found.problems[0].message)
+    return found.sections
+
+
+def read_files(folder: Path, built_axes: Path) -> Reading:
+    """Return what the files hold, with everything that is wrong with them.
+
+    Args:
+        folder: The configuration's folder; files that do not exist are left out.
+        built_axes: File with the axes of the robot as it is built.
+
+    Raises:
+        OSError: The folder cannot be read.
+    """
+    reader = _Reader()
+    reader.refuse_unknown_files(folder)
     for name, file in FILES.items():
-        sections.update(_sections(folder / name, file))
-    sections.update(_axes(folder / AXES_FILE, built_axes))
-    return sections
+        reader.read_sections(folder / name, file)
+    reader.read_axes(folder / AXES_FILE, built_axes)
+    return Reading(reader.sections, tuple(reader.problems), frozenset(reader.given))
 
 
-def _refuse_unknown_files(folder: Path) -> None:
-    known = {AXES_FILE, *FILES}
-    for path in sorted(folder.glob("*")):
-        # Editors and file managers leave hidden files.
-        is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
-        if is_yaml and path.name not in known:
-            raise ConfigurationError(
-                Message(
-                    "{file} is not a file of a robot's configuration, and would not be read; "
-                    "allowed: {known}",
-                    file=path,
-                    known=", ".join(sorted(known)),
-                ),
-                fault=faults.UNKNOWN_FILE,
-            )
+class _Reader:
+    """Collects sections, and what is wrong."""
+
+    def __init__(self) -> None:
+        self.sections: Sections = {}
+        self.problems: List[Problem] = []
+        self.given: Set[Tuple[str, str]] = set()
+
+    def refuse_unknown_files(self, folder: Path) -> None:
+        known = {AXES_FILE, *FILES}
+        for path in sorted(folder.glob("*")):
+            # Editors and file managers leave hidden files.
+            is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
+            if is_yaml and path.name not in known:
+                self._unknown_file(path, ", ".join(sorted(known)))
+
+    def _unknown_file(self, path: Path, known: str) -> None:
+        text = Message(
+            "{file} is not a file of a robot's configuration, and would not be read; "
+            "allowed: {known}",
+            file=path,
+            known=known,
+        ).with_fault(faults.UNKNOWN_FILE)
+        self.problems.append(Problem(text, str(path), allowed=known))
+
+    def read_sections(self, path: Path, file: RobotFile) -> None:
+        values = self._content(path)
+        names = {section: {one.name for one in fields(kind)} for section, kind in file.sections}
+        self._refuse_unknown_keys(path, values, set().union(*names.values()))
+        for section, kind in file.sections:
+            own = {key: value for key, value in values.items() if key in names[section]}
+            self.sections[section] = self._allowed(path, kind, own)
+
+    def read_axes(self, path: Path, built: Path) -> None:
+        values, defaults = self._content(path), read_yaml(built)
+        self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
+        names = {one.name for one in fields(AxisParameters)}
+        for axis, section in AXIS_SECTIONS.items():
+            own = values.get(axis) or {}
+            if not isinstance(own, dict):
+                reason = Message(
+                    "{place} is {value}; it must be a group of values", place=axis, value=repr(own)
+                )
+                hint = hint_for_text(path) if isinstance(own, str) else None
+                self._wrong(path, with_hint(reason, hint), axis, own)
+                own = {}
+            own = dict(own)
+            self._refuse_unknown_keys(path, own, names, f"{axis}/")
+            base = defaults[axis]
+            self.sections[section] = {
+                **base,
+                **self._allowed(path, AxisParameters, own, axis, base),
+            }
+
+    def _content(self, path: Path) -> Dict[Any, Any]:
+        try:
+            values = read_yaml(path)
+        except FileNotFoundError as error:
+            if _is_broken_link(path) or _is_broken_link(path.parent):
+                self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
+            return {}
+        except OSError as error:
+            self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
+            return {}
+        except YamlFileError as error:
+            self._wrong(path, with_hint(error.message, hint_for_text(path)))
+            return {}
+        if values is not None and not isinstance(values, dict):
+            reason = Message("it must be lines of the form {example}", example="key: value")
+            self._wrong(path, with_hint(reason, hint_for_text(path)))
+        return values if isinstance(values, dict) else {}
+
+    def _refuse_unknown_keys(
+        self, path: Path, values: Dict[Any, Any], known: Set[str], below: str = ""
+    ) -> None:
+        """Remove the keys that are unknown."""
+        for key in [one for one in values if one not in known]:
+            value = values.pop(key)
+            place = f"{below}{key}" if below else repr(key)
+            reason = with_hint(_unknown(place, known), hint_for_key(key, value, known))
+            self._wrong(path, reason, f"{below}{key}", value, ", ".join(sorted(known)))
+        self.given.update((path.name, f"{below}{key}") for key in values)
+
+    def _allowed(
+        self,
+        path: Path,
+        kind: Type,
+        own: Dict[str, Any],
+        place: str = "",
+        base: Mapping[str, Any] = NOTHING,
+    ) -> Dict[str, Any]:
+        """Return the values without those that are not allowed, alone or together."""
+        below = f"{place}/" if place else ""
+        while True:
+            error = _refusal(kind, {**base, **own}, place)
+            if error is None:
+                return own
+            key = _culprit(kind, own, place, base, error)
+            value = own.get(key)
+            hint = hint_for_value(key, value)
+            reason = with_hint(error, hint)
+            self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
+            if not key:
+                return {}
+            del own[key]
+
+    def _wrong(
+        self,
+        path: Path,
+        reason: Message,
+        key: str = "",
+        value: Any = None,
+        allowed: str = "",
+        place: str = "",
+        fault: Fault = faults.WRONG_VALUE,
+    ) -> None:
+        if place:
+            text = Message("{file}, {place}: {reason}", file=path, place=place, reason=reason)
+        else:
+            text = Message("{file}: {reason}", file=path, reason=reason)
+        shown = "" if value is None else repr(value)
+        self.problems.append(Problem(text.with_fault(fault), str(path), key, shown, allowed))
 
 
-def _sections(path: Path, file: RobotFile) -> Sections:
-    values = _read(path)
-    names = {section: {one.name for one in fields(kind)} for section, kind in file.sections}
-    known: Set[str] = set().union(*names.values())
-    unknown = [key for key in values if key not in known]
-    if unknown:
-        raise _wrong(path, _unknown(repr(unknown[0]), known))
-    found: Sections = {}
-    for section, kind in file.sections:
-        own = {key: value for key, value in values.items() if key in names[section]}
-        _check(path, kind, own)
-        found[section] = own
-    return found
+def _refusal(kind: Type, values: Mapping[str, Any], place: str) -> Optional[Message]:
+    try:
+        record_from(kind, values, place)
+    except InvalidValueError as error:
+        return error.message
+    return None
+
+
+def _culprit(
+    kind: Type, own: Mapping[str, Any], place: str, base: Mapping[str, Any], error: Message
+) -> str:
+    """Return the key without which the error is not there; empty if there is none."""
+    named = [key for key in own if key in str(error)]
+    for key in dict.fromkeys([*named, *own]):
+        rest = {one: value for one, value in own.items() if one != key}
+        if str(_refusal(kind, {**base, **rest}, place)) != str(error):
+            return key
+    return ""
 
 
 def _unknown(key: str, known: Set[str]) -> Message:
@@ -129,90 +297,6 @@ def _unknown(key: str, known: Set[str]) -> Message:
     )
 
 
-def _axes(path: Path, built: Path) -> Sections:
-    values, defaults = _read(path), _read(built)
-    for key in values:
-        if key not in AXIS_SECTIONS:
-            known = ", ".join(AXIS_SECTIONS)
-            message = Message("{place} is unknown; allowed: {known}", place=repr(key), known=known)
-            raise _wrong(path, message)
-    found: Sections = {}
-    axes: Dict[str, AxisParameters] = {}
-    for axis, section in AXIS_SECTIONS.items():
-        own = values.get(axis) or {}
-        if not isinstance(own, dict):
-            raise _wrong(
-                path,
-                Message(
-                    "{place} is {value}; it must be a group of values", place=axis, value=repr(own)
-                ),
-            )
-        found[section] = {**defaults[axis], **own}
-        axes[axis] = _check(path, AxisParameters, found[section], axis)
-    _refuse_shared_pins(path, axes)
-    return found
-
-
-def _refuse_shared_pins(path: Path, axes: Mapping[str, AxisParameters]) -> None:
-    """Refuse a pin of two axes, unless it enables the motor drivers of both."""
-    users: Dict[int, Tuple[str, Set[str]]] = {}
-    for axis, parameters in axes.items():
-        # Another controller uses no pins.
-        pins = {} if parameters.controller else parameters.pins
-        for name, pin in pins.items():
-            use = f"{name} {parameters.enable_active}" if name == "enable_pin" else f"{axis} {name}"
-            first, uses = users.setdefault(pin, (f"{axis}/{name}", set()))
-            uses.add(use)
-            if len(uses) > 1:
-                raise _wrong(
-                    path,
-                    Message(
-                        "{first} and {second} both use pin {pin}; give each a pin of its own: axes "
-                        "can share only {shared}, with the same {level}",
-                        first=first,
-                        second=f"{axis}/{name}",
-                        pin=pin,
-                        shared="enable_pin",
-                        level="enable_active",
-                    ),
-                )
-
-
-def _check(path: Path, kind: Type[Record], values: Mapping[str, Any], place: str = "") -> Record:
-    try:
-        return record_from(kind, values, place)
-    except InvalidValueError as error:
-        raise _wrong(path, error.message, place) from error
-
-
-def _read(path: Path) -> Dict[Any, Any]:
-    try:
-        values = read_yaml(path)
-    except FileNotFoundError as error:
-        if _is_broken_link(path) or _is_broken_link(path.parent):
-            raise _wrong(path, os_reason(error), fault=faults.UNREADABLE) from error
-        return {}
-    except OSError as error:
-        raise _wrong(path, os_reason(error), fault=faults.UNREADABLE) from error
-    except YamlFileError as error:
-        raise _wrong(path, error.message) from error
-    if values is None:
-        return {}
-    if not isinstance(values, dict):
-        raise _wrong(path, Message("it must be lines of the form {example}", example="key: value"))
-    return values
-
-
 def _is_broken_link(path: Path) -> bool:
     """Return whether a link leads nowhere, such as to a medium that is not there."""
     return path.is_symlink() and not path.exists()
-
-
-def _wrong(
-    path: Path, reason: Message, place: str = "", fault: Fault = faults.WRONG_VALUE
-) -> ConfigurationError:
-    if place:
-        return ConfigurationError(
-            Message("{file}, {place}: {reason}", file=path, place=place, reason=reason), fault
-        )
-    return ConfigurationError(Message("{file}: {reason}", file=path, reason=reason), fault)

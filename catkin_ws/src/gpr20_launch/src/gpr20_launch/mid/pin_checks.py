@@ -1,0 +1,188 @@
+"""The pins of the whole robot: what uses each, and whether that goes together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, Iterator, List
+
+from gpr20_common.message import Message
+from gpr20_launch import faults
+from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
+from gpr20_launch.mid.problem import Problem, problem
+from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Reading
+from gpr20_survey.axes.axis_parameters import AxisParameters, Backend, Pull
+
+HEIGHT_FILE = "height.yaml"
+# What enables the drivers of several axes.
+SHARED = "enable_pin"
+
+
+@dataclass(frozen=True)
+class PinUse:
+    """One use of a pin.
+
+    Attributes:
+        pin: The pin [BOARD].
+        file: File that names it.
+        key: Key that names it.
+        text: The use, for people.
+        value: Value of the key.
+        shared: Uses that have the same text here may share the pin; empty: this may not.
+    """
+
+    pin: int
+    file: str
+    key: str
+    text: str
+    value: object
+    shared: str = ""
+
+
+def check_pins(reading: Reading) -> Iterator[Problem]:
+    """Find pins with two purposes, and pins that something beside this software uses."""
+    axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
+    uses = [*_axis_uses(axes, reading), *_spi_uses(reading)]
+    yield from _shared(uses)
+    for use in uses:
+        yield from _reserved(use)
+    for axis, parameters in axes.items():
+        yield from _pull(axis, parameters)
+    yield from _spi(reading)
+    yield from _wave_transmitter(axes)
+
+
+def _axis_uses(axes: Dict[str, AxisParameters], reading: Reading) -> Iterator[PinUse]:
+    for axis, parameters in axes.items():
+        for name, pin in parameters.pins.items():
+            key = f"{axis}/{name}"
+            # The value in its place is only the default.
+            if (AXES_FILE, key) in reading.wrong:
+                continue
+            default = "" if (AXES_FILE, key) in reading.given else " (default)"
+            shared = f"{name} {parameters.enable_active}" if name == SHARED else ""
+            yield PinUse(pin, AXES_FILE, key, f"{AXES_FILE} {key}{default}", pin, shared)
+
+
+def _spi_uses(reading: Reading) -> Iterator[PinUse]:
+    bus, device = _spi_numbers(reading)
+    lines = SPI_BUSES.get(bus)
+    if lines is None or device >= len(lines.selects):
+        return
+    for name, pin in lines.pins(device).items():
+        key = "spi_device" if name.startswith("CE") else "spi_bus"
+        text = f"{HEIGHT_FILE} {key}: SPI{bus} {name}"
+        yield PinUse(pin, HEIGHT_FILE, key, text, device if key == "spi_device" else bus)
+
+
+def _spi_numbers(reading: Reading) -> tuple[int, int]:
+    section = reading.sections["height_sensor"]
+    return section.get("spi_bus", 0), section.get("spi_device", 0)
+
+
+def _shared(uses: List[PinUse]) -> Iterator[Problem]:
+    by_pin: Dict[int, List[PinUse]] = {}
+    for use in uses:
+        by_pin.setdefault(use.pin, []).append(use)
+    for pin, own in by_pin.items():
+        first = own[0]
+        if len(own) == 1 or (first.shared and {one.shared for one in own} == {first.shared}):
+            continue
+        texts = tuple(one.text for one in own)
+        yield problem(
+            faults.PIN_CONFLICT,
+            own[-1].file,
+            own[-1].key,
+            own[-1].value,
+            Message(
+                "pin {pin} (GPIO{gpio}) has {count} purposes: {uses}",
+                pin=pin,
+                gpio=GPIO_OF_BOARD[pin],
+                count=len(own),
+                uses=", ".join(texts),
+            ),
+            Message(
+                "a pin of its own for each; axes can share only {shared}, with the same {level}",
+                shared=SHARED,
+                level="enable_active",
+            ),
+            uses=texts,
+        )
+
+
+def _reserved(use: PinUse) -> Iterator[Problem]:
+    if use.file != AXES_FILE:
+        return
+    if use.pin in EEPROM:
+        reason = Message(
+            "at every start the Raspberry Pi sends pulses to pin {pin}, looking for an EEPROM",
+            pin=use.pin,
+        )
+    elif use.pin in UART:
+        reason = Message(
+            "pin {pin} is the serial port, on which Linux prints at its start unless its console "
+            "is switched off",
+            pin=use.pin,
+        )
+    elif use.pin in I2C:
+        reason = Message("pin {pin} is I2C, with a resistor of 1.8 kOhm to 3.3 V", pin=use.pin)
+    elif use.pin == SPI_BUSES[0].pins(1)["CE1"]:
+        reason = Message(
+            "pin {pin} is CE1 of SPI0, which Linux drives unless only one chip select is set up",
+            pin=use.pin,
+        )
+    else:
+        return
+    free = sorted(set(GPIO_OF_BOARD) - {*EEPROM, *UART, *I2C, 19, 21, 23, 24, 26})
+    yield problem(
+        faults.PIN_UNUSABLE,
+        use.file,
+        use.key,
+        use.value,
+        reason,
+        ", ".join(map(str, free)),
+        doubtful=use.pin not in EEPROM,
+        uses=(use.text,),
+    )
+
+
+def _pull(axis: str, parameters: AxisParameters) -> Iterator[Problem]:
+    if parameters.sensor_pin in I2C and parameters.endstop_pull != Pull.UP.value:
+        yield problem(
+            faults.ENDSTOP,
+            AXES_FILE,
+            f"{axis}/endstop_pull",
+            parameters.endstop_pull,
+            Message(
+                "sensor_pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls it up",
+                pin=parameters.sensor_pin,
+            ),
+            Pull.UP.value,
+        )
+
+
+def _spi(reading: Reading) -> Iterator[Problem]:
+    bus, device = _spi_numbers(reading)
+    lines = SPI_BUSES.get(bus)
+    if lines is None:
+        key, value, allowed = "spi_bus", bus, ", ".join(map(str, SPI_BUSES))
+        reason = Message("the header of a Raspberry Pi 4 has no such bus")
+    elif device >= len(lines.selects):
+        key, value, allowed = "spi_device", device, f"0 - {len(lines.selects) - 1}"
+        reason = Message("SPI bus {bus} has no such chip select", bus=bus)
+    else:
+        return
+    yield problem(faults.PIN_UNUSABLE, HEIGHT_FILE, key, value, reason, allowed)
+
+
+def _wave_transmitter(axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
+    timed = [axis for axis in AXIS_SECTIONS if axis in axes]
+    timed = [axis for axis in timed if axes[axis].backend == Backend.PIGPIO.value]
+    for axis in timed[1:]:
+        yield problem(
+            faults.MOTION,
+            AXES_FILE,
+            f"{axis}/backend",
+            Backend.PIGPIO.value,
+            Message("pigpio can time the pulses of one axis, and {first} has it", first=timed[0]),
+            Backend.RPI_GPIO.value,
+        )

@@ -1,0 +1,247 @@
+"""The rest of a robot's configuration: its folder, data, addresses, sensors, site and wiring."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, Iterator, List, Mapping, Tuple
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import ipv4_address
+from gpr20_common.mid.records import record_from
+from gpr20_common.terminal_text import printable
+from gpr20_launch import faults
+from gpr20_launch.mid.problem import Problem, problem
+from gpr20_launch.mid.robot_files import Reading
+from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Wiring
+from gpr20_survey.errors import ProcessingError
+from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.files.file_system import IN_MEMORY, existing_folder, file_system_of
+from gpr20_survey.folder.data_folder import DataFolder
+from gpr20_survey.folder.signature import key_warning
+from gpr20_survey.plan.sensors import SENSORS, Sensors
+from gpr20_survey.plan.site import Site
+from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB
+
+STORAGE_FILE, ANALYZER_FILE, HEIGHT_FILE = "storage.yaml", "analyzer.yaml", "height.yaml"
+WIRING_FILE = "wiring.yaml"
+# What editors, copies and updates of packages leave.
+LEFT_OVER = re.compile(
+    r".*(~|\.(bak|old|orig|save|sav|tmp|rej|sw[a-p]|backup|copy|new|dpkg-\w+|ucf-\w+)[\d~]*)"
+    r"|\.?#.*|\._.*|.*\.ya?ml[._-].+|.*( \(\d+\)|[ -]copy).*",
+    re.IGNORECASE,
+)
+# Folders of the system, and those that it empties.
+OF_SYSTEM = ("/bin", "/boot", "/dev", "/etc", "/lib", "/proc", "/sbin", "/sys", "/usr")
+EMPTIED = ("/tmp", "/var/tmp", "/var/cache")
+# Resistors and noise aside, 3.3 V.
+HIGHEST_INPUT_V = 3.6
+ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
+
+
+@dataclass(frozen=True)
+class Use:
+    """How the configuration will be used.
+
+    Attributes:
+        folder: Its folder.
+        environment: The environment variables, with those of the services.
+        data: Folder of the surveys that a launch is given; empty: as configured.
+        real: Whether the robot is the real one.
+        stores: Whether surveys are stored on this computer.
+    """
+
+    folder: Path
+    environment: Mapping[str, str]
+    data: str = ""
+    real: bool = True
+    stores: bool = True
+
+
+def check_place(reading: Reading, use: Use) -> Iterator[Problem]:
+    """Find what is wrong with data, addresses, sensors, site and wiring."""
+    yield from _left_over(use.folder)
+    yield from _data(reading, use)
+    yield from _sensors(reading)
+    yield from _site(reading)
+    if use.real:
+        yield from _voltage(reading)
+        yield from _addresses(reading, use)
+        yield from _unchecked(reading)
+
+
+def _left_over(folder: Path) -> Iterator[Problem]:
+    names = sorted(os.listdir(str(folder))) if folder.is_dir() else []
+    for name in names:
+        if LEFT_OVER.fullmatch(name) and not name.endswith((".yaml", ".yml")):
+            path = folder / name
+            text = Message(
+                "{file} is left over, and is not read: somebody may take it for the configuration",
+                file=printable(path),
+            )
+            yield Problem(text.with_fault(faults.LEFT_OVER_FILE), str(path))
+
+
+def _data(reading: Reading, use: Use) -> Iterator[Problem]:
+    parameters = record_from(ProcessingParameters, reading.sections["storage"], "storage")
+    configured = use.data.strip() or parameters.data.strip()
+    file, key = (STORAGE_FILE, "data") if not use.data.strip() else ("data:=", "data")
+    home = configured.startswith("~")
+    if not use.data.strip() and configured and not home and not Path(configured).is_absolute():
+        reason = Message("it depends on the folder in which the robot is started")
+        example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
+        yield problem(faults.DATA_FOLDER, file, key, parameters.data, reason, example)
+        return
+    if not use.stores:
+        return
+    folder = ProcessingParameters(data=configured).data_folder_use().path
+    yield from _suitable(folder, bool(configured), (file, key), use)
+    own = {**reading.sections["storage"], "data": configured}
+    yield from _disk(record_from(ProcessingParameters, own, "storage"), (file, key))
+
+
+def _suitable(
+    folder: Path, configured: bool, where: Tuple[str, str], use: Use
+) -> Iterator[Problem]:
+    example = Message("a folder of its own on a disk, such as {example}", example="~/gpr20_data")
+    inside = [str(one) for one in (folder, *folder.parents)]
+    reason, doubtful = None, False
+    if folder in (Path("/"), Path.home()) or set(inside) & set(OF_SYSTEM):
+        reason = Message("this folder belongs to the system")
+    elif str(use.folder) in inside:
+        reason = Message("this folder holds the configuration")
+    elif set(inside) & set(EMPTIED):
+        reason, doubtful = Message("the system empties this folder"), True
+    elif use.real and file_system_of(existing_folder(folder)).kind in IN_MEMORY:
+        reason = Message("this folder is in memory: surveys are lost when the robot is off")
+    elif configured and not folder.exists():
+        mounted = file_system_of(existing_folder(folder)).mount_point
+        reason = Message(
+            "it does not exist; a launch makes it on the file system of {mount_point}",
+            mount_point=printable(mounted),
+        )
+        doubtful = True
+    if reason is not None:
+        yield problem(faults.DATA_FOLDER, *where, folder, reason, example, doubtful=doubtful)
+
+
+def _disk(parameters: ProcessingParameters, where: Tuple[str, str]) -> Iterator[Problem]:
+    use = parameters.data_folder_use()
+    try:
+        DataFolder(use, Clock()).identify()
+    except ProcessingError as error:
+        yield Problem(error.message, *where, printable(use.path))
+        return
+    free_mb = free_bytes(existing_folder(use.path)) / BYTES_PER_MB
+    if free_mb < parameters.disk_reserve_mb:
+        reason = Message("{free_mb:.0f} MB are free there, so no survey can start", free_mb=free_mb)
+        allowed = f"<= {free_mb:.0f} MB"
+        key, value = "disk_reserve_mb", f"{parameters.disk_reserve_mb:g} MB"
+        yield problem(faults.DATA_FOLDER, where[0], key, value, reason, allowed, doubtful=True)
+    unsigned = key_warning(parameters.signer())
+    if unsigned is not None:
+        yield Problem(unsigned, STORAGE_FILE, "signing_key", parameters.signing_key)
+
+
+def _sensors(reading: Reading) -> Iterator[Problem]:
+    seen: Dict[Tuple[str, str], str] = {}
+    for number, one in enumerate(record_from(Sensors, reading.sections[SENSORS], "").sensors):
+        first = seen.setdefault((one.topic, one.field), one.name)
+        if first != one.name:
+            reason = Message(
+                "sensor {sensor} has this topic and field too, so both have one value", sensor=first
+            )
+            value = f"{one.topic} {one.field}"
+            key = f"{SENSORS}[{number}]/field"
+            allowed = Message("a field of its own for each")
+            yield problem(
+                faults.SENSORS, "sensors.yaml", key, value, reason, allowed, doubtful=True
+            )
+
+
+def _site(reading: Reading) -> Iterator[Problem]:
+    site = record_from(Site, reading.sections["site"], "")
+    if site.latitude_deg == site.longitude_deg == 0.0:
+        reason = Message("0, 0 is in the sea; without a position leave both keys out")
+        allowed = "-90 - 90"
+        yield problem(faults.SITE, "site.yaml", "latitude_deg", 0, reason, allowed, doubtful=True)
+
+
+def _voltage(reading: Reading) -> Iterator[Problem]:
+    reference_v = reading.sections["height_sensor"].get("reference_voltage_v", 0.0)
+    if reference_v > HIGHEST_INPUT_V:
+        reason = Message("a converter with this supply puts it on the MISO pin, too")
+        yield problem(
+            faults.INPUT_VOLTAGE,
+            HEIGHT_FILE,
+            "reference_voltage_v",
+            f"{reference_v:g} V",
+            reason,
+            f"0.25 - {HIGHEST_INPUT_V:g} V",
+            doubtful=True,
+        )
+
+
+def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
+    analyzer = record_from(VnaParameters, reading.sections["vna_acquisition"], "")
+    known: List[Tuple[str, str, str]] = [
+        ("environment", name, use.environment[name])
+        for name in ADDRESS_NAMES
+        if use.environment.get(name)
+    ]
+    if analyzer.analyzer == MS2026C:
+        known.append((ANALYZER_FILE, "address", analyzer.address))
+    seen: Dict[str, str] = {}
+    for file, key, address in known:
+        first = seen.setdefault(address, f"{file} {key}")
+        wrong = _not_of_device(address, key)
+        if first != f"{file} {key}":
+            reason = Message("{first} has the same address", first=first)
+        elif wrong is not None:
+            reason = wrong
+        else:
+            continue
+        allowed = Message("the address of one device, such as {example}", example="192.168.1.10")
+        # The window asks for the address of the VNA, too.
+        doubtful = key == "address" and address.startswith("127.")
+        yield problem(faults.ADDRESS, file, key, address, reason, allowed, doubtful=doubtful)
+    if sum(file == "environment" for file, _key, _address in known) == 1:
+        key, address = known[0][1:]
+        other = next(one for one in ADDRESS_NAMES if one != key)
+        reason = Message("two computers need both addresses, and {other} is empty", other=other)
+        allowed = Message("both addresses, or none")
+        yield problem(faults.ADDRESS, "environment", key, address, reason, allowed, doubtful=True)
+
+
+def _not_of_device(address: str, key: str) -> Message | None:
+    try:
+        ipv4_address(key, address)
+    except Gpr20Error as error:
+        return error.message
+    first, *_middle, last = (int(part) for part in address.split("."))
+    if first == 0 or first >= 224 or last in (0, 255):
+        return Message("no device can have this address")
+    if first == 127:
+        return Message("this is the address of each computer for itself")
+    return None
+
+
+def _unchecked(reading: Reading) -> Iterator[Problem]:
+    for one in record_from(Wiring, reading.sections["wiring"], "").unchecked:
+        reason = Message("nobody has checked it: {task}", task=TASKS[one])
+        allowed = Message("nothing in the list, once a person has checked it")
+        yield problem(
+            faults.NOT_CHECKED,
+            WIRING_FILE,
+            "unchecked",
+            one.value,
+            reason,
+            allowed,
+            doubtful=one in WITH_ROBOT,
+        )

@@ -1,0 +1,86 @@
+"""The one check of a whole robot: what is wrong or doubtful in its configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Iterator, List, Mapping, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
+from gpr20_launch import faults
+from gpr20_launch.mid.axis_checks import DescriptionError, Frame, check_axes, read_frame
+from gpr20_launch.mid.pin_checks import check_pins
+from gpr20_launch.mid.place_checks import Use, check_place
+from gpr20_launch.mid.problem import Problem
+from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_files
+
+
+@dataclass(frozen=True)
+class BuiltRobot:
+    """The robot as it is built.
+
+    Attributes:
+        axes: File with its axes.
+        urdf: Its description; None: not known.
+    """
+
+    axes: Path
+    urdf: Optional[Path] = None
+
+
+def check_robot(
+    folder: Path,
+    built: BuiltRobot,
+    environment: Mapping[str, str],
+    data: str = "",
+    real: bool = True,
+    stores: bool = True,
+) -> Tuple[Problem, ...]:
+    """Return what is wrong with the configuration of a robot, and what is doubtful, gravest first.
+
+    Nothing is started, and nothing written.
+
+    Args:
+        folder: Folder of the configuration; files that are not there mean the defaults.
+        built: The robot as it is built.
+        environment: The environment variables, with those of the services.
+        data: Folder of the surveys that a launch is given; empty: as configured.
+        real: Whether the real robot is to use it.
+        stores: Whether surveys are stored on this computer.
+    """
+    use = Use(folder, environment, data, real, stores)
+    found: List[Problem] = []
+    try:
+        for one in _check(use, built):
+            found.append(_placed(one, folder))
+    except OSError as error:
+        text = Message("{file}: {reason}", file=printable(folder), reason=os_reason(error))
+        found.append(Problem(text.with_fault(faults.UNREADABLE), str(folder)))
+    return tuple(sorted(found, key=lambda one: not one.refuses))
+
+
+def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
+    frame: Optional[Frame] = None
+    if built.urdf is not None:
+        try:
+            frame = read_frame(built.urdf)
+        except DescriptionError as error:
+            yield Problem(error.message.as_warning(), str(built.urdf))
+    reading = read_files(use.folder, built.axes)
+    yield from reading.problems
+    yield from check_pins(reading)
+    yield from check_axes(reading, frame)
+    yield from check_place(reading, use)
+
+
+def _placed(one: Problem, folder: Path) -> Problem:
+    """Return a problem with the whole path of its file, also in its sentence."""
+    if one.file not in (AXES_FILE, *FILES):
+        return one
+    file, text = str(folder / one.file), one.message
+    if text.values.get("file") == one.file:
+        values = {**text.values, "file": printable(file)}
+        text = Message(text.template, details=text.details, **values).with_fault(text.fault)
+    return replace(one, file=file, message=text)
