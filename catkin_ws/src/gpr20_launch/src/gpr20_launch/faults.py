@@ -18,33 +18,6 @@ UNKNOWN_FILE = Fault(
     "config.unknown_file",
     Message("Give the file one of the names that are allowed, or move it to another folder."),
 )
-PIN_CONFLICT = Fault(
-    "config.pin_conflict",
-    Message(
-        "Switch off the motors' power and the computer, find out what the pin is wired to, and "
-        "correct the file that the message names."
-    ),
-    replaces=True,
-)
-DOUBTFUL_VALUE = Fault(
-    "config.doubtful_value",
-    Message(
-        "Compare the value that the message names with the robot. Correct it, or leave it if the "
-        "robot is so."
-    ),
-    Severity.WARNING,
-    replaces=True,
-)
-LEFT_OVER_FILE = Fault(
-    "config.left_over_file",
-    Message("Compare the file with the one that is read, then move it to another folder."),
-    Severity.WARNING,
-)
-NOT_CHECKED = Fault(
-    "config.not_checked",
-    Message("Check on the robot what the message names, then delete its comment in the file."),
-    Severity.WARNING,
-)
 NO_FOLDER = Fault(
     "config.no_folder",
     Message("Correct the folder after config:=, or create it with robot_config create."),
