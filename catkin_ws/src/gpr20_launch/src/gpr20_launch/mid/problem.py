@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Tuple, Union
 
 from gpr20_common.message import Fault, Message, Severity
-from gpr20_common.sent_message import message_fields
 from gpr20_common.terminal_text import printable
 
 
@@ -38,9 +38,9 @@ class Problem:
         return cause is None or cause.severity is Severity.FAULT
 
     def record(self) -> Dict[str, Any]:
-        """Return it as JSON holds it."""
+        """Return the sentence as it travels, and the rest beside it."""
         own = {name: getattr(self, name) for name in ("file", "key", "value", "allowed")}
-        return {**message_fields(self.message), **own, "uses": list(self.uses)}
+        return {**json.loads(self.message.to_json()), **own, "uses": list(self.uses)}
 
 
 def problem(
