@@ -23,7 +23,7 @@ from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_folder import LOG_FILE, SURVEY_FILE
 
 # Other files of the folder, such as the signing key, are never opened.
-CONFIGURATION = ("axes", "height", "analyzer", "survey", "storage", "sensors", "site")
+CONFIGURATION = ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "wiring")
 PART_BYTES, SURVEY_BYTES = 1 << 20, 8 << 20
 LOGS_BYTES, LOG_FILES = 8 << 20, 100
 # The robot's own work comes first.

@@ -123,7 +123,8 @@ def _addresses(environment: Mapping[str, str]) -> AddressFacts:
 
 
 def _configuration(request: MachineRequest) -> Tuple[Message, ...]:
-    simulated = request.hardware is HardwareUse.SIMULATED
+    # A computer that is no part of a real robot, as far as is known, needs no address of a VNA.
+    simulated = request.hardware in (HardwareUse.SIMULATED, HardwareUse.NO_PI)
     part = SURVEY
     if request.two_computers:
         part = ROBOT if request.data is None else SERVER
