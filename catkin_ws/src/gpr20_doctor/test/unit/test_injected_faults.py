@@ -5,7 +5,6 @@ are stand-ins of the same name, first in PATH; files and mounts are real ones be
 needs a running robot is in `doctor.test`, the firewall in scripts/test/test_firewall.py.
 """
 
-import json
 import os
 import re
 import socket
@@ -22,7 +21,6 @@ from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message
-from gpr20_common.sent_message import message_fields
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import findings
@@ -197,7 +195,7 @@ STATES = {
     "two axes use one pin": State(
         "config.wrong_value",
         "Correct the file",
-        file("problems", json.dumps([message_fields(MISTAKE)])),
+        file("problems", f"[{MISTAKE.to_json()}]"),
         file("problems", "[]"),
     ),
     "the SPI bus is off": State(

@@ -1,7 +1,6 @@
 """The probes: of trees of files as computers have them, and of this computer."""
 
 import errno
-import json
 import os
 import socket
 import stat
@@ -12,7 +11,6 @@ import pytest
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
 from gpr20_doctor.low import (
     chrony,
     config_files,
@@ -196,7 +194,7 @@ ADVISED = Message("the pin is used twice").with_fault(OTHER_DATA_FOLDER)
     "script, expected",
     [
         ("echo '[]'", ()),
-        (f"cat <<'END'\n{json.dumps([message_fields(ADVISED)])}\nEND\nexit 1", (ADVISED,)),
+        (f"cat <<'END'\n[{ADVISED.to_json()}]\nEND\nexit 1", (ADVISED,)),
         ("echo '{\"a\": 1}'", ValueError),
         ("echo no", ValueError),
         ("echo 'unrecognized arguments' >&2; exit 2", OSError),

@@ -9,7 +9,7 @@ import socket
 import sys
 import threading
 from dataclasses import replace
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import List, Mapping, NamedTuple, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -82,22 +82,18 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check everything and print it; return the exit status."""
     try:
         found, robot, request = _find(given)
-        missing: Dict[str, str] = {}
-        if given.bundle is not None:
-            missing = write_bundle(given.bundle, found, robot, request)
     except (OSError, RuntimeError, rospy.ROSException) as error:
         # ~USER without such a user, a master that ends while it is asked.
-        failed = Message("The doctor could not work: {reason}", reason=str(error))
-        failed = failed.with_fault(faults.CANNOT_WORK)
-        say(catalogue.text(failed), file=sys.stderr)
-        if failed.remedy is not None:
-            say(f"-> {catalogue.text(failed.remedy)}", file=sys.stderr)
-        return REFUSED
+        return _refused(error, catalogue)
     if given.json:
         print(as_json(found, catalogue), flush=True)
     else:
         say(*lines(found, catalogue), flush=True)
     if given.bundle is not None:
+        try:
+            missing = write_bundle(given.bundle, found, robot, request)
+        except OSError as error:
+            return _refused(error, catalogue)
         written = Message(
             "{file} is written. {count} parts could not be collected: index.json in it says why.",
             file=given.bundle,
@@ -105,6 +101,15 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
         )
         say(catalogue.text(written), file=sys.stderr)
     return exit_status(found)
+
+
+def _refused(error: Exception, catalogue: Catalogue) -> int:
+    failed = Message("The doctor could not work: {reason}", reason=str(error))
+    failed = failed.with_fault(faults.CANNOT_WORK)
+    say(catalogue.text(failed), file=sys.stderr)
+    if failed.remedy is not None:
+        say(f"-> {catalogue.text(failed.remedy)}", file=sys.stderr)
+    return REFUSED
 
 
 def _find(

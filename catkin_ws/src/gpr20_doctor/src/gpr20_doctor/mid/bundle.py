@@ -8,7 +8,7 @@ import platform
 import sys
 import zipfile
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
@@ -23,7 +23,10 @@ from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_folder import LOG_FILE, SURVEY_FILE
 
 # Other files of the folder, such as the signing key, are never opened.
-CONFIGURATION = ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "wiring")
+CONFIGURATION = tuple(
+    f"{name}.yaml"
+    for name in ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "wiring")
+)
 PART_BYTES, SURVEY_BYTES = 1 << 20, 8 << 20
 LOGS_BYTES, LOG_FILES = 8 << 20, 100
 # The robot's own work comes first.
@@ -53,10 +56,16 @@ class Bundle:
         self._parts: List[str] = []
         self._missing: Dict[str, str] = {}
 
-    def add(self, name: str, content: Callable[[], str]) -> int:
-        """Add one part; return its size [characters], 0 if it could not be collected."""
+    def add(self, name: str, content: Callable[..., str], *arguments: Any) -> int:
+        """Add one part; return its size [characters], 0 if it could not be collected.
+
+        Args:
+            name: Of the part.
+            content: Returns its text.
+            arguments: Of that function.
+        """
         try:
-            text = content()
+            text = content(*arguments)
             clean = json_without_secrets if name.endswith(".json") else without_secrets
             text = clean(text)
         except (OSError, Gpr20Error, ValueError) as error:
@@ -108,18 +117,21 @@ def _collect(
     bundle: Bundle, found: Tuple[Finding, ...], robot: RobotFacts, request: MachineRequest
 ) -> Dict[str, str]:
     english = Catalogue()
-    bundle.add("README.txt", lambda: README)
-    bundle.add("findings.json", lambda: as_json(found, english))
+    bundle.add("README.txt", str, README)
+    bundle.add("findings.json", as_json, found, english)
     bundle.add("findings.txt", lambda: "\n".join(lines(found, english)))
-    bundle.add("versions.json", lambda: _versions(robot, request.root))
-    if robot.nodes:
-        bundle.add("diagnostics.json", lambda: _diagnostics(robot))
+    bundle.add("versions.json", _versions, robot, request.root)
+    bundle.add("diagnostics.json", _diagnostics, robot)
+    for name in CONFIGURATION:
+        path = request.place.config / name
+        bundle.add(f"configuration/{name}", end_of, path, PART_BYTES, True)
+    if request.place.settings is None:
+        bundle.lack("configuration/environment", "no packages of services are installed here")
     else:
-        bundle.lack("diagnostics.json", "no part of the robot reports")
-    _add_configuration(bundle, request)
+        bundle.add("configuration/environment", end_of, request.place.settings, PART_BYTES, True)
     _add_survey(bundle, request.data)
     for name, command in COMMANDS:
-        bundle.add(name, lambda command=command: output_of(command, PART_BYTES))  # type: ignore
+        bundle.add(name, output_of, command, PART_BYTES)
     _add_logs(bundle, request.place.log)
     return bundle.finish()
 
@@ -142,6 +154,8 @@ def _versions(robot: RobotFacts, root: Path) -> str:
 
 
 def _diagnostics(robot: RobotFacts) -> str:
+    if not robot.nodes:
+        raise ValueError("no part of the robot reports")
     nodes = [
         {
             "node": one.name,
@@ -155,18 +169,6 @@ def _diagnostics(robot: RobotFacts) -> str:
     return json.dumps(nodes, indent=2, ensure_ascii=False)
 
 
-def _add_configuration(bundle: Bundle, request: MachineRequest) -> None:
-    for name in CONFIGURATION:
-        path = request.place.config / f"{name}.yaml"
-        part = f"configuration/{name}.yaml"
-        bundle.add(part, lambda path=path: end_of(path, PART_BYTES, True))  # type: ignore
-    settings = request.place.settings
-    if settings is None:
-        bundle.lack("configuration/environment", "no packages of services are installed here")
-    else:
-        bundle.add("configuration/environment", lambda: end_of(settings, PART_BYTES, True))
-
-
 def _add_survey(bundle: Bundle, data: Optional[Path]) -> None:
     surveys = [] if data is None else newest(data, f"*/{SURVEY_FILE}")
     if not surveys:
@@ -174,10 +176,9 @@ def _add_survey(bundle: Bundle, data: Optional[Path]) -> None:
         bundle.lack("survey", f"there is no survey {where}")
         return
     folder = surveys[0].parent
-    for name in (SURVEY_FILE, MANIFEST_FILE):
-        part, path = f"survey/{folder.name}/{name}", folder / name
-        bundle.add(part, lambda path=path: end_of(path, SURVEY_BYTES))  # type: ignore
-    bundle.add(f"survey/{folder.name}/{LOG_FILE}", lambda: end_of(folder / LOG_FILE, PART_BYTES))
+    sizes = {SURVEY_FILE: SURVEY_BYTES, MANIFEST_FILE: SURVEY_BYTES, LOG_FILE: PART_BYTES}
+    for name, most_bytes in sizes.items():
+        bundle.add(f"survey/{folder.name}/{name}", end_of, folder / name, most_bytes)
 
 
 def _add_logs(bundle: Bundle, folder: Path) -> None:
@@ -190,4 +191,4 @@ def _add_logs(bundle: Bundle, folder: Path) -> None:
             bundle.lack("logs", f"{len(logs) - number} older ones: the bundle has its limit")
             break
         name = f"logs/{path.relative_to(folder)}"
-        left -= bundle.add(name, lambda path=path: end_of(path, PART_BYTES))  # type: ignore
+        left -= bundle.add(name, end_of, path, PART_BYTES)
