@@ -122,7 +122,8 @@ class Updater:
                 f"no packages of a version before {now}, which is installed, are kept in "
                 f"{self._paths.kept}; install the version that you want with apt-get"
             )
-        chosen = older[0]
+        newer = self._packages.is_newer
+        chosen = next(one for one in older if not any(newer(other, one) for other in older))
         self._former(chosen)
         self._say(f"the configuration is kept in {backup.keep(self._paths, now)}")
         self._keep_program()

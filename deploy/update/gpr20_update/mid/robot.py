@@ -25,7 +25,7 @@ STATE_LIMIT_S = 20.0
 WAIT_S = 60
 DOCTOR_LIMIT_S = 150.0
 # What is wrong only while the robot starts is not found again.
-LOOKS = 4
+LOOKS = 3
 _NAMESPACE = re.compile(r"^GPR20_LAUNCH_ARGUMENTS=.*\bns:=([\w/]+)", re.MULTILINE)
 
 
