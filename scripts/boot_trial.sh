@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # For maintainers: boot the robot of one machine, installed from a bundle, with systemd as its first
-# process (systemd-nspawn, no network): services, firewall, a survey, its end by `systemctl stop`, an
-# update with its way back, and the power gone in the middle of one.
+# process (systemd-nspawn, no network): services, firewall, a survey, its end by `systemctl stop`,
+# an update with its way back, and the power gone in the middle of one.
 #   sudo scripts/boot_trial.sh OLD NEW SIGNERS
 #     OLD, NEW   bundles (scripts/bundle.sh)
 #     SIGNERS    line of who signed them, for /etc/gpr20/release_signers
@@ -59,7 +59,8 @@ init_of_container() { pgrep -P "$container" | head -n 1; }
 inside() {
     local init
     init="$(init_of_container)"
-    nsenter --target "$init" --mount --uts --ipc --net --pid --root --wd=/ \
+    nsenter --target "$init" --mount --uts --ipc --net --pid --root \
+        --wd="/proc/$init/root" \
         env --ignore-environment HOME=/root PATH=/usr/bin:/bin:/usr/sbin:/sbin bash -c "$1"
 }
 
@@ -87,9 +88,10 @@ version_of() {
         "$1/Packages"
 }
 
+# survey WHAT [ARGUMENT]: without an argument of 18 traces.
 survey() {
     expect "$1" "runuser -u gpr20 -- gpr20-run ros rosrun gpr20_user_interface run_survey \
-        --wait 60 --x-points ${2:-3} --y-points 3 ${3-}"
+        --wait 60 ${2:---x-points 3 --y-points 3}"
 }
 
 clean_up() {
@@ -105,6 +107,7 @@ in_root 'apt-get update && apt-get install -y --no-install-recommends systemd-sy
 in_root 'rm -f /etc/resolv.conf && sh /mnt/install.sh gpr20-robot' --net
 rm "$root/usr/sbin/policy-rc.d"
 cat "$signers" >>"$root/etc/gpr20/release_signers"
+in_root 'gpr20-update /mnt' --net
 sed -i 's/^\(GPR20_LAUNCH_ARGUMENTS=robot:=simulated\)$/\1 time_scale:=20/' \
     "$root/etc/gpr20/environment"
 say "installed from the bundle, $(du -sm "$root" | cut -f 1) MB"
@@ -118,15 +121,16 @@ expect "the doctor finds no fault" 'runuser -u gpr20 -- gpr20-run doctor --wait 
 inside 'runuser -u gpr20 -- gpr20-run ros rosrun gpr20_user_interface run_survey --x-points 12' \
     >>"$log" 2>&1 &
 client=$!
-expect "five traces of another survey" 'until [ "$(ls -t -d /var/lib/gpr20/surveys/2* | head -n 1 |
-    xargs -I{} find {}/traces -name "*.json" | wc -l)" -ge 5 ]; do sleep 0.2; done'
+newest='$(ls -d /var/lib/gpr20/surveys/2* | tail -n 1)'
+expect "five traces of another survey" \
+    "until [ \"\$(ls -d /var/lib/gpr20/surveys/2* | wc -l)\" -eq 2 ] &&
+        [ \"\$(ls $newest/traces | wc -l)\" -ge 5 ]; do sleep 0.2; done"
 expect "gpr20-update refuses during a survey" '! gpr20-update /media/new 2>/tmp/said &&
     grep -q survey /tmp/said'
 expect "systemctl stop" 'systemctl stop gpr20-robot && systemctl start gpr20-robot'
 wait "$client" || true
 ready
-survey "the survey is resumed" 12 \
-    "--resume \$(basename \$(ls -t -d /var/lib/gpr20/surveys/2* | head -n 1))"
+survey "the survey is resumed" "--resume \$(basename $newest)"
 expect "both surveys are complete and intact" \
     'for one in /var/lib/gpr20/surveys/2*; do gpr20 verify "$one" || exit 1; done'
 
@@ -143,12 +147,12 @@ inside 'setsid gpr20-update /media/new >/tmp/update.log 2>&1 &
 power_off
 boot
 expect "after the cut the update is at an end" 'systemctl is-active gpr20-robot &&
-    [ ! -e /var/lib/gpr20-update/journal.json ] && dpkg --audit'
+    ! gpr20-update --status | grep UNFINISHED && dpkg --audit'
 say "it runs $(inside 'cat /opt/gpr20/current/release')"
 survey "a survey after the cut"
 
-inside 'sed -i "s/^GPR20_ROBOT=.*/GPR20_ROBOT=10.20.0.1/; s/^GPR20_SERVER=.*/GPR20_SERVER=10.20.0.2/" \
-    /etc/gpr20/environment'
+inside 'sed -i "s/^GPR20_ROBOT=.*/GPR20_ROBOT=10.20.0.1/
+    s/^GPR20_SERVER=.*/GPR20_SERVER=10.20.0.2/" /etc/gpr20/environment'
 expect "without GPR20_ADMIN neither firewall nor robot start" '! systemctl restart gpr20-firewall &&
     ! systemctl is-active -q gpr20-robot'
 inside 'sed -i "s/^GPR20_ADMIN=.*/GPR20_ADMIN=none/" /etc/gpr20/environment'
