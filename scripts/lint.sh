@@ -17,8 +17,8 @@ packages=(catkin_ws/src/*/src deploy/update)
 MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits,pages} benchmarks)$messages"
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
-"${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py tools/*.py \
-    tools/{checks,kits,pages}/*.py tools/{pictures,crash_matrix,fault_suite,pytest_gpr20}
+"${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py ros2/*/*.py \
+    tools/*.py tools/{checks,kits,pages}/*.py tools/{pictures,crash_matrix,fault_suite,pytest_gpr20}
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py
 

@@ -16,6 +16,7 @@ WRITTEN = {
     str(path.relative_to(ROOT)): re.findall(pattern, path.read_text(), re.MULTILINE)
     for files, pattern in (
         ("catkin_ws/src/*/package.xml", r"<version>(.+)</version>"),
+        ("ros2/*/package.xml", r"<version>(.+)</version>"),
         ("catkin_ws/src/*/src/*/__init__.py", r'^__version__ = "(.+)"$'),
         ("CITATION.cff", r"^version: (.+)$"),
     )

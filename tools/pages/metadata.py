@@ -71,7 +71,7 @@ def written_files(root: Path) -> Dict[Path, str]:
     citation = read_citation(root)
     packages = root / "catkin_ws/src"
     written = {}
-    for path in sorted(packages.glob("*/package.xml")):
+    for path in sorted([*packages.glob("*/package.xml"), *root.glob("ros2/*/package.xml")]):
         written[path] = package_xml(path.read_text(encoding="utf-8"), citation)
     for path in sorted(packages.glob("*/pyproject.toml")):
         written[path] = pyproject(path.read_text(encoding="utf-8"), citation)
