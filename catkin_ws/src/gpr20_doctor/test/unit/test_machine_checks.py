@@ -186,6 +186,12 @@ def test_space_and_speed_of_another_disk_are_not_called_good():
         assert one.check not in ("data_disk", "disk_speed")
 
 
+def test_a_data_folder_that_two_checks_refuse_is_listed_once():
+    facts = replace(HEALTHY, disk=replace(DISK, known=OTHER), configuration=(OTHER,))
+    found = [one.check for one in findings(None, facts) if one.level is Level.FAULT]
+    assert found == ["data_folder"]
+
+
 def test_the_free_space_is_listed_once():
     found = findings(facts(), HEALTHY)
     assert sum("GB free" in str(one.text) for one in found) == 1

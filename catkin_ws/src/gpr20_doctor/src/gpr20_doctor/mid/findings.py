@@ -12,6 +12,7 @@ from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_doctor.mid.version_checks import check_installed
 
+FILES = "config_files"
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
 
@@ -34,6 +35,9 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tu
         found.extend(check_installed(robot, machine.software))
     if any(one.check == "disk" and one.level is not Level.UNKNOWN for one in found):
         found = [one for one in found if one.check != "data_disk"]
+    # The check of the files also looks at the data folder, whose own check says more.
+    known = {one.text.fault_code for one in found if one.check == "data_folder"} - {""}
+    found = [one for one in found if one.check != FILES or one.text.fault_code not in known]
     if machine is not None:
         found = [advised(one, machine.place) for one in found]
     return tuple(sorted(found, key=lambda one: one.level, reverse=True))

@@ -166,15 +166,15 @@ def _outside(
 
 
 def _volumes(request: MachineRequest) -> Tuple[VolumeFacts, ...]:
-    """Look at each file system that the robot writes to, once."""
+    """Look at each mount that the robot writes to, once."""
     state = state_folder(request.environment)
     wanted = [request.root, request.root / "var/log", request.place.log, state, request.data]
-    found: Dict[int, VolumeFacts] = {}
+    found: Dict[str, VolumeFacts] = {}
     for folder in filter(None, wanted):
         existing = existing_folder(folder)
         one, numbers = file_system_of(existing), os.statvfs(str(existing))
         found.setdefault(
-            one.device,
+            one.mount_point,
             VolumeFacts(
                 one.mount_point,
                 folder,
