@@ -9,6 +9,8 @@ import pytest
 import update_kit
 import update_world
 
+pytestmark = pytest.mark.needs("packages")
+
 # Whatever the scripts of the package call.
 CALLED = ("cp", "mv", "ln", "sync", "rm", "mkdir", "readlink")
 

@@ -17,6 +17,8 @@ import update_world
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 
+pytestmark = pytest.mark.needs("packages")
+
 
 @pytest.fixture(scope="module")
 def first(tmp_path_factory):

@@ -18,6 +18,8 @@ from gpr20_update.low.paths import Paths
 from gpr20_update.mid import backup
 from gpr20_update.mid.bundle import find_bundle, open_bundle
 
+pytestmark = pytest.mark.needs("packages")
+
 # Every example damages what it has copied.
 SAME_FOLDER = settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

@@ -80,6 +80,13 @@ def try_mounts() -> None:
             raise NotAllowedError(str(error).replace(f" {place}:", "")) from error
 
 
+def try_packages() -> None:
+    """Have the tools that make packages, and the rights that install them."""
+    _run("dpkg-scanpackages", "--version")
+    if os.geteuid() != 0:
+        raise NotAllowedError("only root installs them")
+
+
 # What a marker may name.
 ABILITIES: Dict[str, Callable[[], None]] = {
     "network namespaces": try_network_namespaces,
@@ -87,6 +94,7 @@ ABILITIES: Dict[str, Callable[[], None]] = {
     "terminals": try_terminals,
     "tun": try_tun,
     "mounts": try_mounts,
+    "packages": try_packages,
 }
 
 
