@@ -16,3 +16,9 @@ class LaunchRefusedError(Gpr20Error, RuntimeError):
     """A robot cannot be launched as requested."""
 
     fault = faults.WRONG_ARGUMENT
+
+
+class OldLaunchError(Gpr20Error, ValueError):
+    """A launch file of the original software cannot be imported."""
+
+    fault = faults.OLD_LAUNCH

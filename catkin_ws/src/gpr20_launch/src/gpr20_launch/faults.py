@@ -95,3 +95,7 @@ INPUT_VOLTAGE = Fault(
         "its inputs are made for 3.3 V."
     ),
 )
+OLD_LAUNCH = Fault(
+    "config.old_launch",
+    Message("Give the launch file of the robot's computer, and a folder without these files."),
+)

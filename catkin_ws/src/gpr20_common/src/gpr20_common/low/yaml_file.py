@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any, Union
 
@@ -22,6 +23,10 @@ _REFUSED = (yaml.YAMLError, ValueError, ArithmeticError, AttributeError, LookupE
 
 # `<<: *other`, which may be there several times.
 MERGE_TAG = "tag:yaml.org,2002:merge"
+STRING_TAG = "tag:yaml.org,2002:str"
+NUMBER_TAGS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+# In YAML 1.1 013 is 11, and 10:50 is 650; nobody means that who writes it.
+_ODD_NUMBER = re.compile(r"[-+]?(0[0-9_]+|[0-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)?)")
 
 
 class YamlFileError(Gpr20Error, ValueError):
@@ -56,6 +61,11 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
 
 class _UniqueKeyLoader(yaml.SafeLoader):
     """Refuses a key that is written twice, of which the stock loader keeps the last value."""
+
+    def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
+        tag = super().resolve(kind, value, implicit)
+        odd = tag in NUMBER_TAGS and isinstance(value, str) and _ODD_NUMBER.fullmatch(value)
+        return STRING_TAG if odd and implicit[0] else tag
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
         seen = set()

@@ -13,10 +13,12 @@ import rosgraph
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import place_of
+from gpr20_launch.errors import OldLaunchError
 from gpr20_launch.high.check_launch import built_axes, built_robot
 from gpr20_launch.mid.launch_request import (
     REAL,
@@ -26,9 +28,11 @@ from gpr20_launch.mid.launch_request import (
     SURVEY,
     storage_parameters,
 )
+from gpr20_launch.mid.old_launch import read_launch
+from gpr20_launch.mid.old_robot import old_robot
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import DEFAULT_FOLDER, read_configuration
+from gpr20_launch.mid.robot_files import read_configuration
 from gpr20_launch.mid.signing_key import ensure_key
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.folder.data_folder import DataFolder
@@ -64,6 +68,8 @@ def _parser() -> argparse.ArgumentParser:
 
     create = add("create", _create, "write commented files that show the defaults")
     create.add_argument("--profile", choices=sorted(_profiles()), help="values of a known robot")
+    old = add("import", _import, "write files from a launch file of the original software")
+    old.add_argument("launch", type=Path, help="the launch file of the robot's computer")
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
     check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
@@ -72,8 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     accept = add("accept_data", _accept_data, "accept the data folder that is there from now on")
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
-    # As in the launch files, an empty variable means the default.
-    default = os.environ.get("GPR20_CONFIG") or DEFAULT_FOLDER
+    default = place_of(os.environ, ROOT)[0].config
     for one in actions.choices.values():
         one.add_argument("folder", nargs="?", default=default, type=Path)
     return parser
@@ -96,10 +101,11 @@ def _check(folder: Path, given: argparse.Namespace) -> int:
 
 
 def _say(folder: Path, found: Tuple[Problem, ...]) -> None:
-    for one in found:
-        finding = Finding.of_fault("config_files", one.message)
+    findings = [Finding.of_fault("config_files", one.message) for one in found]
+    for finding, after in zip(findings, [*findings[1:], None]):
         say(f"{finding.level.title}: {finding.text}")
-        if finding.remedy is not None:
+        # What is to be done about several is said once.
+        if finding.remedy is not None and (after is None or after.remedy != finding.remedy):
             say(f"  -> {finding.remedy}")
     if not found:
         say(f"{folder}: the configuration is correct")
@@ -110,10 +116,34 @@ def _create(folder: Path, given: argparse.Namespace) -> int:
     if given.profile is not None:
         files = _profiles()[given.profile].glob("*.yaml")
         texts.update({path.name: path.read_text(encoding="utf-8") for path in files})
+    return _fill(folder, texts)
+
+
+def _fill(folder: Path, texts: Mapping[str, str]) -> int:
     _write(folder, texts)
     found = check_robot(folder, built_robot(), place_of(os.environ, ROOT, folder)[1], stores=False)
     _say(folder, found)
     return 0
+
+
+def _import(folder: Path, given: argparse.Namespace) -> int:
+    robot = old_robot(given.launch, read_launch(given.launch))
+    there = [name for name in sorted(robot.texts) if os.path.lexists(str(folder / name))]
+    if there:
+        raise OldLaunchError(
+            Message(
+                "{folder} has {names} already, which stay as they are",
+                folder=folder,
+                names=", ".join(there),
+            )
+        )
+    for title, lines in (
+        ("taken", robot.taken),
+        ("changed", robot.changed),
+        ("without a counterpart here", robot.left),
+    ):
+        say(f"{title}:", *(f"  {line}" for line in lines or ["nothing"]))
+    return _fill(folder, {**templates(built_axes()), **robot.texts})
 
 
 def _profiles() -> Dict[str, Path]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterator, Mapping, Optional, Tuple
+from typing import Any, Iterator, Mapping, Optional, Tuple
 from xml.etree import ElementTree
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
 from gpr20_launch import faults
 from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import AXES_FILE, Reading
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
 
@@ -24,13 +23,14 @@ COARSEST_STEP_MM, COARSEST_STEP_DEG = 1.0, 15.0
 # Beyond them nothing of this size stays on its rails, or no stepper motor follows.
 FASTEST_MM_S, FASTEST_DEG_S = 500.0, 1080.0
 FASTEST_START_HZ = 1000.0
-FASTEST_CHANGE_PER_S2 = 1.0e5
+FASTEST_CHANGE_PER_S2 = 2.0e4
 # Longer than anybody waits for the homing of an axis.
 LONGEST_HOMING_S = 3600.0
 # The antennas turn to these rotations in a survey with both polarizations.
 ROTATIONS_DEG = (0.0, 90.0)
 MM_PER_M = 1000.0
 AXES = "xyz"
+AXES_FILE = "axes.yaml"
 
 
 class DescriptionError(Gpr20Error, ValueError):
@@ -70,7 +70,8 @@ def read_frame(urdf: Path) -> Frame:
 def _travel(root: ElementTree.Element, axis: str) -> Tuple[float, float]:
     limit = root.find(f"joint[@name='{axis}_axis_joint']/limit")
     scale = math.degrees(1.0) if axis == AxisId.Z.value else MM_PER_M
-    assert limit is not None, axis
+    if limit is None:
+        raise ValueError(f"{axis}_axis_joint has no limit")
     return float(limit.attrib["lower"]) * scale, float(limit.attrib["upper"]) * scale
 
 
@@ -85,84 +86,98 @@ def _outer_mm(root: ElementTree.Element) -> Iterator[Tuple[str, float]]:
         yield axis, MM_PER_M * (max(ends) - min(ends))
 
 
-def check_axes(reading: Reading, frame: Optional[Frame]) -> Iterator[Problem]:
+def impossible_values(axis: str, values: Mapping[str, Any]) -> Iterator[Problem]:
+    """Find what cannot be, before the values are compared with each other.
+
+    Args:
+        axis: The axis.
+        values: All its values, whatever they are.
+    """
+    rotary = axis == AxisId.Z.value
+    unit = "deg" if rotary else "mm"
+    wanted = (AxisType.ROTARY if rotary else AxisType.LINEAR).value
+    kinds = [one.value for one in AxisType]
+    if values["type"] in kinds and values["type"] != wanted:
+        reason = Message("x and y move along a line in mm, z turns in degrees")
+        yield problem(faults.TRAVEL, AXES_FILE, f"{axis}/type", values["type"], reason, wanted)
+    low, high, step = (_number(values[key]) for key in ("min_coord", "max_coord", "step_size"))
+    least, most = (0.0, LARGEST_TURN_DEG) if rotary else (SHORTEST_MM, LONGEST_MM)
+    # Where the ends are exchanged, the comparison says so.
+    if high > low and not least <= high - low <= most:
+        yield problem(
+            faults.TRAVEL,
+            AXES_FILE,
+            f"{axis}/max_coord" if abs(high) >= abs(low) else f"{axis}/min_coord",
+            f"{high if abs(high) >= abs(low) else low:g} {unit}",
+            Message("a travel of {travel:g} {unit} cannot be", travel=high - low, unit=unit),
+            Message("a travel of {least:g} to {most:g} {unit}", least=least, most=most, unit=unit),
+        )
+    coarsest = COARSEST_STEP_DEG if rotary else COARSEST_STEP_MM
+    if step > coarsest:
+        reason = Message("no motor of this robot has such steps")
+        allowed, shown = f"<= {coarsest:g} {unit}", f"{step:g} {unit}"
+        yield problem(faults.MOTION, AXES_FILE, f"{axis}/step_size", shown, reason, allowed)
+
+
+def _number(value: Any) -> float:
+    """Return a number; NaN, which compares as false, for anything else."""
+    return float(value) if type(value) in (int, float) and abs(value) < 1e300 else math.nan
+
+
+def check_axes(axes: Mapping[str, AxisParameters], frame: Optional[Frame]) -> Iterator[Problem]:
     """Find travels, speeds and accelerations that cannot be, or hardly."""
-    for axis, parameters in reading.axes().items():
-        wanted = AxisType.ROTARY if axis == AxisId.Z.value else AxisType.LINEAR
-        if parameters.type != wanted.value:
-            yield problem(
-                faults.TRAVEL,
-                AXES_FILE,
-                f"{axis}/type",
-                parameters.type,
-                Message("x and y move along a line in mm, z turns in degrees"),
-                wanted.value,
+    for axis, parameters in axes.items():
+        if frame is not None:
+            yield from _check_travel(axis, parameters, frame)
+        if axis == AxisId.Z.value and not all(
+            parameters.min_coord <= one <= parameters.max_coord for one in ROTATIONS_DEG
+        ):
+            reason = Message("surveys turn the antennas to 0 and 90 degrees")
+            yield _doubtful(
+                faults.TRAVEL, f"{axis}/max_coord", parameters.max_coord, reason, ">= 90"
             )
-            continue
-        yield from _check_travel(axis, parameters, frame)
         yield from _check_motion(axis, parameters)
 
 
-def _check_travel(axis: str, own: AxisParameters, frame: Optional[Frame]) -> Iterator[Problem]:
-    travel = own.max_coord - own.min_coord
-    key, value = f"{axis}/max_coord", f"{own.max_coord:g} {own.unit}"
-    linear = own.type == AxisType.LINEAR.value
-    longest, shortest = (LONGEST_MM, SHORTEST_MM) if linear else (LARGEST_TURN_DEG, 0.0)
-    described = None if frame is None else frame.travel[axis]
-    low, high = described or (0.0, longest)
+def _doubtful(fault: Fault, key: str, value: object, reason: Message, allowed: str) -> Problem:
+    return problem(fault, AXES_FILE, key, value, reason, allowed, doubtful=True)
+
+
+def _check_travel(axis: str, own: AxisParameters, frame: Frame) -> Iterator[Problem]:
+    low, high = frame.travel[axis]
     allowed = f"{low:g} - {high:g} {own.unit}"
-    if not shortest <= travel <= longest:
-        reason = Message(
-            "a travel of {travel:g} {unit} cannot be; the unit is {unit}",
-            travel=travel,
-            unit=own.unit,
-        )
-        yield problem(faults.TRAVEL, AXES_FILE, key, value, reason, allowed)
-        return
-    if frame is not None and linear and travel > frame.outer_mm[axis]:
+    travel = own.max_coord - own.min_coord
+    if travel > frame.outer_mm.get(axis, math.inf):
         reason = Message(
             "the travel of {travel:g} mm is longer than the frame of the robot's description, "
             "{outer:.0f} mm",
             travel=travel,
             outer=frame.outer_mm[axis],
         )
-        yield problem(faults.TRAVEL, AXES_FILE, key, value, reason, allowed, doubtful=True)
-    elif described is not None:
-        margin = 1.0e-6 * (high - low)
-        for end, coordinate in (("min_coord", own.min_coord), ("max_coord", own.max_coord)):
-            if not low - margin <= coordinate <= high + margin:
-                reason = Message("the robot's description (URDF) ends before")
-                shown = f"{coordinate:g} {own.unit}"
-                key = f"{axis}/{end}"
-                yield problem(faults.TRAVEL, AXES_FILE, key, shown, reason, allowed, doubtful=True)
-    if not linear and not all(own.min_coord <= one <= own.max_coord for one in ROTATIONS_DEG):
-        reason = Message("surveys turn the antennas to 0 and 90 degrees")
-        yield problem(faults.TRAVEL, AXES_FILE, key, value, reason, allowed, doubtful=True)
+        shown = f"{own.max_coord:g} {own.unit}"
+        yield _doubtful(faults.TRAVEL, f"{axis}/max_coord", shown, reason, allowed)
+        return
+    margin = 1.0e-6 * (high - low)
+    for end in ("min_coord", "max_coord"):
+        coordinate = getattr(own, end)
+        if not low - margin <= coordinate <= high + margin:
+            reason = Message("the robot's description (URDF) ends before")
+            shown = f"{coordinate:g} {own.unit}"
+            yield _doubtful(faults.TRAVEL, f"{axis}/{end}", shown, reason, allowed)
 
 
 def _check_motion(axis: str, own: AxisParameters) -> Iterator[Problem]:
-    linear = own.type == AxisType.LINEAR.value
-    coarsest = COARSEST_STEP_MM if linear else COARSEST_STEP_DEG
-    if own.step_size > coarsest:
-        reason = Message("no motor of this robot has such steps")
-        allowed = f"0 - {coarsest:g} {own.unit}"
-        shown = f"{own.step_size:g} {own.unit}"
-        yield problem(faults.MOTION, AXES_FILE, f"{axis}/step_size", shown, reason, allowed)
-        return
-    fastest = FASTEST_MM_S if linear else FASTEST_DEG_S
-    speed = own.step_size / (2.0 * own.min_step)
-    key, value = f"{axis}/min_step", f"{own.min_step:g} s"
-    least_s = own.step_size / (2.0 * fastest)
+    fastest = FASTEST_MM_S if own.type == AxisType.LINEAR.value else FASTEST_DEG_S
+    speed = 0.5 * own.step_size / own.min_step
     if speed > fastest:
         reason = Message("the axis would move at {speed:.0f} {unit}/s", speed=speed, unit=own.unit)
-        yield problem(faults.MOTION, AXES_FILE, key, value, reason, f">= {least_s:.3g} s")
-    if 1.0 / (2.0 * own.max_step) > FASTEST_START_HZ:
-        reason = Message(
-            "the motor would start with {rate:.0f} steps per second", rate=0.5 / own.max_step
-        )
-        allowed, value = f">= {0.5 / FASTEST_START_HZ:g} s", f"{own.max_step:g} s"
-        key = f"{axis}/max_step"
-        yield problem(faults.MOTION, AXES_FILE, key, value, reason, allowed, doubtful=True)
+        allowed, shown = f">= {0.5 * own.step_size / fastest:.3g} s", f"{own.min_step:g} s"
+        yield problem(faults.MOTION, AXES_FILE, f"{axis}/min_step", shown, reason, allowed)
+    start_hz = 0.5 / own.max_step
+    if start_hz > FASTEST_START_HZ:
+        reason = Message("the motor would start with {rate:.0f} steps per second", rate=start_hz)
+        allowed, shown = f">= {0.5 / FASTEST_START_HZ:g} s", f"{own.max_step:g} s"
+        yield _doubtful(faults.MOTION, f"{axis}/max_step", shown, reason, allowed)
     change = _largest_change(own)
     if change > FASTEST_CHANGE_PER_S2:
         reason = Message(
@@ -170,15 +185,13 @@ def _check_motion(axis: str, own: AxisParameters) -> Iterator[Problem]:
             change=change,
             unit=own.unit,
         )
-        allowed = f"<= {FASTEST_CHANGE_PER_S2:.0f} {own.unit}/s2"
-        shown, key = f"{own.delta_step:g} s", f"{axis}/delta_step"
-        yield problem(faults.MOTION, AXES_FILE, key, shown, reason, allowed, doubtful=True)
+        allowed, shown = f"<= {FASTEST_CHANGE_PER_S2:.0f} {own.unit}/s2", f"{own.delta_step:g} s"
+        yield _doubtful(faults.MOTION, f"{axis}/delta_step", shown, reason, allowed)
     homing_s = 2.0 * own.max_step * own.travel_steps
     if homing_s > LONGEST_HOMING_S:
         reason = Message("its homing could take {hours:.1f} hours", hours=homing_s / 3600.0)
-        allowed = f"<= {LONGEST_HOMING_S / 3600.0:g} h"
-        shown, key = f"{own.step_size:g} {own.unit}", f"{axis}/step_size"
-        yield problem(faults.MOTION, AXES_FILE, key, shown, reason, allowed, doubtful=True)
+        allowed, shown = f"<= {LONGEST_HOMING_S / 3600.0:g} h", f"{own.step_size:g} {own.unit}"
+        yield _doubtful(faults.MOTION, f"{axis}/step_size", shown, reason, allowed)
 
 
 def _largest_change(own: AxisParameters) -> float:

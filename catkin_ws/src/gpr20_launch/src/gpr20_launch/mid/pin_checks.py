@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, List
+from typing import Any, Dict, Iterator, List
 
 from gpr20_common.message import Message
 from gpr20_launch import faults
 from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Reading
-from gpr20_survey.axes.axis_parameters import AxisParameters, Backend, Pull
+from gpr20_survey.axes.axis_parameters import AxisParameters, Backend, Level, Pull
 
 HEIGHT_FILE = "height.yaml"
 # What enables the drivers of several axes.
 SHARED = "enable_pin"
+# A switch to ground works with the resistors of I2C.
+ENDSTOP = "sensor_pin"
 
 
 @dataclass(frozen=True)
@@ -40,27 +42,33 @@ class PinUse:
 
 def check_pins(reading: Reading) -> Iterator[Problem]:
     """Find pins with two purposes, and pins that something beside this software uses."""
-    axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
-    uses = [*_axis_uses(axes, reading), *_spi_uses(reading)]
+    uses = [*_axis_uses(reading), *_spi_uses(reading)]
     yield from _shared(uses)
     for use in uses:
         yield from _reserved(use)
+    axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
     for axis, parameters in axes.items():
         yield from _pull(axis, parameters)
     yield from _spi(reading)
     yield from _wave_transmitter(axes)
 
 
-def _axis_uses(axes: Dict[str, AxisParameters], reading: Reading) -> Iterator[PinUse]:
-    for axis, parameters in axes.items():
-        for name, pin in parameters.pins.items():
-            key = f"{axis}/{name}"
-            # The value in its place is only the default.
-            if (AXES_FILE, key) in reading.wrong:
-                continue
-            default = "" if (AXES_FILE, key) in reading.given else " (default)"
-            shared = f"{name} {parameters.enable_active}" if name == SHARED else ""
-            yield PinUse(pin, AXES_FILE, key, f"{AXES_FILE} {key}{default}", pin, shared)
+def is_pin(key: str, value: Any) -> bool:
+    """Return whether a key of an axis has a pin that exists."""
+    return key.endswith("_pin") and type(value) is int and value in GPIO_OF_BOARD
+
+
+def _axis_uses(reading: Reading) -> Iterator[PinUse]:
+    for axis, values in reading.raw_axes.items():
+        if values.get("controller"):
+            continue  # that has no pins
+        level = values.get("enable_active", Level.LOW.value)
+        for name, pin in values.items():
+            if is_pin(name, pin):
+                key = f"{axis}/{name}"
+                default = "" if (AXES_FILE, key) in reading.given else " (default)"
+                shared = f"{name} {level}" if name == SHARED else ""
+                yield PinUse(pin, AXES_FILE, key, f"{AXES_FILE} {key}{default}", pin, shared)
 
 
 def _spi_uses(reading: Reading) -> Iterator[PinUse]:
@@ -123,7 +131,7 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
             "is switched off",
             pin=use.pin,
         )
-    elif use.pin in I2C:
+    elif use.pin in I2C and not use.key.endswith(ENDSTOP):
         reason = Message("pin {pin} is I2C, with a resistor of 1.8 kOhm to 3.3 V", pin=use.pin)
     elif use.pin == SPI_BUSES[0].pins(1)["CE1"]:
         reason = Message(
@@ -141,7 +149,7 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
         reason,
         ", ".join(map(str, free)),
         doubtful=use.pin not in EEPROM,
-        uses=(use.text,),
+        uses=(use.text, str(reason)),
     )
 
 

@@ -77,7 +77,7 @@ def check_place(reading: Reading, use: Use) -> Iterator[Problem]:
 
 
 def _left_over(folder: Path) -> Iterator[Problem]:
-    names = sorted(os.listdir(str(folder))) if folder.is_dir() else []
+    names = sorted(os.listdir(str(folder))) if folder.exists() else []
     for name in names:
         if LEFT_OVER.fullmatch(name) and not name.endswith((".yaml", ".yml")):
             path = folder / name
@@ -116,7 +116,7 @@ def _suitable(
         reason = Message("this folder belongs to the system")
     elif str(use.folder) in inside:
         reason = Message("this folder holds the configuration")
-    elif set(inside) & set(EMPTIED):
+    elif configured and set(inside) & set(EMPTIED) - set(map(str, Path.home().parents)):
         reason, doubtful = Message("the system empties this folder"), True
     elif use.real and file_system_of(existing_folder(folder)).kind in IN_MEMORY:
         reason = Message("this folder is in memory: surveys are lost when the robot is off")
@@ -146,7 +146,8 @@ def _disk(parameters: ProcessingParameters, where: Tuple[str, str]) -> Iterator[
         yield problem(faults.DATA_FOLDER, where[0], key, value, reason, allowed, doubtful=True)
     unsigned = key_warning(parameters.signer())
     if unsigned is not None:
-        yield Problem(unsigned, STORAGE_FILE, "signing_key", parameters.signing_key)
+        text = Message("{file}: {reason}", file=STORAGE_FILE, reason=unsigned)
+        yield Problem(text, STORAGE_FILE, "signing_key", parameters.signing_key)
 
 
 def _sensors(reading: Reading) -> Iterator[Problem]:
@@ -195,7 +196,9 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
         for name in ADDRESS_NAMES
         if use.environment.get(name)
     ]
-    if analyzer.analyzer == MS2026C:
+    # Without an address the window asks for it.
+    given = (ANALYZER_FILE, "address") in reading.given
+    if use.stores and given and analyzer.analyzer == MS2026C:
         known.append((ANALYZER_FILE, "address", analyzer.address))
     seen: Dict[str, str] = {}
     for file, key, address in known:
@@ -223,7 +226,7 @@ def _not_of_device(address: str, key: str) -> Message | None:
     try:
         ipv4_address(key, address)
     except Gpr20Error as error:
-        return error.message
+        return error.message.with_fault(None)
     first, *_middle, last = (int(part) for part in address.split("."))
     if first == 0 or first >= 224 or last in (0, 255):
         return Message("no device can have this address")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import errno
+import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Iterator, List, Mapping, Optional, Tuple
 
@@ -11,7 +13,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
 from gpr20_launch.mid.axis_checks import DescriptionError, Frame, check_axes, read_frame
-from gpr20_launch.mid.pin_checks import check_pins
+from gpr20_launch.mid.pin_checks import check_pins, is_pin
 from gpr20_launch.mid.place_checks import Use, check_place
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_files
@@ -54,7 +56,7 @@ def check_robot(
     found: List[Problem] = []
     try:
         for one in _check(use, built):
-            found.append(_placed(one, folder))
+            found.append(one.placed(folder) if one.file in (AXES_FILE, *FILES) else one)
     except OSError as error:
         text = Message("{file}: {reason}", file=printable(folder), reason=os_reason(error))
         found.append(Problem(text.with_fault(faults.UNREADABLE), str(folder)))
@@ -68,19 +70,20 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
             frame = read_frame(built.urdf)
         except DescriptionError as error:
             yield Problem(error.message.as_warning(), str(built.urdf))
+    if use.folder.exists() and not use.folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
+    if not use.folder.exists():
+        text = Message(
+            "the folder {folder} does not exist: the defaults are used", folder=use.folder
+        )
+        yield Problem(text.with_fault(faults.NO_FOLDER).as_warning(), str(use.folder))
     reading = read_files(use.folder, built.axes)
-    yield from reading.problems
-    yield from check_pins(reading)
-    yield from check_axes(reading, frame)
+    pins = tuple(check_pins(reading))
+    for one in reading.problems:
+        # A pin that exists is refused for a second use in its axis, which has a problem of its own.
+        axis, _slash, key = one.key.partition("/")
+        if not is_pin(key, reading.raw_axes.get(axis, {}).get(key)):
+            yield one
+    yield from pins
+    yield from check_axes(reading.axes(), frame)
     yield from check_place(reading, use)
-
-
-def _placed(one: Problem, folder: Path) -> Problem:
-    """Return a problem with the whole path of its file, also in its sentence."""
-    if one.file not in (AXES_FILE, *FILES):
-        return one
-    file, text = str(folder / one.file), one.message
-    if text.values.get("file") == one.file:
-        values = {**text.values, "file": printable(file)}
-        text = Message(text.template, details=text.details, **values).with_fault(text.fault)
-    return replace(one, file=file, message=text)

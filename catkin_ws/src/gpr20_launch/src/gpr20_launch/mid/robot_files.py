@@ -15,6 +15,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
+from gpr20_launch.mid.axis_checks import AXES_FILE, impossible_values
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.typing_hints import (
     hint_for_key,
@@ -33,7 +34,6 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 DEFAULT_FOLDER = "~/.gpr20/robot"
-AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -82,16 +82,13 @@ class Reading:
         sections: Every section, without the values that are not allowed.
         problems: These values, and files that cannot be read.
         given: The keys that the files name, such as axes.yaml x/dir_pin.
+        raw_axes: The values of each axis with the defaults, also those that are not allowed.
     """
 
     sections: Sections
     problems: Tuple[Problem, ...]
     given: FrozenSet[Tuple[str, str]]
-
-    @property
-    def wrong(self) -> FrozenSet[Tuple[str, str]]:
-        """The keys of the problems."""
-        return frozenset((Path(one.file).name, one.key) for one in self.problems)
+    raw_axes: Mapping[str, Mapping[str, Any]]
 
     def axes(self) -> Dict[str, AxisParameters]:
         """Return the axes whose values are allowed."""
@@ -136,7 +133,7 @@ def read_files(folder: Path, built_axes: Path) -> Reading:
     for name, file in FILES.items():
         reader.read_sections(folder / name, file)
     reader.read_axes(folder / AXES_FILE, built_axes)
-    return Reading(reader.sections, tuple(reader.problems), frozenset(reader.given))
+    return Reading(reader.sections, tuple(reader.problems), frozenset(reader.given), reader.raw)
 
 
 class _Reader:
@@ -146,6 +143,7 @@ class _Reader:
         self.sections: Sections = {}
         self.problems: List[Problem] = []
         self.given: Set[Tuple[str, str]] = set()
+        self.raw: Dict[str, Mapping[str, Any]] = {}
 
     def refuse_unknown_files(self, folder: Path) -> None:
         known = {AXES_FILE, *FILES}
@@ -188,6 +186,10 @@ class _Reader:
             own = dict(own)
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
             base = defaults[axis]
+            self.raw[axis] = {**base, **own}
+            for one in impossible_values(axis, self.raw[axis]):
+                self.problems.append(one.placed(path.parent))
+                own.pop(one.key.partition("/")[2], None)
             self.sections[section] = {
                 **base,
                 **self._allowed(path, AxisParameters, own, axis, base),
@@ -216,11 +218,25 @@ class _Reader:
     ) -> None:
         """Remove the keys that are unknown."""
         for key in [one for one in values if one not in known]:
+            self._refuse_comma(path, values, key, below)
+            if key not in values:
+                continue
             value = values.pop(key)
             place = f"{below}{key}" if below else repr(key)
-            reason = with_hint(_unknown(place, known), hint_for_key(key, value, known))
+            reason = with_hint(_unknown(place, known), hint_for_key(key, known))
             self._wrong(path, reason, f"{below}{key}", value, ", ".join(sorted(known)))
         self.given.update((path.name, f"{below}{key}") for key in values)
+
+    def _refuse_comma(self, path: Path, values: Dict[Any, Any], key: Any, below: str) -> None:
+        """Remove both halves of a number such as 0,01 between braces, where 01 is another key."""
+        names = list(values)
+        before = names[max(0, names.index(key) - 1)]
+        if values[key] is None and str(key).isdigit() and type(values[before]) is int:
+            number = f"{values.pop(before)},{key}"
+            del values[key]
+            place = f"{below}{before}"
+            reason = Message("{place} is {value}", place=place, value=repr(number))
+            self._wrong(path, with_hint(reason, hint_for_value("", number)), place, number)
 
     def _allowed(
         self,
@@ -232,17 +248,20 @@ class _Reader:
     ) -> Dict[str, Any]:
         """Return the values without those that are not allowed, alone or together."""
         below = f"{place}/" if place else ""
+        removed: List[str] = []
         while True:
             error = _refusal(kind, {**base, **own}, place)
             if error is None:
                 return own
             key = _culprit(kind, own, place, base, error)
             value = own.get(key)
-            hint = hint_for_value(key, value)
-            reason = with_hint(error, hint)
-            self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
+            # What is only wrong without a value that was wrong itself is no mistake of its own.
+            if not any(one in str(error) for one in removed):
+                reason = with_hint(error, hint_for_value(key, value))
+                self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
             if not key:
                 return {}
+            removed.append(key)
             del own[key]
 
     def _wrong(
@@ -275,10 +294,13 @@ def _culprit(
     kind: Type, own: Mapping[str, Any], place: str, base: Mapping[str, Any], error: Message
 ) -> str:
     """Return the key without which the error is not there; empty if there is none."""
-    named = [key for key in own if key in str(error)]
-    for key in dict.fromkeys([*named, *own]):
+    text = str(error)
+    shown = [key for key, value in own.items() if key in text and str(value) in text]
+    valued = [key for key, value in own.items() if str(value) in text]
+    named = [key for key in own if key in text]
+    for key in dict.fromkeys([*shown, *valued, *named, *own]):
         rest = {one: value for one, value in own.items() if one != key}
-        if str(_refusal(kind, {**base, **rest}, place)) != str(error):
+        if str(_refusal(kind, {**base, **rest}, place)) != text:
             return key
     return ""
 

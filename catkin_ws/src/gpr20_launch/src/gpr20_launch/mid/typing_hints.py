@@ -41,16 +41,15 @@ def hint_for_value(key: str, value: Any) -> Optional[Message]:
     unit = _UNIT.fullmatch(text)
     if unit:
         return Message("write the number without its unit: {number}", number=unit.group(1))
+    if re.fullmatch(r"0+[1-9]\d*", text):
+        return Message("write the number without zeros before it: {number}", number=int(text))
     if re.fullmatch(r"[+-]?[\d.]+", text):
         return Message("write the number without quotes, with one point at most")
     return None
 
 
-def hint_for_key(key: Any, value: Any, known: Iterable[str]) -> Optional[Message]:
+def hint_for_key(key: Any, known: Iterable[str]) -> Optional[Message]:
     """Return what an unknown key was meant to be; None if that is not known."""
-    if isinstance(key, (int, float)) and value is None:
-        # In {step_size: 0,01} the comma separates two entries.
-        return Message("write a point, not a comma: between braces a comma begins another key")
     if not isinstance(key, str):
         return None
     names = {re.sub(r"[\W_]", "", name.lower()): name for name in known}

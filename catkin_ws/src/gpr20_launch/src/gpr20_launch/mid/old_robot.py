@@ -1,0 +1,153 @@
+"""A configuration made of the launch files of the software with which GPR-20 was built.
+
+Its axis node (gpr20_axis_driver, 2021) reads nine parameters of each axis. It drives DIR low for
+increasing coordinates, and sets no pull-up for the endstops.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Dict, List, Mapping
+
+import yaml
+
+from gpr20_common.message import Message
+from gpr20_launch.errors import OldLaunchError
+from gpr20_launch.mid.old_launch import LaunchParameters
+from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
+from gpr20_launch.mid.wiring import Unchecked
+from gpr20_survey.axes.axis_parameters import AxisType
+
+PINS = ("dir_pin", "step_pin", "sensor_pin")
+NUMBERS = ("step_size", "min_step", "max_step", "delta_step", "min_coord", "max_coord")
+NAMES = (*PINS, *NUMBERS, "type")
+VNA_NAMES = ("vna_ip", "ip_addr", "vna_address")
+# Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
+_AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
+ANALYZER_FILE, WIRING_FILE = "analyzer.yaml", "wiring.yaml"
+TO_CHECK = (
+    Unchecked.PINS,
+    Unchecked.ENDSTOP_LEVELS,
+    Unchecked.EMERGENCY_STOP,
+    Unchecked.DIRECTIONS,
+    Unchecked.TRAVEL,
+)
+
+
+@dataclass
+class OldRobot:
+    """A configuration, and what became of the parameters.
+
+    Attributes:
+        texts: Text of each file.
+        taken: Parameters that mean the same here.
+        changed: What is written otherwise, and why.
+        left: Parameters that have no counterpart here.
+    """
+
+    texts: Dict[str, str] = field(default_factory=dict)
+    taken: List[str] = field(default_factory=list)
+    changed: List[str] = field(default_factory=list)
+    left: List[str] = field(default_factory=list)
+
+
+def old_robot(path: Path, parameters: LaunchParameters) -> OldRobot:
+    """Return the configuration that a launch file of the original means.
+
+    Args:
+        path: The launch file.
+        parameters: What it sets.
+
+    Raises:
+        OldLaunchError: It sets no parameter of an axis.
+    """
+    robot = OldRobot(left=list(parameters.unresolved))
+    axes: Dict[str, Dict[str, Any]] = {}
+    for name, value in sorted(parameters.values.items()):
+        axis, key = _axis_of(name), name.rsplit("/", 1)[-1]
+        if axis and key in NAMES:
+            axes.setdefault(axis, {})[key] = value
+        elif key in VNA_NAMES:
+            robot.texts[ANALYZER_FILE] = f"# From {path.name}.\naddress: {_written(value)}\n"
+            robot.taken.append(f"{name} -> {ANALYZER_FILE} address: {value}")
+        else:
+            robot.left.append(f"{name}: {value}")
+    if not axes:
+        raise OldLaunchError(
+            Message(
+                "{file} sets no parameter of an axis, such as {example}",
+                file=path,
+                example="gpr20_x_axis/gpr20_axis/dir_pin",
+            )
+        )
+    lines = [f"# {AXES_FILE}: from {path.name}; a key that is not here has its default."]
+    for axis in AXIS_SECTIONS:
+        lines += _axis_lines(axis, axes.get(axis, {}), robot)
+    robot.texts[AXES_FILE] = "\n".join([*lines, ""])
+    robot.texts[WIRING_FILE] = "\n".join(
+        [
+            f"# {WIRING_FILE}: {path.name} does not show whether this is right for the robot.",
+            "# Delete each line when a person has checked it, as docs/wiring.md describes.",
+            "unchecked:",
+            *(f"  - {one.value}" for one in TO_CHECK),
+            "",
+        ]
+    )
+    return robot
+
+
+def _axis_of(name: str) -> str:
+    """Return the axis that a full name of a parameter belongs to; empty: none."""
+    for part in reversed(name.split("/")[:-1]):
+        match = _AXIS.fullmatch(part.lower())
+        if match:
+            return match.group(1) or match.group(2)
+    return ""
+
+
+def _axis_lines(axis: str, old: Mapping[str, Any], robot: OldRobot) -> List[str]:
+    if not old:
+        robot.changed.append(f"{axis}: the file sets nothing, so the defaults count")
+        return []
+    own = dict(old)
+    kind = own.get("type")
+    if isinstance(kind, str) and kind != kind.strip().upper():
+        own["type"] = kind.strip().upper()
+        robot.changed.append(f"{axis}/type: {kind} -> {own['type']}")
+    if "sensor_pin" in own and own.get("type") == AxisType.ROTARY.value:
+        pin = own.pop("sensor_pin")
+        robot.changed.append(
+            f"{axis}/sensor_pin: {pin} -> left out: an axis that turns has no endstop, also before"
+        )
+        robot.changed.append(
+            f"{axis}: its homing called the place where it was min_coord; here a person sets 0"
+        )
+    missing = [key for key in NAMES if key not in old and key != "sensor_pin"]
+    robot.changed += [f"{axis}/{key}: not in the file, so the default counts" for key in missing]
+    robot.changed.append(
+        f"{axis}/invert_direction: true, because DIR was low for increasing coordinates"
+    )
+    if "sensor_pin" in own:
+        robot.changed.append(
+            f"{axis}/endstop_pull: up, so that a broken wire has a level; before there was none"
+        )
+    lines = [f"{axis}:"]
+    for key in NAMES:
+        if key in own:
+            robot.taken.append(f"{axis}/{key}: {own[key]}{_unit(axis, key)}")
+            lines.append(f"  {key}: {_written(own[key])}")
+    return [*lines, "  invert_direction: true  # DIR was low for increasing coordinates"]
+
+
+def _written(value: Any) -> str:
+    text: str = yaml.safe_dump(value, default_flow_style=True, width=math.inf)
+    return text.splitlines()[0]  # a plain value is followed by a line of dots
+
+
+def _unit(axis: str, key: str) -> str:
+    if key in ("step_size", "min_coord", "max_coord"):
+        return " deg" if axis == "z" else " mm"
+    return " s" if key in NUMBERS else ""

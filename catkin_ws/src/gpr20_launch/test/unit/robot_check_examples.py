@@ -1,0 +1,27 @@
+"""Folders of configurations for the tests of the check of the whole robot."""
+
+from pathlib import Path
+
+from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
+
+PACKAGES = Path(__file__).resolve().parents[3]
+BUILT = BuiltRobot(
+    PACKAGES / "gpr20_launch/config/axes.yaml",
+    PACKAGES / "gpr20_visualization/urdf/gpr20.urdf",
+)
+PROFILES = PACKAGES / "gpr20_launch/config/profiles"
+VNA = "address: 192.168.1.10\n"
+
+
+def write(folder, files):
+    """Write files, by name; one without an ending is a YAML file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in {"analyzer": VNA, **files}.items():
+        path = folder / (name if "." in name or "~" in name else f"{name}.yaml")
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+
+
+def checked(folder, environment=(), **options):
+    """Return what the check finds; the state of this computer does not matter."""
+    own = {"GPR20_STATE": str(folder / "state"), **dict(environment)}
+    return check_robot(folder, BUILT, own, **options)
