@@ -14,6 +14,10 @@ import sys
 import pytest
 import update_world
 
+from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
+from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.output import as_json
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 
@@ -52,6 +56,13 @@ def test_a_new_fault_returns_the_version_before(world):
     assert (world.version(), world.data()) == ("1.0", data)
     assert world.services_run()
     assert "axes is bad" in world.update("--status")
+
+
+def test_the_doctors_own_json_is_understood(world):
+    found = (Finding("vna", Level.OK, Message("good")), Finding("z", Level.FAULT, Message("bad z")))
+    catalogue = read_catalogue(language_from_code("en"))
+    (world.root / "doctor-2.0").write_text(as_json(found, catalogue))
+    assert "bad z" in world.update(world.bundle("2.0"), status=1)
 
 
 def test_a_doctor_that_cannot_judge_returns_the_version_before(world):
