@@ -306,8 +306,10 @@ def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
     (tmp_path / "file").write_text("")
     (one,) = checked(tmp_path / "file", stores=False)
     assert one.message.fault_code == faults.UNREADABLE.code and one.refuses
-    one = checked(tmp_path / "none", stores=False)[0]
+    (one,) = checked(tmp_path / "none", stores=False)
     assert one.message.fault_code == faults.NO_FOLDER.code and not one.refuses
+    # A robot that needs no values of its own needs no folder.
+    assert checked(tmp_path / "home/.gpr20/robot", stores=False) == ()
 
 
 def test_sizes_are_those_of_the_description(tmp_path):

@@ -16,7 +16,7 @@ from gpr20_launch.mid.axis_checks import DescriptionError, Frame, check_axes, re
 from gpr20_launch.mid.pin_checks import check_pins, is_pin
 from gpr20_launch.mid.place_checks import Use, check_place
 from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_files
+from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, FILES, read_files
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
             yield Problem(error.message.as_warning(), str(built.urdf))
     if use.folder.exists() and not use.folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
-    if not use.folder.exists():
+    if not use.folder.exists() and use.folder != Path(DEFAULT_FOLDER).expanduser():
         text = Message(
             "the folder {folder} does not exist: the defaults are used", folder=use.folder
         )
