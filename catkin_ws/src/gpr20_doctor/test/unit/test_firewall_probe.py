@@ -99,7 +99,7 @@ def test_a_table_that_was_flushed_is_found_and_the_advice_ends_it(machine):
             machine.run("nft", "flush", "ruleset")
             level, code, text, advice = machine.look()
             assert (level, code) == ("FAULT", "network.firewall_open")
-            assert "192.0.2.1:11311" in text
+            assert "11311" in text
             machine.follow(advice)
             assert machine.look()[0] == "OK"
         finally:

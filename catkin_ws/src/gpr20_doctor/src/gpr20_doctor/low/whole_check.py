@@ -17,11 +17,13 @@ STATUSES = (0, 1)
 UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
 
 
-def problems(folder: Path, data: Optional[Path], robot: str, part: str) -> Tuple[Message, ...]:
+def problems(
+    folder: Optional[Path], data: Optional[Path], robot: str, part: str
+) -> Tuple[Message, ...]:
     """Return what is wrong in the files of a configuration, each with its fault.
 
     Args:
-        folder: Of the configuration.
+        folder: Of the configuration; None: the default one.
         data: Folder of the surveys; None: as configured.
         robot: gpr20 or simulated.
         part: What runs on this computer: robot, server, or survey for both.
@@ -30,8 +32,9 @@ def problems(folder: Path, data: Optional[Path], robot: str, part: str) -> Tuple
         OSError: The program is not there, or did not answer; the text says why.
         ValueError: Its answer was not understood.
     """
-    given = [] if data is None else ["--data", str(data)]
-    command = [*PROGRAM, str(folder), "--robot", robot, "--part", part, *given]
+    command = [*PROGRAM, "--robot", robot, "--part", part]
+    command += [] if data is None else ["--data", str(data)]
+    command += [] if folder is None else [str(folder)]
     try:
         ended = subprocess.run(command, capture_output=True, timeout=LIMIT_S, check=False)
     except subprocess.TimeoutExpired as error:

@@ -119,7 +119,8 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
     if not facts.two_computers:
         yield Finding("clock", Level.NOTE, Message("Clock offset: there is one computer."))
     elif not isinstance(clock, ClockFacts):
-        yield not_known("clock", Message("the offset of the clock"), clock)
+        remedy = Message("Install chrony on both computers, or run: chronyc tracking")
+        yield not_known("clock", Message("the offset of the clock"), clock, remedy)
     elif not clock.synchronized:
         text = Message("chrony does not follow the other computer's clock.")
         yield Finding.of_fault("clock", text.with_fault(faults.CLOCK_NOT_FOLLOWED))

@@ -194,12 +194,12 @@ class OutsideFacts:
 
     Attributes:
         tried: Number of the ports.
-        reached: Those that took a connection, as ADDRESS:PORT.
+        reached: Those that took a connection.
         switched_off: Whether the settings of the services say that there is no firewall.
     """
 
     tried: int
-    reached: Tuple[str, ...] = ()
+    reached: Tuple[int, ...] = ()
     switched_off: bool = False
 
 

@@ -48,6 +48,7 @@ from gpr20_doctor.mid.machine_facts import (
     VolumeFacts,
 )
 from gpr20_doctor.mid.machine_request import REAL, SIMULATED, MachineRequest
+from gpr20_doctor.mid.place import default_configuration
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
@@ -128,9 +129,11 @@ def _configuration(request: MachineRequest) -> Tuple[Message, ...]:
     part = SURVEY
     if request.two_computers:
         part = ROBOT if request.data is None else SERVER
-    return whole_check.problems(
-        request.place.config, request.data, SIMULATED if simulated else REAL, part
-    )
+    folder = request.place.config
+    # Without the default folder the defaults are used, and that is no mistake.
+    missing = folder == default_configuration() and not os.path.exists(str(folder))
+    robot = SIMULATED if simulated else REAL
+    return whole_check.problems(None if missing else folder, request.data, robot, part)
 
 
 def _exposed(request: MachineRequest) -> List[Tuple[str, int]]:
@@ -159,8 +162,8 @@ def _outside(
     def attempt() -> OutsideFacts:
         # Also of a robot that is off: a port that the doctor opens.
         reached = outside.reached_from_outside(own, exposed)
-        tried = len(own) + len(exposed)
-        return OutsideFacts(tried, tuple(f"{host}:{port}" for host, port in reached), off)
+        ports = tuple(sorted({port for _address, port in reached}))
+        return OutsideFacts(len(own) + len(exposed), ports, off)
 
     return _known(lambda: _in_time(attempt))
 

@@ -7,6 +7,7 @@ from gpr20_doctor.mid.finding import Finding, Level, Unknown
 
 NOT_ASKED = Message("it was not looked for")
 BY_HAND = Message("Look by hand: docs/doctor.md says how.")
+ASK = Message("Run the doctor without --quick, or touch CHECK ALL on ROBOT.")
 
 
 def not_known(check: str, subject: Message, fact: object, remedy: Message = BY_HAND) -> Finding:
@@ -23,5 +24,5 @@ def not_known(check: str, subject: Message, fact: object, remedy: Message = BY_H
         check,
         Level.UNKNOWN,
         Message("Not known: {subject} ({reason}).", subject=subject, reason=reason),
-        remedy,
+        remedy if isinstance(fact, Unknown) else ASK,
     )

@@ -42,6 +42,11 @@ class Place:
 NO_PLACE = Place()
 
 
+def default_configuration() -> Path:
+    """Return the folder of the configuration where nothing else was said."""
+    return Path(DEFAULT_CONFIGURATION).expanduser()
+
+
 def place_of(
     environment: Mapping[str, str], root: Path, config: Optional[Path] = None
 ) -> Tuple[Place, Dict[str, str]]:
@@ -57,7 +62,7 @@ def place_of(
     """
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
     known = {**_values(settings), **environment}
-    folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
+    folder = config or known.get("GPR20_CONFIG") or default_configuration()
     units = [name for name in (ROBOT, SERVER) if any(map(os.path.exists, _unit_files(root, name)))]
     logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
     place = Place(

@@ -23,6 +23,7 @@ FEW_FILES = 2000
 # A clock that starts at the last date that it knows is days behind; a time zone is not.
 BEHIND_LIMIT_S = 86400.0
 LISTED = 4
+AS_ROOT = 'sudo -E env "PATH=$PATH" rosrun gpr20_doctor doctor'
 
 
 def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
@@ -59,7 +60,7 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
         yield _nothing_open(facts.closed)
     elif not isinstance(outside, OutsideFacts):
         subject = Message("whether a foreign computer reaches the robot's ports")
-        as_root = "sudo gpr20-run doctor" if facts.place.settings else "sudo -E rosrun ..."
+        as_root = "sudo gpr20-run doctor" if facts.place.settings else AS_ROOT
         command = Message("Run the doctor once as root: {command}", command=as_root)
         yield not_known("firewall", subject, outside, command)
     elif not outside.reached:
@@ -67,9 +68,9 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
         yield Finding("firewall", Level.OK, text)
     else:
         text = Message(
-            "A computer with a foreign address reaches {ports}: everybody in the network can move "
-            "the robot.",
-            ports=", ".join(outside.reached[:LISTED]),
+            "A computer with a foreign address reaches ports of this one ({ports}): everybody in "
+            "the network can move the robot.",
+            ports=", ".join(map(str, outside.reached[:LISTED])),
         )
         off = outside.switched_off
         fault = faults.FIREWALL_OFF if off else faults.FIREWALL_OPEN
