@@ -8,6 +8,7 @@ from __future__ import annotations
 import fcntl
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -86,6 +87,19 @@ def test_back_returns_to_the_version_before_and_keeps_the_configuration(world):
     world.update("--back")
     assert (world.version(), world.data()) == ("1.0", data)
     assert "before 1.0" in world.update("--back", status=2)
+
+
+def test_a_return_leaves_the_release_in_use_if_it_is_of_that_version(world):
+    world.update(world.bundle("2.0"))
+    world.update("--back")
+    slots = world.root / "opt/gpr20/slots"
+    assert {(one / "release").read_text("utf-8") for one in slots.iterdir()} == {"1.0\n"}
+    for one in slots.iterdir():
+        if not one.samefile(slots.parent / "current"):
+            shutil.rmtree(one / "lib")
+    world.update(world.bundle("2.0"), kill_at=2, status=-9)
+    world.update("--continue")
+    assert world.version() == "1.0"
 
 
 def events(text):

@@ -48,7 +48,7 @@ class Updater:
         self._robot.refuse_during_survey(no_survey)
         stick = open_bundle(find_bundle(place.resolve()), self._paths.signers)
         self._say(f"{shown(stick.folder)}: version {stick.version}, signed by {stick.signer}")
-        stick.check_architecture(self._packages.architecture())
+        self._packages.check_architecture(stick)
         installed = self._packages.installed()
         before = installed[SOFTWARE]
         if self._packages.is_newer(before, stick.version):
@@ -79,7 +79,7 @@ class Updater:
             bundle.version,
             tuple(names),
             tuple(self._robot.active()),
-            tuple(sorted(one.key for one in faults or ())),
+            tuple(sorted(faults or ())),
             str(kept),
         )
         return self._install(record, bundle)
@@ -93,7 +93,7 @@ class Updater:
             self._journal.write(dataclasses.replace(record, step=Step.JUDGING))
             self._robot.start(record.services)
             self._say("asking the doctor")
-            wrong = self._robot.new_faults(frozenset(record.faults))
+            wrong = self._robot.new_faults(record.faults)
         except (UpdateError, OSError) as error:
             wrong = [str(error)]
         if wrong:

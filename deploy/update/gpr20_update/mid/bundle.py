@@ -18,7 +18,6 @@ from gpr20_update.low.system import BLOCK_BYTES, remove, replace_file, run, show
 SUMS, SIGNATURE, INDEX = "SHA256SUMS", "SHA256SUMS.sig", "Packages"
 NAMESPACE = "gpr20-release"
 SOFTWARE = "gpr20-software"
-ALL_ARCHITECTURES = "all"
 MAX_LIST_BYTES, MAX_FILE_BYTES = 4 << 20, 4 << 30
 RESERVE_BYTES = 300 << 20
 KIB = 1024
@@ -50,18 +49,10 @@ class Bundle:
         """The version of the software."""
         return self.packages[SOFTWARE]["Version"]
 
-    def check_architecture(self, architecture: str) -> None:
-        """Refuse a bundle for computers of another kind.
-
-        Raises:
-            UpdateError: It is for another one.
-        """
-        own = self.packages[SOFTWARE]["Architecture"]
-        if own not in (architecture, ALL_ARCHITECTURES):
-            raise UpdateError(
-                f"the bundle {shown(self.folder)} is for computers with {own}, this one has "
-                f"{architecture}; use the bundle for {architecture}"
-            )
+    def files_of(self, names: List[str]) -> List[Path]:
+        """Return the files of packages, of those that it has."""
+        found = [self.packages[name] for name in names if name in self.packages]
+        return [self.folder / Path(one["Filename"]).name for one in found]
 
     def copy(self, target: Path) -> None:
         """Copy it durably and compare every file on the way; the stick is not needed afterwards.
@@ -238,9 +229,3 @@ def _compared(path: Path, digest: str) -> Iterator[bytes]:
             f"{shown(path)} is not as it was signed: it is damaged or was changed; copy the bundle "
             "to the stick again"
         )
-
-
-def packages_of(bundle: Bundle, names: List[str]) -> List[Path]:
-    """Return the files of packages, of those that the bundle has."""
-    found = [bundle.packages[name] for name in names if name in bundle.packages]
-    return [bundle.folder / Path(one["Filename"]).name for one in found]

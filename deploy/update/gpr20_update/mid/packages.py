@@ -8,7 +8,7 @@ from typing import Dict, List, Tuple
 from gpr20_update.errors import UpdateError
 from gpr20_update.low.paths import Paths
 from gpr20_update.low.system import Ended, frontend_lock, replace_file, replace_link, run, shown
-from gpr20_update.mid.bundle import SOFTWARE, Bundle, packages_of
+from gpr20_update.mid.bundle import SOFTWARE, Bundle
 
 QUERY_LIMIT_S = 60.0
 INSTALL_LIMIT_S = 1800.0
@@ -31,9 +31,19 @@ class Packages:
     def __init__(self, paths: Paths) -> None:
         self._paths = paths
 
-    def architecture(self) -> str:
-        """Return the kind of computer, as Debian calls it."""
-        return _must(run("dpkg", "--print-architecture", limit_s=QUERY_LIMIT_S)).output.strip()
+    def check_architecture(self, bundle: Bundle) -> None:
+        """Refuse a bundle for computers of another kind.
+
+        Raises:
+            UpdateError: It is for another one.
+        """
+        own = _must(run("dpkg", "--print-architecture", limit_s=QUERY_LIMIT_S)).output.strip()
+        wanted = bundle.packages[SOFTWARE]["Architecture"]
+        if wanted not in (own, "all"):
+            raise UpdateError(
+                f"the bundle {shown(bundle.folder)} is for computers with {wanted}, this one has "
+                f"{own}; use the bundle for {own}"
+            )
 
     def states(self) -> Dict[str, Tuple[str, str]]:
         """Return state and version of each package of this project, by name."""
@@ -109,7 +119,7 @@ class Packages:
             if added:
                 _dpkg("--force-depends", "--remove", *added)
             wanted = (INSTALLED, bundle.version)
-            files = packages_of(bundle, [one for one in names if before.get(one) != wanted])
+            files = bundle.files_of([one for one in names if before.get(one) != wanted])
             # Only what is half done: no package of the distribution returns.
             begun = {one for one, (state, _) in before.items() if state != INSTALLED} - set(names)
             files += [one for one in other if one.name.split("_")[0] in begun]
@@ -124,7 +134,7 @@ class Packages:
 
     def use_slot(self, version: str) -> None:
         """Let services and commands use a release that is in a slot at once, if it is."""
-        for slot in sorted(self._paths.slots.glob("?")):
+        for slot in sorted(self._paths.slots.glob("?")) if self.slot_version() != version else ():
             file = slot / "release"
             if file.is_file() and file.read_text(encoding="utf-8").strip() == version:
                 replace_link(self._paths.current, f"slots/{slot.name}")

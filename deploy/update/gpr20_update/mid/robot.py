@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
-from typing import FrozenSet, List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from gpr20_update.errors import UpdateError
 from gpr20_update.low.paths import Paths
@@ -27,26 +26,6 @@ DOCTOR_LIMIT_S = 150.0
 # What is wrong only while the robot starts is not found again.
 LOOKS = 3
 _NAMESPACE = re.compile(r"^GPR20_LAUNCH_ARGUMENTS=.*\bns:=([\w/]+)", re.MULTILINE)
-
-
-@dataclass(frozen=True)
-class Found:
-    """A FAULT that the doctor found.
-
-    Attributes:
-        check: Name of the check.
-        code: Code of the fault.
-        text: The sentence, for people.
-    """
-
-    check: str
-    code: str
-    text: str
-
-    @property
-    def key(self) -> str:
-        """What it is, without values that change."""
-        return f"{self.check} {self.code}"
 
 
 class Robot:
@@ -130,31 +109,31 @@ class Robot:
         units = [f"{one}.service" for one in services]
         run("systemctl", "--no-block", "start", *units, limit_s=STOP_LIMIT_S)
 
-    def faults(self) -> Optional[FrozenSet[Found]]:
-        """Return each FAULT that the doctor finds; None: it cannot judge."""
+    def faults(self) -> Optional[Dict[str, str]]:
+        """Return each FAULT that the doctor finds, by check and code; None: it cannot judge."""
         wait = ("--wait", str(WAIT_S)) if self.active() else ()
         asked = ("doctor", "--json", "--language", "en", *wait)
         try:
             findings = json.loads(self._run_part(*asked, limit_s=DOCTOR_LIMIT_S))["findings"]
-            return frozenset(
-                Found(str(one["check"]), str(one["fault_code"]), shown(one["text"]))
+            return {
+                f"{one['check']} {one['fault_code']}": shown(one["text"])
                 for one in findings
                 if one["level"] == FAULT
-            )
+            }
         except (ValueError, KeyError, TypeError):
             return None
 
-    def new_faults(self, known: FrozenSet[str]) -> List[str]:
+    def new_faults(self, known: Tuple[str, ...]) -> List[str]:
         """Return what is wrong that was not before, as sentences; empty: nothing.
 
         Args:
-            known: Keys of what was wrong before.
+            known: What was wrong before, by check and code.
         """
         wrong = ["the doctor could not judge"]
         for _look in range(LOOKS):
             found = self.faults()
             if found is not None:
-                wrong = sorted(one.text for one in found if one.key not in known)
+                wrong = sorted(text for key, text in found.items() if key not in known)
                 if not wrong:
                     break
         return wrong
