@@ -8,6 +8,12 @@ from __future__ import annotations
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity
 
+MOTORS_THEN_RESTART = Message(
+    "Switch off the motors' power. Then end the ROS master and start the robot again."
+)
+LOAD_FIREWALL = Message("Load the firewall of docs/install.md, as root.")
+LISTEN_HERE = Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again.")
+
 CANNOT_WORK = Fault(
     "doctor.cannot_work",
     Message("Remove the reason that the message names, then run gpr20 doctor again."),
@@ -25,31 +31,17 @@ CALIBRATION_UNKNOWN = Fault(
 )
 IDENTITY_WRONG = Fault("vna.not_of_this_robot", Message("Check the address of the VNA."))
 NO_MASTER = Fault("doctor.no_master", remedies.START_ROBOT)
-MASTER_ENDED = Fault(
-    "doctor.master_ended",
-    Message("Switch off the motors' power. Then start the robot again."),
-    may_move=True,
-)
-MASTER_HANGS = Fault(
-    "doctor.master_hangs",
-    Message("Switch off the motors' power. Then end the ROS master and start the robot again."),
-    may_move=True,
-)
-MASTER_UNREACHABLE = Fault(
-    "doctor.master_unreachable",
-    Message("Check that the other computer is switched on, and the cable between them."),
-)
+MASTER_ENDED = Fault("doctor.master_ended", MOTORS_THEN_RESTART, may_move=True)
+MASTER_HANGS = Fault("doctor.master_hangs", MOTORS_THEN_RESTART, may_move=True)
+MASTER_UNREACHABLE = Fault("doctor.master_unreachable", remedies.START_ROBOT)
 MASTER_ELSEWHERE = Fault(
     "doctor.master_elsewhere", Message("Set ROS_MASTER_URI to the master that has the robot.")
 )
 OTHER_NAMESPACE = Fault(
     "doctor.other_namespace", Message("Use the namespace of the robot: gpr20 doctor --ns NAME")
 )
-NO_ROBOT = Fault("doctor.no_robot", Message("Start the robot: roslaunch gpr20 survey.launch"))
-PARTS_MISSING = Fault(
-    "doctor.parts_missing",
-    Message("Start the robot's software on the computer of these parts."),
-)
+NO_ROBOT = Fault("doctor.no_robot", remedies.START_ROBOT)
+PARTS_MISSING = Fault("doctor.parts_missing", remedies.START_ROBOT)
 NODE_HANGS = Fault(
     "doctor.node_hangs",
     Message(
@@ -57,13 +49,9 @@ NODE_HANGS = Fault(
         "starts it again. If it still hangs, switch the robot off and on."
     ),
 )
-FILES_WRONG = Fault(
-    "doctor.files_wrong", Message("Correct the file that the message names, then start the robot.")
-)
-FIREWALL_OPEN = Fault("network.firewall_open", Message("Load the firewall of docs/install.md."))
-FIREWALL_OFF = Fault(
-    "network.firewall_off", Message("Switch the firewall on: GPR20_FIREWALL=on, and load it.")
-)
+FILES_WRONG = Fault("doctor.files_wrong", remedies.CHECK_CONFIGURATION)
+FIREWALL_OPEN = Fault("network.firewall_open", LOAD_FIREWALL)
+FIREWALL_OFF = Fault("network.firewall_off", LOAD_FIREWALL)
 MEMORY_LOW = Fault(
     "computer.memory_low",
     Message("End other programs on this computer; to see them, run: ps aux --sort=-rss | head"),
@@ -76,11 +64,8 @@ MEMORY_RAN_OUT = Fault(
     ),
     Severity.WARNING,
 )
-VOLUME_READ_ONLY = Fault(
-    "computer.volume_read_only",
-    Message("Make it writable, or replace the card or disk."),
-)
-VOLUME_FULL = Fault("computer.volume_full", Message("Delete what is not needed on it."))
+VOLUME_READ_ONLY = Fault("computer.volume_read_only", remedies.CHECK_DISK)
+VOLUME_FULL = Fault("computer.volume_full", remedies.MAKE_SPACE)
 CLOCK_BEHIND = Fault(
     "clock.behind",
     Message("Set the clock, for example: sudo date -s '2026-07-31 14:00'"),
@@ -118,19 +103,12 @@ CLOCK_OFF = Fault(
     Message("Wait some minutes. If it stays, run: sudo chronyc makestep"),
     Severity.WARNING,
 )
-NETWORK_OPEN = Fault(
-    "network.open",
-    Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again."),
-    Severity.WARNING,
-)
+NETWORK_OPEN = Fault("network.open", LISTEN_HERE, Severity.WARNING)
 ADDRESS_MISSING = Fault(
     "network.address_missing",
     Message("Check the link, GPR20_ROBOT and GPR20_SERVER, and source setup.bash again."),
 )
-ADDRESS_WRONG = Fault(
-    "network.address_wrong",
-    Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again."),
-)
+ADDRESS_WRONG = Fault("network.address_wrong", LISTEN_HERE)
 GROUP_MISSING = Fault(
     "computer.group_missing",
     Message("Make the group, then restart the computer."),

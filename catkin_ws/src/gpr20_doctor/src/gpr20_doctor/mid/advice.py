@@ -103,13 +103,13 @@ def _address(_text: Message, place: Place) -> Message:
 
 def _listening(_text: Message, place: Place) -> Message:
     if place.settings is None:
-        return Message("Run: unset ROS_IP ROS_HOSTNAME. Then source setup.bash again.")
+        return faults.LISTEN_HERE
     return Message("Run it as the services do: gpr20-run doctor")
 
 
 def _firewall_open(_text: Message, place: Place) -> Message:
     if place.firewall is None:
-        return Message("Load the rules that docs/install.md lists under Firewall, as root.")
+        return faults.LOAD_FIREWALL
     return Message("Run: sudo {program} load", program=printable(place.firewall))
 
 
