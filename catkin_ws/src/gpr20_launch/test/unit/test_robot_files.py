@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from gpr20_common.mid.records import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
+from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -163,10 +164,13 @@ def test_a_link_that_leads_nowhere_does_not_mean_the_defaults(tmp_path, linked):
 def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, values):
     folder = tmp_path_factory.mktemp("robot")
     (folder / name).write_text(yaml.safe_dump(values))
+    found = check_robot(folder, BuiltRobot(AXES), {}, stores=False)
+    assert all(one.message.remedy is not None for one in found)
     try:
         read_configuration(folder, AXES)
     except ConfigurationError as error:
         assert name in str(error)
+        assert any(one.refuses and name in one.file for one in found)
 
 
 def test_another_analyzer_can_be_configured(tmp_path):

@@ -89,21 +89,30 @@ def _left_over(folder: Path) -> Iterator[Problem]:
 
 
 def _data(reading: Reading, use: Use) -> Iterator[Problem]:
-    parameters = record_from(ProcessingParameters, reading.sections["storage"], "storage")
-    configured = use.data.strip() or parameters.data.strip()
-    file, key = (STORAGE_FILE, "data") if not use.data.strip() else ("data:=", "data")
-    home = configured.startswith("~")
-    if not use.data.strip() and configured and not home and not Path(configured).is_absolute():
+    given = use.data.strip()
+    configured = str(reading.sections["storage"].get("data", "")).strip()
+    where = ("data:=", "data") if given else (STORAGE_FILE, "data")
+    reason = _no_path(given or configured)
+    if reason is None and not given and configured and configured[0] not in "/~":
         reason = Message("it depends on the folder in which the robot is started")
+    if reason is not None:
         example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
-        yield problem(faults.DATA_FOLDER, file, key, parameters.data, reason, example)
-        return
-    if not use.stores:
-        return
-    folder = ProcessingParameters(data=configured).data_folder_use().path
-    yield from _suitable(folder, bool(configured), (file, key), use)
-    own = {**reading.sections["storage"], "data": configured}
-    yield from _disk(record_from(ProcessingParameters, own, "storage"), (file, key))
+        yield problem(faults.DATA_FOLDER, *where, given or configured, reason, example)
+    elif use.stores:
+        own = {**reading.sections["storage"], "data": given or configured}
+        parameters = record_from(ProcessingParameters, own, "storage")
+        yield from _suitable(parameters.data_folder(), bool(parameters.data), where, use)
+        yield from _disk(parameters, where)
+
+
+def _no_path(text: str) -> Optional[Message]:
+    if not text.isprintable():
+        return Message("it has characters that cannot be shown")
+    try:
+        Path(text).expanduser()
+    except RuntimeError:
+        return Message("there is no user of this name")
+    return None
 
 
 def _suitable(

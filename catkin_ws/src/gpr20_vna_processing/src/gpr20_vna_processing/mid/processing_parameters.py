@@ -104,7 +104,7 @@ class ProcessingParameters:
             positive_number(name, getattr(self, name))
         for name in ("store_queue", "message_queue"):
             number_between(name, getattr(self, name), 1, MOST_WAITING)
-        if self.signing_key and not Path(self.signing_key).expanduser().is_absolute():
+        if self.signing_key and not _is_absolute(self.signing_key):
             raise InvalidValueError(
                 Message(
                     "signing_key is {path}; it must be an absolute path",
@@ -159,3 +159,10 @@ class ProcessingParameters:
             long_timeout_s=self.long_timeout_s,
             period_s=self.commit_period_s,
         )
+
+
+def _is_absolute(path: str) -> bool:
+    try:
+        return path.isprintable() and Path(path).expanduser().is_absolute()
+    except RuntimeError:
+        return False  # ~USER without such a user
