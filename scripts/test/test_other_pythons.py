@@ -36,7 +36,7 @@ CHOSEN = {
         *("test_aux_values", "test_candidate_files", "test_gpr20_command"),
         *("test_languages", "test_load_survey", "test_markers"),
         *("test_netcdf_conventions", "test_outputs", "test_own_commands", "test_own_steps"),
-        *("test_processing_chain", "test_public_interface", "test_sample_survey"),
+        *("test_processing_chain", "test_public_interface", "test_ros2_bag", "test_sample_survey"),
         *("test_segy_files", "test_truncated_bags", "test_zarr_codecs"),
     ],
     "gpr20_foreign_formats": ["test_files_are_recognized", "test_gprmax_import"],

@@ -11,6 +11,7 @@ import subprocess
 import pytest
 from mcap.reader import make_reader
 from robot_kit import free_port
+from ros2_kit import differences
 from rosbags.highlevel import AnyReader
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
@@ -112,6 +113,13 @@ def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
         reader = make_reader(file, validate_crcs=True)
         assert reader.get_header().profile == "ros1"
         assert sum(1 for _ in reader.iter_messages(topics=["/trace"])) == TRACES
+
+
+def test_every_message_of_it_comes_to_ros2_equal(clean_survey, tmp_path):
+    _printed, folder = clean_survey
+    command = [str(ROOT / ".venv/bin/gpr20"), "export", str(folder), "bag", "--format", "ros2"]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=LIMIT_S)
+    assert differences(folder / "survey.mcap", tmp_path / "bag") == []
 
 
 def printed_lines(printed, begin, end):

@@ -61,9 +61,12 @@ TRACE_DEFINITION = "\n".join(
     )
 )
 STATUS_MD5SUM = "a03e61f3a68474fd87c9325d30026060"
+# As it was before the code of the fault.
 STATUS_DEFINITION = "\n".join(
-    ((MESSAGES / "ControlStatus.msg").read_text(), "=" * 80, "MSG: std_msgs/Header")
-    + (HEADER_DEFINITION,)
+    (
+        (MESSAGES / "ControlStatus.msg").read_text().partition("string fault_code")[0],
+        *("=" * 80, "MSG: std_msgs/Header", HEADER_DEFINITION),
+    )
 )
 
 

@@ -144,7 +144,8 @@ def _stored_messages(path: Path, lost: Lost) -> Iterator[RecordedMessage]:
     # It continues behind what is damaged, for which it must know the writer.
     stored = StoredMcap(path.resolve())
     yield from stored.messages()
-    lost.faults += stored.faults
+    # What is damaged at the end looks like the tail of a crash, but for the sums of the whole file.
+    lost.faults += stored.faults or stored.frame_faults()
 
 
 def _header(path: Path) -> Optional[Header]:
