@@ -97,5 +97,9 @@ INPUT_VOLTAGE = Fault(
 )
 OLD_LAUNCH = Fault(
     "config.old_launch",
-    Message("Give the launch file of the robot's computer, and a folder without these files."),
+    Message("Give the launch file of the original software that starts the nodes of the axes."),
+)
+FILES_EXIST = Fault(
+    "config.files_exist",
+    Message("Give an empty folder, compare its files with those, and copy what is right."),
 )

@@ -236,7 +236,7 @@ def test_every_fault_of_the_check_has_an_example():
     known = {one.code for one in vars(faults).values() if hasattr(one, "code")}
     shown = {mistake[4].code for mistake in MISTAKES if mistake[4] is not None}
     assert {one for one in known if one.startswith("config.")} - shown == {
-        *("config.unreadable", "config.no_folder", "config.old_launch"),
+        *("config.unreadable", "config.no_folder", "config.old_launch", "config.files_exist"),
         *("config.unusable_extension", "config.unchecked_analyzer"),
     }
 
@@ -350,3 +350,8 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     assert {one.value for one in found if not one.refuses} == {one.value for one in WITH_ROBOT}
     (folder / "wiring.yaml").write_text("unchecked: []")
     assert checked(folder) == ()
+    # Beside other files it would have no effect.
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    status, _, said = run("robot_config", "create", "--profile", profile, folder)
+    assert status == 1 and "axes.yaml" in said and faults.FILES_EXIST.remedy.template in said
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before

@@ -18,7 +18,7 @@ import rospkg
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
@@ -28,6 +28,7 @@ from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
 from gpr20_launch.mid.machine_warnings import ROOT, machine_warnings
+from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import Sections
 from gpr20_launch.mid.running_robot import RunningNode, refusal
@@ -61,7 +62,8 @@ def main() -> int:
             stores=given.part != ROBOT,
         )
         if any(one.refuses for one in found):
-            raise LaunchRefusedError(in_a_row(one.message for one in found if one.refuses))
+            _refuse_mistakes(found)
+            return 1
         sections = request.sections(built_axes())
         if given.part != ROBOT:
             _check_sensors(sections)
@@ -110,11 +112,18 @@ def _simulator(given: argparse.Namespace) -> SimulatorParameters:
     )
 
 
+def _refuse_mistakes(found: Sequence[Problem]) -> None:
+    lines = [f"- {one.message}" for one in found if one.refuses]
+    say("", "This robot cannot be launched: its configuration is wrong.", *lines, file=sys.stderr)
+    say("Correct it, then see that nothing is left: robot_config check", "", file=sys.stderr)
+
+
 def _print_warnings(found: Sequence[Finding]) -> None:
     # The standard output is the configuration.
     for one in found:
+        end = "" if str(one.text).endswith(".") else "."
         remedy = "" if one.remedy is None else f" {one.remedy}"
-        say(f"{one.level.title}: {one.text}{remedy}", file=sys.stderr)
+        say(f"{one.level.title}: {one.text}{end}{remedy}", file=sys.stderr)
 
 
 def _number(name: str, text: str) -> float:

@@ -7,7 +7,7 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Callable, Dict, Mapping, Tuple
+from typing import Callable, Dict, Iterable, Mapping, Tuple
 
 import rosgraph
 
@@ -15,10 +15,12 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_common.terminal_text import say
+from gpr20_common.terminal_text import printable, say
 from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.place import ROBOT as PI_SERVICE
 from gpr20_doctor.mid.place import place_of
-from gpr20_launch.errors import OldLaunchError
+from gpr20_launch import faults
+from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.high.check_launch import built_axes, built_robot
 from gpr20_launch.mid.launch_request import (
     REAL,
@@ -73,14 +75,16 @@ def _parser() -> argparse.ArgumentParser:
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
     check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
-    check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=SURVEY)
+    place = place_of(os.environ, ROOT)[0]
+    # The Raspberry Pi of two computers stores no surveys.
+    part = ROBOT if place.two_computers and place.service == PI_SERVICE else SURVEY
+    check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=part)
     add("key", _make_key, "make the key that signs surveys")
     accept = add("accept_data", _accept_data, "accept the data folder that is there from now on")
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
-    default = place_of(os.environ, ROOT)[0].config
     for one in actions.choices.values():
-        one.add_argument("folder", nargs="?", default=default, type=Path)
+        one.add_argument("folder", nargs="?", default=place.config, type=Path)
     return parser
 
 
@@ -115,7 +119,9 @@ def _create(folder: Path, given: argparse.Namespace) -> int:
     texts = templates(built_axes())
     if given.profile is not None:
         files = _profiles()[given.profile].glob("*.yaml")
-        texts.update({path.name: path.read_text(encoding="utf-8") for path in files})
+        own = {path.name: path.read_text(encoding="utf-8") for path in files}
+        _refuse_existing(folder, own)
+        texts.update(own)
     return _fill(folder, texts)
 
 
@@ -128,15 +134,7 @@ def _fill(folder: Path, texts: Mapping[str, str]) -> int:
 
 def _import(folder: Path, given: argparse.Namespace) -> int:
     robot = old_robot(given.launch, read_launch(given.launch))
-    there = [name for name in sorted(robot.texts) if os.path.lexists(str(folder / name))]
-    if there:
-        raise OldLaunchError(
-            Message(
-                "{folder} has {names} already, which stay as they are",
-                folder=folder,
-                names=", ".join(there),
-            )
-        )
+    _refuse_existing(folder, robot.texts)
     for title, lines in (
         ("taken", robot.taken),
         ("changed", robot.changed),
@@ -144,6 +142,20 @@ def _import(folder: Path, given: argparse.Namespace) -> int:
     ):
         say(f"{title}:", *(f"  {line}" for line in lines or ["nothing"]))
     return _fill(folder, {**templates(built_axes()), **robot.texts})
+
+
+def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
+    """Refuse files that would take no effect beside those that are there."""
+    there = [name for name in sorted(names) if os.path.lexists(str(folder / name))]
+    if there:
+        raise ConfigurationError(
+            Message(
+                "{folder} has {names} already, which stay as they are",
+                folder=printable(folder),
+                names=", ".join(there),
+            ),
+            fault=faults.FILES_EXIST,
+        )
 
 
 def _profiles() -> Dict[str, Path]:
