@@ -30,7 +30,6 @@ LONGEST_HOMING_S = 3600.0
 ROTATIONS_DEG = (0.0, 90.0)
 MM_PER_M = 1000.0
 AXES = "xyz"
-AXES_FILE = "axes.yaml"
 
 
 class DescriptionError(Gpr20Error, ValueError):
@@ -86,10 +85,11 @@ def _outer_mm(root: ElementTree.Element) -> Iterator[Tuple[str, float]]:
         yield axis, MM_PER_M * (max(ends) - min(ends))
 
 
-def impossible_values(axis: str, values: Mapping[str, Any]) -> Iterator[Problem]:
+def impossible_values(file: Path, axis: str, values: Mapping[str, Any]) -> Iterator[Problem]:
     """Find what cannot be, before the values are compared with each other.
 
     Args:
+        file: Where the values are.
         axis: The axis.
         values: All its values, whatever they are.
     """
@@ -99,14 +99,14 @@ def impossible_values(axis: str, values: Mapping[str, Any]) -> Iterator[Problem]
     kinds = [one.value for one in AxisType]
     if values["type"] in kinds and values["type"] != wanted:
         reason = Message("x and y move along a line in mm, z turns in degrees")
-        yield problem(faults.TRAVEL, AXES_FILE, f"{axis}/type", values["type"], reason, wanted)
+        yield problem(faults.TRAVEL, file, f"{axis}/type", values["type"], reason, wanted)
     low, high, step = (_number(values[key]) for key in ("min_coord", "max_coord", "step_size"))
     least, most = (0.0, LARGEST_TURN_DEG) if rotary else (SHORTEST_MM, LONGEST_MM)
     # Where the ends are exchanged, the comparison says so.
     if high > low and not least <= high - low <= most:
         yield problem(
             faults.TRAVEL,
-            AXES_FILE,
+            file,
             f"{axis}/max_coord" if abs(high) >= abs(low) else f"{axis}/min_coord",
             f"{high if abs(high) >= abs(low) else low:g} {unit}",
             Message("a travel of {travel:g} {unit} cannot be", travel=high - low, unit=unit),
@@ -116,7 +116,7 @@ def impossible_values(axis: str, values: Mapping[str, Any]) -> Iterator[Problem]
     if step > coarsest:
         reason = Message("no motor of this robot has such steps")
         allowed, shown = f"<= {coarsest:g} {unit}", f"{step:g} {unit}"
-        yield problem(faults.MOTION, AXES_FILE, f"{axis}/step_size", shown, reason, allowed)
+        yield problem(faults.MOTION, file, f"{axis}/step_size", shown, reason, allowed)
 
 
 def _number(value: Any) -> float:
@@ -124,26 +124,30 @@ def _number(value: Any) -> float:
     return float(value) if type(value) in (int, float) and abs(value) < 1e300 else math.nan
 
 
-def check_axes(axes: Mapping[str, AxisParameters], frame: Optional[Frame]) -> Iterator[Problem]:
+def check_axes(
+    file: Path, axes: Mapping[str, AxisParameters], frame: Optional[Frame]
+) -> Iterator[Problem]:
     """Find travels, speeds and accelerations that cannot be, or hardly."""
     for axis, parameters in axes.items():
         if frame is not None:
-            yield from _check_travel(axis, parameters, frame)
+            yield from _check_travel(file, axis, parameters, frame)
         if axis == AxisId.Z.value and not all(
             parameters.min_coord <= one <= parameters.max_coord for one in ROTATIONS_DEG
         ):
             reason = Message("surveys turn the antennas to 0 and 90 degrees")
             yield _doubtful(
-                faults.TRAVEL, f"{axis}/max_coord", parameters.max_coord, reason, ">= 90"
+                file, faults.TRAVEL, f"{axis}/max_coord", parameters.max_coord, reason, ">= 90"
             )
-        yield from _check_motion(axis, parameters)
+        yield from _check_motion(file, axis, parameters)
 
 
-def _doubtful(fault: Fault, key: str, value: object, reason: Message, allowed: str) -> Problem:
-    return problem(fault, AXES_FILE, key, value, reason, allowed, doubtful=True)
+def _doubtful(
+    file: Path, fault: Fault, key: str, value: object, reason: Message, allowed: str
+) -> Problem:
+    return problem(fault, file, key, value, reason, allowed, doubtful=True)
 
 
-def _check_travel(axis: str, own: AxisParameters, frame: Frame) -> Iterator[Problem]:
+def _check_travel(file: Path, axis: str, own: AxisParameters, frame: Frame) -> Iterator[Problem]:
     low, high = frame.travel[axis]
     allowed = f"{low:g} - {high:g} {own.unit}"
     travel = own.max_coord - own.min_coord
@@ -155,7 +159,7 @@ def _check_travel(axis: str, own: AxisParameters, frame: Frame) -> Iterator[Prob
             outer=frame.outer_mm[axis],
         )
         shown = f"{own.max_coord:g} {own.unit}"
-        yield _doubtful(faults.TRAVEL, f"{axis}/max_coord", shown, reason, allowed)
+        yield _doubtful(file, faults.TRAVEL, f"{axis}/max_coord", shown, reason, allowed)
         return
     margin = 1.0e-6 * (high - low)
     for end in ("min_coord", "max_coord"):
@@ -163,21 +167,21 @@ def _check_travel(axis: str, own: AxisParameters, frame: Frame) -> Iterator[Prob
         if not low - margin <= coordinate <= high + margin:
             reason = Message("the robot's description (URDF) ends before")
             shown = f"{coordinate:g} {own.unit}"
-            yield _doubtful(faults.TRAVEL, f"{axis}/{end}", shown, reason, allowed)
+            yield _doubtful(file, faults.TRAVEL, f"{axis}/{end}", shown, reason, allowed)
 
 
-def _check_motion(axis: str, own: AxisParameters) -> Iterator[Problem]:
+def _check_motion(file: Path, axis: str, own: AxisParameters) -> Iterator[Problem]:
     fastest = FASTEST_MM_S if own.type == AxisType.LINEAR.value else FASTEST_DEG_S
     speed = 0.5 * own.step_size / own.min_step
     if speed > fastest:
         reason = Message("the axis would move at {speed:.0f} {unit}/s", speed=speed, unit=own.unit)
         allowed, shown = f">= {0.5 * own.step_size / fastest:.3g} s", f"{own.min_step:g} s"
-        yield problem(faults.MOTION, AXES_FILE, f"{axis}/min_step", shown, reason, allowed)
+        yield problem(faults.MOTION, file, f"{axis}/min_step", shown, reason, allowed)
     start_hz = 0.5 / own.max_step
     if start_hz > FASTEST_START_HZ:
         reason = Message("the motor would start with {rate:.0f} steps per second", rate=start_hz)
         allowed, shown = f">= {0.5 / FASTEST_START_HZ:g} s", f"{own.max_step:g} s"
-        yield _doubtful(faults.MOTION, f"{axis}/max_step", shown, reason, allowed)
+        yield _doubtful(file, faults.MOTION, f"{axis}/max_step", shown, reason, allowed)
     change = _largest_change(own)
     if change > FASTEST_CHANGE_PER_S2:
         reason = Message(
@@ -186,12 +190,12 @@ def _check_motion(axis: str, own: AxisParameters) -> Iterator[Problem]:
             unit=own.unit,
         )
         allowed, shown = f"<= {FASTEST_CHANGE_PER_S2:.0f} {own.unit}/s2", f"{own.delta_step:g} s"
-        yield _doubtful(faults.MOTION, f"{axis}/delta_step", shown, reason, allowed)
+        yield _doubtful(file, faults.MOTION, f"{axis}/delta_step", shown, reason, allowed)
     homing_s = 2.0 * own.max_step * own.travel_steps
     if homing_s > LONGEST_HOMING_S:
         reason = Message("its homing could take {hours:.1f} hours", hours=homing_s / 3600.0)
         allowed, shown = f"<= {LONGEST_HOMING_S / 3600.0:g} h", f"{own.step_size:g} {own.unit}"
-        yield _doubtful(faults.MOTION, f"{axis}/step_size", shown, reason, allowed)
+        yield _doubtful(file, faults.MOTION, f"{axis}/step_size", shown, reason, allowed)
 
 
 def _largest_change(own: AxisParameters) -> float:

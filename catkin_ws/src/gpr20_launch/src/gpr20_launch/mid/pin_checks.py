@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Iterator, List
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Tuple
 
 from gpr20_common.message import Message
 from gpr20_launch import faults
@@ -33,7 +34,7 @@ class PinUse:
     """
 
     pin: int
-    file: str
+    file: Path
     key: str
     text: str
     value: object
@@ -48,9 +49,9 @@ def check_pins(reading: Reading) -> Iterator[Problem]:
         yield from _reserved(use)
     axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
     for axis, parameters in axes.items():
-        yield from _pull(axis, parameters)
+        yield from _pull(reading.folder / AXES_FILE, axis, parameters)
     yield from _spi(reading)
-    yield from _wave_transmitter(axes)
+    yield from _wave_transmitter(reading.folder / AXES_FILE, axes)
 
 
 def is_pin(key: str, value: Any) -> bool:
@@ -68,7 +69,9 @@ def _axis_uses(reading: Reading) -> Iterator[PinUse]:
                 key = f"{axis}/{name}"
                 default = "" if (AXES_FILE, key) in reading.given else " (default)"
                 shared = f"{name} {level}" if name == SHARED else ""
-                yield PinUse(pin, AXES_FILE, key, f"{AXES_FILE} {key}{default}", pin, shared)
+                yield PinUse(
+                    pin, reading.folder / AXES_FILE, key, f"{AXES_FILE} {key}{default}", pin, shared
+                )
 
 
 def _spi_uses(reading: Reading) -> Iterator[PinUse]:
@@ -79,10 +82,12 @@ def _spi_uses(reading: Reading) -> Iterator[PinUse]:
     for name, pin in lines.pins(device).items():
         key = "spi_device" if name.startswith("CE") else "spi_bus"
         text = f"{HEIGHT_FILE} {key}: SPI{bus} {name}"
-        yield PinUse(pin, HEIGHT_FILE, key, text, device if key == "spi_device" else bus)
+        yield PinUse(
+            pin, reading.folder / HEIGHT_FILE, key, text, device if key == "spi_device" else bus
+        )
 
 
-def _spi_numbers(reading: Reading) -> tuple[int, int]:
+def _spi_numbers(reading: Reading) -> Tuple[int, int]:
     section = reading.sections["height_sensor"]
     return section.get("spi_bus", 0), section.get("spi_device", 0)
 
@@ -118,7 +123,7 @@ def _shared(uses: List[PinUse]) -> Iterator[Problem]:
 
 
 def _reserved(use: PinUse) -> Iterator[Problem]:
-    if use.file != AXES_FILE:
+    if use.file.name != AXES_FILE:
         return
     if use.pin in EEPROM:
         reason = Message(
@@ -153,11 +158,11 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
     )
 
 
-def _pull(axis: str, parameters: AxisParameters) -> Iterator[Problem]:
+def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem]:
     if parameters.sensor_pin in I2C and parameters.endstop_pull != Pull.UP.value:
         yield problem(
             faults.ENDSTOP,
-            AXES_FILE,
+            file,
             f"{axis}/endstop_pull",
             parameters.endstop_pull,
             Message(
@@ -179,16 +184,17 @@ def _spi(reading: Reading) -> Iterator[Problem]:
         reason = Message("SPI bus {bus} has no such chip select", bus=bus)
     else:
         return
-    yield problem(faults.PIN_UNUSABLE, HEIGHT_FILE, key, value, reason, allowed)
+    file = reading.folder / HEIGHT_FILE
+    yield problem(faults.PIN_UNUSABLE, file, key, value, reason, allowed)
 
 
-def _wave_transmitter(axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
+def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
     timed = [axis for axis in AXIS_SECTIONS if axis in axes]
     timed = [axis for axis in timed if axes[axis].backend == Backend.PIGPIO.value]
     for axis in timed[1:]:
         yield problem(
             faults.MOTION,
-            AXES_FILE,
+            file,
             f"{axis}/backend",
             Backend.PIGPIO.value,
             Message("pigpio can time the pulses of one axis, and {first} has it", first=timed[0]),

@@ -6,7 +6,7 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterator, List, Mapping, Tuple
+from typing import Dict, Iterator, List, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
@@ -91,7 +91,7 @@ def _left_over(folder: Path) -> Iterator[Problem]:
 def _data(reading: Reading, use: Use) -> Iterator[Problem]:
     given = use.data.strip()
     configured = str(reading.sections["storage"].get("data", "")).strip()
-    where = ("data:=", "data") if given else (STORAGE_FILE, "data")
+    where = ("data:=", "data") if given else (str(use.folder / STORAGE_FILE), "data")
     reason = _no_path(given or configured)
     if reason is None and not given and configured and configured[0] not in "/~":
         reason = Message("it depends on the folder in which the robot is started")
@@ -102,7 +102,7 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
         own = {**reading.sections["storage"], "data": given or configured}
         parameters = record_from(ProcessingParameters, own, "storage")
         yield from _suitable(parameters.data_folder(), bool(parameters.data), where, use)
-        yield from _disk(parameters, where)
+        yield from _disk(parameters, where, use.folder / STORAGE_FILE)
 
 
 def _no_path(text: str) -> Optional[Message]:
@@ -140,7 +140,9 @@ def _suitable(
         yield problem(faults.DATA_FOLDER, *where, folder, reason, example, doubtful=doubtful)
 
 
-def _disk(parameters: ProcessingParameters, where: Tuple[str, str]) -> Iterator[Problem]:
+def _disk(
+    parameters: ProcessingParameters, where: Tuple[str, str], file: Path
+) -> Iterator[Problem]:
     use = parameters.data_folder_use()
     try:
         DataFolder(use, Clock()).identify()
@@ -152,11 +154,11 @@ def _disk(parameters: ProcessingParameters, where: Tuple[str, str]) -> Iterator[
         reason = Message("{free_mb:.0f} MB are free there, so no survey can start", free_mb=free_mb)
         allowed = f"<= {free_mb:.0f} MB"
         key, value = "disk_reserve_mb", f"{parameters.disk_reserve_mb:g} MB"
-        yield problem(faults.DATA_FOLDER, where[0], key, value, reason, allowed, doubtful=True)
+        yield problem(faults.DATA_FOLDER, file, key, value, reason, allowed, doubtful=True)
     unsigned = key_warning(parameters.signer())
     if unsigned is not None:
-        text = Message("{file}: {reason}", file=STORAGE_FILE, reason=unsigned)
-        yield Problem(text, STORAGE_FILE, "signing_key", parameters.signing_key)
+        text = Message("{file}: {reason}", file=printable(file), reason=unsigned)
+        yield Problem(text, str(file), "signing_key", parameters.signing_key)
 
 
 def _sensors(reading: Reading) -> Iterator[Problem]:
@@ -171,7 +173,13 @@ def _sensors(reading: Reading) -> Iterator[Problem]:
             key = f"{SENSORS}[{number}]/field"
             allowed = Message("a field of its own for each")
             yield problem(
-                faults.SENSORS, "sensors.yaml", key, value, reason, allowed, doubtful=True
+                faults.SENSORS,
+                reading.folder / "sensors.yaml",
+                key,
+                value,
+                reason,
+                allowed,
+                doubtful=True,
             )
 
 
@@ -180,7 +188,8 @@ def _site(reading: Reading) -> Iterator[Problem]:
     if site.latitude_deg == site.longitude_deg == 0.0:
         reason = Message("0, 0 is in the sea; without a position leave both keys out")
         allowed = "-90 - 90"
-        yield problem(faults.SITE, "site.yaml", "latitude_deg", 0, reason, allowed, doubtful=True)
+        file = reading.folder / "site.yaml"
+        yield problem(faults.SITE, file, "latitude_deg", 0, reason, allowed, doubtful=True)
 
 
 def _voltage(reading: Reading) -> Iterator[Problem]:
@@ -189,7 +198,7 @@ def _voltage(reading: Reading) -> Iterator[Problem]:
         reason = Message("a converter with this supply puts it on the MISO pin, too")
         yield problem(
             faults.INPUT_VOLTAGE,
-            HEIGHT_FILE,
+            reading.folder / HEIGHT_FILE,
             "reference_voltage_v",
             f"{reference_v:g} V",
             reason,
@@ -208,7 +217,7 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
     # Without an address the window asks for it.
     given = (ANALYZER_FILE, "address") in reading.given
     if use.stores and given and analyzer.analyzer == MS2026C:
-        known.append((ANALYZER_FILE, "address", analyzer.address))
+        known.append((str(use.folder / ANALYZER_FILE), "address", analyzer.address))
     seen: Dict[str, str] = {}
     for file, key, address in known:
         first = seen.setdefault(address, f"{file} {key}")
@@ -231,7 +240,7 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
         yield problem(faults.ADDRESS, "environment", key, address, reason, allowed, doubtful=True)
 
 
-def _not_of_device(address: str, key: str) -> Message | None:
+def _not_of_device(address: str, key: str) -> Optional[Message]:
     try:
         ipv4_address(key, address)
     except Gpr20Error as error:
@@ -250,7 +259,7 @@ def _unchecked(reading: Reading) -> Iterator[Problem]:
         allowed = Message("nothing in the list, once a person has checked it")
         yield problem(
             faults.NOT_CHECKED,
-            WIRING_FILE,
+            reading.folder / WIRING_FILE,
             "unchecked",
             one.value,
             reason,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Tuple, Union
 
@@ -41,14 +41,6 @@ class Problem:
         """Return the sentence as it travels, and the rest beside it."""
         own = {name: getattr(self, name) for name in ("file", "key", "value", "allowed")}
         return {**json.loads(self.message.to_json()), **own, "uses": list(self.uses)}
-
-    def placed(self, folder: Path) -> Problem:
-        """Return it with the whole path of its file, also in its sentence."""
-        text = self.message
-        if text.values.get("file") == self.file:
-            values = {**text.values, "file": printable(folder / self.file)}
-            text = Message(text.template, details=text.details, **values).with_fault(text.fault)
-        return replace(self, file=str(folder / self.file), message=text)
 
 
 def problem(

@@ -16,7 +16,7 @@ from gpr20_launch.mid.axis_checks import DescriptionError, Frame, check_axes, re
 from gpr20_launch.mid.pin_checks import check_pins, is_pin
 from gpr20_launch.mid.place_checks import Use, check_place
 from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, FILES, read_files
+from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, read_files
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,7 @@ def check_robot(
     use = Use(folder, environment, data, real, stores)
     found: List[Problem] = []
     try:
-        for one in _check(use, built):
-            found.append(one.placed(folder) if one.file in (AXES_FILE, *FILES) else one)
+        found.extend(_check(use, built))
     except OSError as error:
         text = Message("{file}: {reason}", file=printable(folder), reason=os_reason(error))
         found.append(Problem(text.with_fault(faults.UNREADABLE), str(folder)))
@@ -85,5 +84,5 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
         if not is_pin(key, reading.raw_axes.get(axis, {}).get(key)):
             yield one
     yield from pins
-    yield from check_axes(reading.axes(), frame)
+    yield from check_axes(use.folder / AXES_FILE, reading.axes(), frame)
     yield from check_place(reading, use)

@@ -15,7 +15,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
-from gpr20_launch.mid.axis_checks import AXES_FILE, impossible_values
+from gpr20_launch.mid.axis_checks import impossible_values
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.typing_hints import (
     hint_for_key,
@@ -34,6 +34,7 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 DEFAULT_FOLDER = "~/.gpr20/robot"
+AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -79,12 +80,14 @@ class Reading:
     """What the files of a configuration hold, and what is wrong with them.
 
     Attributes:
+        folder: Their folder.
         sections: Every section, without the values that are not allowed.
         problems: These values, and files that cannot be read.
         given: The keys that the files name, such as axes.yaml x/dir_pin.
         raw_axes: The values of each axis with the defaults, also those that are not allowed.
     """
 
+    folder: Path
     sections: Sections
     problems: Tuple[Problem, ...]
     given: FrozenSet[Tuple[str, str]]
@@ -133,7 +136,9 @@ def read_files(folder: Path, built_axes: Path) -> Reading:
     for name, file in FILES.items():
         reader.read_sections(folder / name, file)
     reader.read_axes(folder / AXES_FILE, built_axes)
-    return Reading(reader.sections, tuple(reader.problems), frozenset(reader.given), reader.raw)
+    return Reading(
+        folder, reader.sections, tuple(reader.problems), frozenset(reader.given), reader.raw
+    )
 
 
 class _Reader:
@@ -187,8 +192,8 @@ class _Reader:
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
             base = defaults[axis]
             self.raw[axis] = {**base, **own}
-            for one in impossible_values(axis, self.raw[axis]):
-                self.problems.append(one.placed(path.parent))
+            for one in impossible_values(path, axis, self.raw[axis]):
+                self.problems.append(one)
                 own.pop(one.key.partition("/")[2], None)
             self.sections[section] = {
                 **base,
