@@ -88,7 +88,8 @@ def robots_elsewhere(uri: str, candidates: Iterable[str]) -> Tuple[Tuple[str, st
         uri: The master that is not meant.
         candidates: Addresses of masters that may run.
     """
-    others = [one for one in dict.fromkeys(candidates) if one != uri]
+    names = dict.fromkeys(one.replace("//127.0.0.1:", "//localhost:") for one in candidates)
+    others = [one for one in names if one != uri.replace("//127.0.0.1:", "//localhost:")]
     with ThreadPoolExecutor(max(1, len(others))) as pool:
         found = zip(others, pool.map(robots_at, others))
         return tuple((one, robot) for one, robots in found for robot in robots)
