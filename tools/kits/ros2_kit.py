@@ -33,7 +33,7 @@ def exported(bag: Path) -> Iterator[Decoded]:
 
 def differences(recording: Path, bag: Path) -> List[str]:
     """Return what differs between an MCAP file of ROS 1 and a bag of ROS 2."""
-    found = []
+    found: List[str] = []
     for number, (one, two) in enumerate(zip_longest(decoded(recording), exported(bag))):
         if one is None or two is None:
             return [*found, f"only one has message {number}"]
