@@ -8,7 +8,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_check_examples import checked
+from robot_check_examples import BUILT, checked
 
 from gpr20_launch import faults
 from gpr20_launch.errors import OldLaunchError
@@ -46,7 +46,7 @@ def launch(folder, inner, name="GPR20_robot.launch"):
 
 def imported(path):
     """Return the axes of the configuration and everything that the import says."""
-    robot = old_robot(path, read_launch(path))
+    robot = old_robot(path, read_launch(path), yaml.safe_load(BUILT.axes.read_text()))
     axes = yaml.safe_load(robot.texts["axes.yaml"])
     return axes, robot
 
@@ -110,7 +110,7 @@ def test_includes_and_files_are_found_beside_the_launch_file(tmp_path):
     )
     axes, robot = imported(path)
     assert axes["x"]["dir_pin"] == 29 and axes["z"]["step_pin"] == 40 and "y" not in axes
-    assert "y: the file sets nothing, so the defaults count" in robot.changed
+    assert "y/sensor_pin: not in the file, so the default counts: 40" in robot.changed
 
 
 def test_what_has_no_counterpart_or_cannot_be_resolved_is_named(tmp_path):

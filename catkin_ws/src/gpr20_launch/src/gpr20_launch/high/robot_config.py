@@ -13,6 +13,7 @@ import rosgraph
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable, say
@@ -133,7 +134,7 @@ def _fill(folder: Path, texts: Mapping[str, str]) -> int:
 
 
 def _import(folder: Path, given: argparse.Namespace) -> int:
-    robot = old_robot(given.launch, read_launch(given.launch))
+    robot = old_robot(given.launch, read_launch(given.launch), read_yaml(built_axes()))
     _refuse_existing(folder, robot.texts)
     for title, lines in (
         ("taken", robot.taken),

@@ -54,12 +54,15 @@ class OldRobot:
     left: List[str] = field(default_factory=list)
 
 
-def old_robot(path: Path, parameters: LaunchParameters) -> OldRobot:
+def old_robot(
+    path: Path, parameters: LaunchParameters, defaults: Mapping[str, Mapping[str, Any]]
+) -> OldRobot:
     """Return the configuration that a launch file of the original means.
 
     Args:
         path: The launch file.
         parameters: What it sets.
+        defaults: The values of each axis where nothing is set.
 
     Raises:
         OldLaunchError: It sets no parameter of an axis.
@@ -85,7 +88,7 @@ def old_robot(path: Path, parameters: LaunchParameters) -> OldRobot:
         )
     lines = [f"# {AXES_FILE}: from {path.name}; a key that is not here has its default."]
     for axis in AXIS_SECTIONS:
-        lines += _axis_lines(axis, axes.get(axis, {}), robot)
+        lines += _axis_lines(axis, axes.get(axis, {}), defaults[axis], robot)
     robot.texts[AXES_FILE] = "\n".join([*lines, ""])
     robot.texts[WIRING_FILE] = "\n".join(
         [
@@ -108,9 +111,14 @@ def _axis_of(name: str) -> str:
     return ""
 
 
-def _axis_lines(axis: str, old: Mapping[str, Any], robot: OldRobot) -> List[str]:
+def _axis_lines(
+    axis: str, old: Mapping[str, Any], defaults: Mapping[str, Any], robot: OldRobot
+) -> List[str]:
+    missing = [key for key in defaults if key in NAMES and key not in old]
+    robot.changed += [
+        f"{axis}/{key}: not in the file, so the default counts: {defaults[key]}" for key in missing
+    ]
     if not old:
-        robot.changed.append(f"{axis}: the file sets nothing, so the defaults count")
         return []
     own = dict(old)
     kind = own.get("type")
@@ -125,8 +133,6 @@ def _axis_lines(axis: str, old: Mapping[str, Any], robot: OldRobot) -> List[str]
         robot.changed.append(
             f"{axis}: its homing called the place where it was min_coord; here a person sets 0"
         )
-    missing = [key for key in NAMES if key not in old and key != "sensor_pin"]
-    robot.changed += [f"{axis}/{key}: not in the file, so the default counts" for key in missing]
     robot.changed.append(
         f"{axis}/invert_direction: true, because DIR was low for increasing coordinates"
     )

@@ -36,6 +36,15 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 DEFAULT_FOLDER = "~/.gpr20/robot"
 AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
+# Keys that have no meaning without another.
+TOGETHER: Mapping[str, Tuple[str, ...]] = {
+    "latitude_deg": ("longitude_deg",),
+    "longitude_deg": ("latitude_deg",),
+    "sensor_pin": ("endstop_active", "endstop_pull"),
+    "enable_pin": ("enable_active",),
+    "controller": ("controller_options",),
+    "analyzer": ("analyzer_options", "address"),
+}
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -253,21 +262,19 @@ class _Reader:
     ) -> Dict[str, Any]:
         """Return the values without those that are not allowed, alone or together."""
         below = f"{place}/" if place else ""
-        removed: List[str] = []
         while True:
             error = _refusal(kind, {**base, **own}, place)
             if error is None:
                 return own
             key = _culprit(kind, own, place, base, error)
             value = own.get(key)
-            # What is only wrong without a value that was wrong itself is no mistake of its own.
-            if not any(one in str(error) for one in removed):
-                reason = with_hint(error, hint_for_value(key, value))
-                self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
+            reason = with_hint(error, hint_for_value(key, value))
+            self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
             if not key:
                 return {}
-            removed.append(key)
-            del own[key]
+            # What is only wrong without it is no mistake of its own.
+            for one in (key, *TOGETHER.get(key, ())):
+                own.pop(one, None)
 
     def _wrong(
         self,
@@ -298,16 +305,17 @@ def _refusal(kind: Type, values: Mapping[str, Any], place: str) -> Optional[Mess
 def _culprit(
     kind: Type, own: Mapping[str, Any], place: str, base: Mapping[str, Any], error: Message
 ) -> str:
-    """Return the key without which the error is not there; empty if there is none."""
-    text = str(error)
-    shown = [key for key, value in own.items() if key in text and str(value) in text]
-    valued = [key for key, value in own.items() if str(value) in text]
-    named = [key for key in own if key in text]
-    for key in dict.fromkeys([*shown, *valued, *named, *own]):
+    """Return the key that causes an error; empty if no key of the file does."""
+
+    def without(key: str) -> Optional[Message]:
         rest = {one: value for one, value in own.items() if one != key}
-        if str(_refusal(kind, {**base, **rest}, place)) != text:
-            return key
-    return ""
+        return _refusal(kind, {**base, **rest}, place)
+
+    cures = [key for key in own if without(key) is None]
+    # Of two numbers that must be there together: the one that a harmless one cures.
+    numbers = [key for key, value in own.items() if type(value) in (int, float)]
+    cures += [one for one in numbers if not _refusal(kind, {**base, **own, one: 0.0}, place)]
+    return next(iter([*cures, *(key for key in own if without(key) != error)]), "")
 
 
 def _unknown(key: str, known: Set[str]) -> Message:
