@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Dict, FrozenSet, List, Mapping, Optional, Set, Tuple, Type
+from typing import Any, Dict, FrozenSet, List, Mapping, Set, Tuple, Type
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
@@ -16,6 +16,7 @@ from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.axis_checks import impossible_values
+from gpr20_launch.mid.culprits import TOGETHER, culprit, refusal
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.typing_hints import (
     hint_for_key,
@@ -36,15 +37,6 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 DEFAULT_FOLDER = "~/.gpr20/robot"
 AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
-# Keys that have no meaning without another.
-TOGETHER: Mapping[str, Tuple[str, ...]] = {
-    "latitude_deg": ("longitude_deg",),
-    "longitude_deg": ("latitude_deg",),
-    "sensor_pin": ("endstop_active", "endstop_pull"),
-    "enable_pin": ("enable_active",),
-    "controller": ("controller_options",),
-    "analyzer": ("analyzer_options", "address"),
-}
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -263,10 +255,10 @@ class _Reader:
         """Return the values without those that are not allowed, alone or together."""
         below = f"{place}/" if place else ""
         while True:
-            error = _refusal(kind, {**base, **own}, place)
+            error = refusal(kind, {**base, **own}, place)
             if error is None:
                 return own
-            key = _culprit(kind, own, place, base, error)
+            key = culprit(kind, own, place, base, error)
             value = own.get(key)
             reason = with_hint(error, hint_for_value(key, value))
             self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
@@ -292,30 +284,6 @@ class _Reader:
             text = Message("{file}: {reason}", file=path, reason=reason)
         shown = "" if value is None else repr(value)
         self.problems.append(Problem(text.with_fault(fault), str(path), key, shown, allowed))
-
-
-def _refusal(kind: Type, values: Mapping[str, Any], place: str) -> Optional[Message]:
-    try:
-        record_from(kind, values, place)
-    except InvalidValueError as error:
-        return error.message
-    return None
-
-
-def _culprit(
-    kind: Type, own: Mapping[str, Any], place: str, base: Mapping[str, Any], error: Message
-) -> str:
-    """Return the key that causes an error; empty if no key of the file does."""
-
-    def without(key: str) -> Optional[Message]:
-        rest = {one: value for one, value in own.items() if one != key}
-        return _refusal(kind, {**base, **rest}, place)
-
-    cures = [key for key in own if without(key) is None]
-    # Of two numbers that must be there together: the one that a harmless one cures.
-    numbers = [key for key, value in own.items() if type(value) in (int, float)]
-    cures += [one for one in numbers if not _refusal(kind, {**base, **own, one: 0.0}, place)]
-    return next(iter([*cures, *(key for key in own if without(key) != error)]), "")
 
 
 def _unknown(key: str, known: Set[str]) -> Message:
