@@ -138,7 +138,7 @@ def test_a_kill_at_any_event_of_the_return_still_ends_in_the_old_version(first, 
     assert last >= 8
 
 
-@pytest.mark.parametrize("code", [*sorted(RUNNING), None])
+@pytest.mark.parametrize("code", [4, 5, None])
 def test_a_survey_refuses_update_return_and_restore(world, code):
     (world.root / "code").write_text("no answer" if code is None else f"{code}\n---\n")
     world.update("--backup", world.root / "b.tar.gz")

@@ -21,7 +21,7 @@ from gpr20_update.mid.bundle import find_bundle, open_bundle
 pytestmark = pytest.mark.needs("packages")
 
 # Every example damages what it has copied.
-SAME_FOLDER = settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+SAME_FOLDER = settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @pytest.fixture(scope="module")
