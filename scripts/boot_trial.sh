@@ -139,11 +139,13 @@ release_is "$(version_of "$new")" || fail "the new version does not run"
 survey "a survey of the new version"
 expect "gpr20-update --back" 'gpr20-update --back'
 release_is "$(version_of "$old")" || fail "the old version does not run"
+ready
 
 say "the power goes while the update installs"
 inside 'setsid gpr20-update /media/new >/tmp/update.log 2>&1 &
-    until pgrep -x dpkg >/dev/null; do sleep 0.05; done
-    sleep 2' || true
+    update=$!
+    until pgrep -x dpkg >/dev/null; do kill -0 $update || exit 1; sleep 0.05; done
+    sleep 2' || fail "the update did not begin; see /tmp/update.log in $root"
 power_off
 boot
 expect "after the cut the update is at an end" 'systemctl is-active gpr20-robot &&
