@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# For maintainers: install, upgrade, downgrade, remove and purge the Debian packages in a bare Debian
-# 12 that has no network, from two bundles (scripts/bundle.sh), and look at what is left.
+# For maintainers: install, upgrade, downgrade, remove and purge the packages in a bare Debian 12
+# that has no network, from two bundles (scripts/bundle.sh), and look at what is left.
 #   sudo scripts/package_trial.sh OLD NEW [PACKAGE...]   by default gpr20-robot gpr20-server
 #                                                        gpr20-analysis, each in a chroot of its own
 # Status 0 if everything was as expected. The chroots are in the folder of steps/chroot.sh.

@@ -28,7 +28,8 @@ version_in() {
 # Kind, rights and owner of everything, and the contents of /etc, without what apt keeps.
 tree() {
     find / -xdev \( -path /proc -o -path /dev -o -path /sys -o -path /tmp -o -path /root \
-        -o -path /old -o -path /new -o -path /var/cache -o -path /var/lib/apt -o -path /var/lib/dpkg \
+        -o -path /old -o -path /new -o -path /var/cache -o -path /var/lib/apt \
+        -o -path /var/lib/dpkg \
         -o -path /var/lib/gpr20 -o -path /var/log -o -path /run \
         -o -path /var/lib/systemd/deb-systemd-helper-enabled \) -prune \
         -o -printf '%p %y %M %u %g %l\n' | sort
