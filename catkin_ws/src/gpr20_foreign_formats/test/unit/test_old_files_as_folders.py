@@ -125,6 +125,10 @@ def test_the_log_says_what_was_decided_and_from_which_files(tmp_path, form):
     decided = " ".join(decisions_of(folder))
     for word in ("mm" if form != "merged-hdf5" else "metres", "rotation", "phase"):
         assert word in decided
+    status, printed = run("info", folder)
+    assert status in (0, 1) and all(f"decided: {one}" in printed for one in decisions_of(folder))
+    run("import", source, tmp_path / "survey.nc", "--format", form)
+    assert load_survey(tmp_path / "survey.nc").attrs[DECISIONS] == decisions_of(folder)
     assert not (folder / "survey.bag").exists()
     description = json.loads((folder / "survey.json").read_text("ascii"))
     assert {"parameters", "axes", "nodes", "instrument"}.isdisjoint(description)
