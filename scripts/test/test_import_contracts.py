@@ -15,7 +15,10 @@ from wings_kit import NEEDS_ALL
 pytestmark = NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = sorted((ROOT / "catkin_ws/src").glob("*/src/*/__init__.py"))
+SOURCES = sorted(
+    [*ROOT.glob("catkin_ws/src/*/src/*/__init__.py"), *ROOT.glob("deploy/*/*/__init__.py")],
+    key=lambda one: one.parent.name,
+)
 
 
 @pytest.fixture

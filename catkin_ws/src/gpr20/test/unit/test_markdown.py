@@ -15,6 +15,8 @@ LONGEST_LINE = 100
 MOST_WORDS, MOST_WORDS_OF_README = 45_000, 900
 # Files of a robot's configuration, which users create outside the project.
 ROBOT_FILES = {
+    # Of a bag of ROS 2.
+    "metadata.yaml",
     "plan.yaml",
     "analyzer.yaml",
     "height.yaml",

@@ -41,6 +41,8 @@ INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-p
 INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 # The program ssh-keygen, which signs surveys.
 INDIRECT_KEYS |= {"openssh-client"}
+# The description of the robot, which the check of its configuration reads.
+INDIRECT_KEYS |= {"gpr20_visualization"}
 # Needed by the window, which a machine without a screen does not start, and by the viewer.
 NOT_EVERYWHERE = {"PyQt5", "pyqtgraph"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
