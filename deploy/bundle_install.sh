@@ -9,6 +9,14 @@ case "${1-}" in
     gpr20-robot | gpr20-server | gpr20-analysis) ;;
     *) echo "install.sh: name gpr20-robot, gpr20-server or gpr20-analysis" >&2; exit 2 ;;
 esac
+# An update has a doctor and a way back; another role would take the services of this one away.
+installed="$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' 'gpr20-*' 2>/dev/null |
+    sed -n 's/^installed //p' | tr '\n' ' ')"
+if [ -n "$installed" ]; then
+    echo "install.sh: $installed is installed already. Another version: gpr20-update $PWD. Another" \
+        "role: first apt-get remove what is there, never during a survey" >&2
+    exit 2
+fi
 sha256sum --check --quiet SHA256SUMS
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
@@ -26,5 +34,7 @@ bundled_apt() {
 bundled_apt update >/dev/null
 bundled_apt install "$1"
 # Kept, so that the next update has a way back.
-[ ! -x /usr/sbin/gpr20-update ] || gpr20-update . ||
+[ ! -x /usr/sbin/gpr20-update ] || gpr20-update . || {
     echo "install.sh: $1 is installed, but the next update has no way back yet" >&2
+    exit 1
+}

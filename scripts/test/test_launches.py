@@ -76,8 +76,10 @@ def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
 
 
 def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
+    settings = tmp_path / "environment"
+    settings.write_text(f"GPR20_LAUNCH_ARGUMENTS=ns:=robot1 data:={tmp_path}/data\n")
     own = {
-        "GPR20_LAUNCH_ARGUMENTS": f"ns:=robot1 data:={tmp_path}/data",
+        "GPR20_ENVIRONMENT": str(settings),
         "GPR20_STATE": f"{tmp_path}/state",
         "GPR20_PREFIX": str(ROOT / "catkin_ws/devel"),
     }

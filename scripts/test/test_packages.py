@@ -191,7 +191,7 @@ def environment(tmp_path):
             assert count == 1
         file = tmp_path / "environment"
         file.write_text(text)
-        return {"GPR20_ENVIRONMENT": str(file)}
+        return {"GPR20_ENVIRONMENT": str(file), "GPR20_DEPLOY": str(ROOT / "deploy")}
 
     return write
 
@@ -237,6 +237,8 @@ WRONG = {
     "the same": ({"GPR20_SERVER": ROBOT}, "must differ"),
     "everybody gets in": ({"GPR20_ADMIN": "0.0.0.0/0"}, "GPR20_ADMIN is '0.0.0.0/0'"),
     "a command": ({"GPR20_ADMIN": "1.2.3.4 accept; drop"}, "GPR20_ADMIN is 'accept;'"),
+    "neither on nor off": ({"GPR20_FIREWALL": "OFF"}, "GPR20_FIREWALL is 'OFF'"),
+    "a comment": ({"GPR20_SERVER": "10.20.0.2 # pc"}, "GPR20_SERVER has a comment behind it"),
 }
 
 

@@ -1,0 +1,95 @@
+"""What an installed robot runs follows its file of settings, or says which line is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from user_shell import ROOT
+
+SHIPPED = (ROOT / "deploy/common/etc/gpr20/environment").read_text("utf-8")
+SIMULATED = "GPR20_LAUNCH_ARGUMENTS=robot:=simulated"
+FAKE = '#!/bin/sh\nprintf "<%s>" "$@"\n'
+
+
+@pytest.fixture(scope="module")
+def machine(tmp_path_factory):
+    """A function that runs gpr20-run with settings and a roslaunch that prints its arguments."""
+    folder = tmp_path_factory.mktemp("machine")
+    program = folder / "roslaunch"
+    program.write_text(FAKE)
+    program.chmod(0o755)
+    prefix = folder / "setup.bash"
+    prefix.write_text(f"export PATH={folder}:$PATH\n")
+
+    def run(text, *arguments, **variables):
+        file = folder / "environment"
+        file.write_bytes(text.encode())
+        own = {name: one for name, one in os.environ.items() if not name.startswith("GPR20_")}
+        own.update({"GPR20_ENVIRONMENT": str(file), "GPR20_PREFIX": str(folder), **variables})
+        command = [str(ROOT / "deploy/gpr20-run"), *(arguments or ["robot"])]
+        return subprocess.run(command, env=own, capture_output=True, text=True, check=False)
+
+    return run
+
+
+def test_what_is_shipped_runs_the_simulated_robot_on_one_machine(machine):
+    done = machine(SHIPPED)
+    assert done.stdout == "<gpr20><survey.launch><robot:=simulated><ui:=false>", done.stderr
+
+
+def test_the_real_robot_runs_only_if_it_is_named(machine):
+    assert "<robot:=gpr20>" in machine(SHIPPED.replace("=robot:=simulated", "=robot:=gpr20")).stdout
+    done = machine(SHIPPED.replace("=robot:=simulated", "="))
+    assert done.returncode == 2 and done.stdout == ""
+    assert "must name the robot" in done.stderr
+
+
+WRONG = {
+    "space before": (f" {SIMULATED}", "is not NAME=value"),
+    "export": (f"export {SIMULATED}", "is not NAME=value"),
+    "spaces around": (SIMULATED.replace("=", " = ", 1), "is not NAME=value"),
+    "comment behind": (f"{SIMULATED} # real later", "has a comment behind it"),
+    "quotes, then a comment": ('GPR20_LAUNCH_ARGUMENTS="robot:=simulated" # x', "has a quote"),
+    "space behind": (f"{SIMULATED} ", "begins or ends with a space"),
+    "single quotes": ("GPR20_LAUNCH_ARGUMENTS='robot:=simulated'", "has a quote"),
+    "carriage return": (f"{SIMULATED}\r", "carriage return"),
+    "twice": (f"{SIMULATED}\n{SIMULATED}", "is set in line"),
+    "lower case": (SIMULATED.lower(), "is unknown"),
+    "name with a mistake": (SIMULATED.replace("ARGUMENTS", "ARGUMENT"), "is unknown"),
+    "argument in capitals": (SIMULATED.replace("robot", "Robot"), "'Robot:=simulated'"),
+    "another robot": (SIMULATED.replace("simulated", "simulation"), "must name the robot"),
+    "no argument": (f"{SIMULATED} fast", "'fast'"),
+}
+
+
+@pytest.mark.parametrize("line, reason", WRONG.values(), ids=WRONG)
+def test_a_line_that_is_not_understood_starts_nothing(machine, line, reason):
+    done = machine(SHIPPED.replace(SIMULATED, line))
+    assert done.returncode == 2 and done.stdout == "", done.stdout
+    assert reason in done.stderr
+
+
+def test_a_file_that_is_not_there_starts_nothing(machine, tmp_path):
+    done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / "none"))
+    assert done.returncode == 2 and done.stdout == ""
+    assert "none cannot be read" in done.stderr
+
+
+LINES = st.sampled_from(
+    [SIMULATED, *(line for line, _reason in WRONG.values()), "", "# robot:=gpr20", "GPR20_ROBOT="]
+)
+
+
+@given(st.lists(LINES, max_size=4))
+def test_no_lines_that_never_name_the_real_robot_start_it(machine, lines):
+    done = machine("\n".join(lines))
+    assert "robot:=gpr20" not in done.stdout
+    started = done.stdout != ""
+    assert started == (done.returncode == 0)
+    if started:
+        assert re.findall("<robot:=(.*?)>", done.stdout) == ["simulated"]
