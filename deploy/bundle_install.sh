@@ -13,7 +13,7 @@ esac
 installed="$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' 'gpr20-*' 2>/dev/null |
     sed -n 's/^installed //p' | tr '\n' ' ')"
 if [ -n "$installed" ]; then
-    echo "install.sh: $installed is installed already. Another version: gpr20-update $PWD. Another" \
+    echo "install.sh: $installed is installed. Another version: gpr20-update $PWD. Another" \
         "role: first apt-get remove what is there, never during a survey" >&2
     exit 2
 fi
