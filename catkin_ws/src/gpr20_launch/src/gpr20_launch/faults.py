@@ -56,7 +56,9 @@ PIN_UNUSABLE = Fault(
 )
 TRAVEL = Fault(
     "config.travel",
-    Message("Measure how far the carriage can move, and correct the travel of the axis in mm."),
+    Message(
+        "Measure how far the axis can move, and correct its travel: x and y in mm, z in degrees."
+    ),
 )
 MOTION = Fault(
     "config.motion",

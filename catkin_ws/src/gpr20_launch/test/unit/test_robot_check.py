@@ -92,8 +92,23 @@ MISTAKES = [
     ),
     (
         *("axes", "x: {step_size: 0.001}"),
-        *("axes.yaml", "x/step_size", faults.MOTION, DOUBTFUL),
+        *("axes.yaml", "x/step_size", faults.MOTION, REFUSED),
         ("1.8 hours",),
+    ),
+    (
+        *("axes", "x: {step_size: 0.00001}"),
+        *("axes.yaml", "x/step_size", faults.MOTION, REFUSED),
+        ("1e-05 mm", "0.0005 - 1 mm"),
+    ),
+    (
+        *("axes", "x: {homing_margin: 640}"),
+        *("axes.yaml", "x/homing_margin", faults.MOTION, REFUSED),
+        ("640 mm", "<= 50 mm"),
+    ),
+    (
+        *("axes", "z: {min_coord: 0, max_coord: 270}"),
+        *("axes.yaml", "z/max_coord", faults.TRAVEL, REFUSED),
+        ("270 deg", "cables"),
     ),
     (
         *("axes", "x: {min_step: 0.0004, max_step: 0.0004, late_limit_s: 0.0003}"),
@@ -355,3 +370,14 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     status, _, said = run("robot_config", "create", "--profile", profile, folder)
     assert status == 1 and "axes.yaml" in said and faults.FILES_EXIST.remedy.template in said
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_files_of_a_profile_without_its_list_of_checks_are_refused(tmp_path, run):
+    folder = tmp_path / "pcb"
+    run("robot_config", "create", "--profile", "gpr20_pcb", folder)
+    listed = [one for one in checked(folder) if one.refuses]
+    (folder / "wiring.yaml").unlink()
+    unlisted = [one for one in checked(folder) if one.refuses]
+    assert {Path(one.file).name for one in unlisted} >= {"axes.yaml"}
+    for problems in (listed, unlisted):
+        assert {one.message.fault_code for one in problems} >= {faults.NOT_CHECKED.code}

@@ -18,8 +18,14 @@ from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
 # No positioner of this kind is longer; an axis without room for a row of traces is in metres.
 LONGEST_MM, SHORTEST_MM = 3000.0, 20.0
 LARGEST_TURN_DEG = 360.0
+# The cables of the antennas allow a quarter turn each way.
+FARTHEST_TURN_DEG = 100.0
 # Steps of a belt or a screw, and of a motor without a gear.
 COARSEST_STEP_MM, COARSEST_STEP_DEG = 1.0, 15.0
+# Of a motor with microsteps on a fine screw; with finer ones every move would be too long.
+FINEST_STEP_MM, FINEST_STEP_DEG = 0.0005, 0.001
+# A switch that is broken is pushed that far beyond.
+LONGEST_MARGIN = 50.0
 # Beyond them nothing of this size stays on its rails, or no stepper motor follows.
 FASTEST_MM_S, FASTEST_DEG_S = 500.0, 1080.0
 FASTEST_START_HZ = 1000.0
@@ -112,11 +118,28 @@ def impossible_values(file: Path, axis: str, values: Mapping[str, Any]) -> Itera
             Message("a travel of {travel:g} {unit} cannot be", travel=high - low, unit=unit),
             Message("a travel of {least:g} to {most:g} {unit}", least=least, most=most, unit=unit),
         )
-    coarsest = COARSEST_STEP_DEG if rotary else COARSEST_STEP_MM
-    if step > coarsest:
+    if rotary:
+        yield from _turns(file, axis, low, high)
+    finest, coarsest = (
+        (FINEST_STEP_DEG, COARSEST_STEP_DEG) if rotary else (FINEST_STEP_MM, COARSEST_STEP_MM)
+    )
+    if 0.0 < step < finest or step > coarsest:
         reason = Message("no motor of this robot has such steps")
-        allowed, shown = f"<= {coarsest:g} {unit}", f"{step:g} {unit}"
+        allowed, shown = f"{finest:g} - {coarsest:g} {unit}", f"{step:g} {unit}"
         yield problem(faults.MOTION, file, f"{axis}/step_size", shown, reason, allowed)
+    margin = _number(values.get("homing_margin"))
+    if margin > LONGEST_MARGIN:
+        reason = Message("an endstop that is broken would be passed by that much")
+        allowed, shown = f"<= {LONGEST_MARGIN:g} {unit}", f"{margin:g} {unit}"
+        yield problem(faults.MOTION, file, f"{axis}/homing_margin", shown, reason, allowed)
+
+
+def _turns(file: Path, axis: str, low: float, high: float) -> Iterator[Problem]:
+    for key, end in (("min_coord", low), ("max_coord", high)):
+        if FARTHEST_TURN_DEG < abs(end) <= LARGEST_TURN_DEG:
+            reason = Message("the antennas would wind up their cables")
+            allowed = f"-{FARTHEST_TURN_DEG:g} - {FARTHEST_TURN_DEG:g} deg"
+            yield problem(faults.TRAVEL, file, f"{axis}/{key}", f"{end:g} deg", reason, allowed)
 
 
 def _number(value: Any) -> float:
@@ -193,9 +216,13 @@ def _check_motion(file: Path, axis: str, own: AxisParameters) -> Iterator[Proble
         yield _doubtful(file, faults.MOTION, f"{axis}/delta_step", shown, reason, allowed)
     homing_s = 2.0 * own.max_step * own.travel_steps
     if homing_s > LONGEST_HOMING_S:
-        reason = Message("its homing could take {hours:.1f} hours", hours=homing_s / 3600.0)
+        reason = Message(
+            "its homing could take {hours:.1f} hours, and if the steps are larger than that, each "
+            "move is too long by as much",
+            hours=homing_s / 3600.0,
+        )
         allowed, shown = f"<= {LONGEST_HOMING_S / 3600.0:g} h", f"{own.step_size:g} {own.unit}"
-        yield _doubtful(file, faults.MOTION, f"{axis}/step_size", shown, reason, allowed)
+        yield problem(faults.MOTION, file, f"{axis}/step_size", shown, reason, allowed)
 
 
 def _largest_change(own: AxisParameters) -> float:

@@ -16,7 +16,7 @@ from gpr20_common.mid.records import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
 from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import Reading
+from gpr20_launch.mid.robot_files import AXES_FILE, Reading
 from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Wiring
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
@@ -31,6 +31,8 @@ from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB
 
 STORAGE_FILE, ANALYZER_FILE, HEIGHT_FILE = "storage.yaml", "analyzer.yaml", "height.yaml"
 WIRING_FILE = "wiring.yaml"
+# Of a line of a profile that a person must check.
+PROFILE_MARK = b"# CHECK:"
 # What editors, copies and updates of packages leave.
 LEFT_OVER = re.compile(
     r".*(~|\.(bak|old|orig|save|sav|tmp|rej|sw[a-p]|backup|copy|new|dpkg-\w+|ucf-\w+)[\d~]*)"
@@ -254,6 +256,8 @@ def _not_of_device(address: str, key: str) -> Optional[Message]:
 
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:
+    if not (reading.folder / WIRING_FILE).exists():
+        yield from _unlisted(reading.folder)
     for one in record_from(Wiring, reading.sections["wiring"], "").unchecked:
         reason = Message("nobody has checked it: {task}", task=TASKS[one])
         allowed = Message("nothing in the list, once a person has checked it")
@@ -266,3 +270,16 @@ def _unchecked(reading: Reading) -> Iterator[Problem]:
             allowed,
             doubtful=one in WITH_ROBOT,
         )
+
+
+def _unlisted(folder: Path) -> Iterator[Problem]:
+    """Find files of a profile without the list of what must be checked in them."""
+    for name in (AXES_FILE, HEIGHT_FILE):
+        file = folder / name
+        if file.is_file() and PROFILE_MARK in file.read_bytes():
+            reason = Message(
+                "this file is one of a profile, and the list of what must be checked is not there"
+            )
+            allowed = Message("a file without this word, once a person has checked each such line")
+            mark = PROFILE_MARK.decode()
+            yield problem(faults.NOT_CHECKED, file, "", mark, reason, allowed)
