@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import facts
 
+from gpr20_doctor.low.bundle_sources import end_of
 from gpr20_doctor.low.secrets import REMOVED, json_without_secrets, without_secrets
 from gpr20_doctor.mid import bundle
 from gpr20_doctor.mid.findings import findings
@@ -152,6 +153,37 @@ def test_the_value_of_whatever_names_a_secret_is_removed(name, form, before):
     clean = json_without_secrets(json.dumps(record))
     assert SECRET not in clean
     assert "kept" in json.loads(clean)["a"][0]
+
+
+FORMS = [
+    *('options: ["--password", "{}"]', "- [password, {}]", "- {{name: password, value: {}}}"),
+    *(
+        '"pass word": {}',
+        '{{\\"token\\": \\"{}\\"}}',
+        "the password is {}",
+        "PASSWORD {}",
+        "pass: {}",
+    ),
+    *(
+        "pass: {}",
+        "DB_PASS={}",
+        "user_pass: {}",
+        "pw={}",
+        "cred: {}",
+        "otp={}",
+        "snmp_community: {}",
+    ),
+    *("Set-Cookie: {}", "curl -s -u user:{} http://a", "sshpass -p {} ssh a", "http://a/?sig={}"),
+    *("contrase\u00f1a: {}", "clave={}", "analyzer_options:\n  - {}\n", "jwt eyJh.{}.x"),
+]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_secret_is_removed_however_it_is_written(tmp_path, form):
+    line = form.format(SECRET)
+    assert SECRET not in without_secrets(f"before\n{line}\nafter")
+    (tmp_path / "a.yaml").write_bytes(f"a: 1\n{line}\n".encode("utf-16"))
+    assert SECRET not in without_secrets(end_of(tmp_path / "a.yaml", 10000))
 
 
 def test_a_line_of_a_million_letters_takes_no_minutes():

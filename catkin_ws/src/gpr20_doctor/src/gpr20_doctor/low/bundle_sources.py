@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import shutil
 import subprocess
@@ -64,8 +65,14 @@ def end_of(path: Path, most_bytes: int, follow_link: bool = False) -> str:
         skipped = max(0, os.fstat(stream.fileno()).st_size - most_bytes)
         stream.seek(skipped)
         # A file that grows does not make the bundle grow.
-        text = stream.read(most_bytes).decode("utf-8", errors="replace")
+        text = _decoded(stream.read(most_bytes))
     return text.partition("\n")[2] if skipped else text
+
+
+def _decoded(content: bytes) -> str:
+    """Return a text as YAML reads it: UTF-16 too, whose secrets would not be found as UTF-8."""
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if marked else "utf-8", errors="replace")
 
 
 def newest(folder: Path, pattern: str) -> List[Path]:

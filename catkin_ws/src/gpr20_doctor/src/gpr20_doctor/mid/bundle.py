@@ -42,9 +42,9 @@ logs/                         ROS logs, the newest first, at most 8 MB; journal 
 system/                       packages, disks, memory, processes, network, clock, firewall
 index.json                    every part, and each that could not be collected, with the reason
 
-Left out: the signing key, and the values of what is called password, secret, token or key. Still
-in it: names of operators, positions of site and survey, network addresses. Look through it before
-you send it where they must not be known.
+Left out: the signing key, and the values of what is called password, secret, token, key, cookie or
+options, and the like. Still in it: names of operators, positions of site and survey, network
+addresses. Look through it before you send it where they must not be known.
 """
 
 
