@@ -58,7 +58,7 @@ class Machine:
     def follow(self, advice):
         """Run the command of an advice, as root."""
         (command,) = re.findall(r"Run: sudo (.+)$", advice)
-        self.run("sh", "-ec", command, GPR20_CLOCK_SOURCE=str(self.root / "no/source"))
+        self.run("sh", "-ec", command, GPR20_DEPLOY=str(FIREWALL.parents[4]))
 
 
 @pytest.fixture
@@ -69,7 +69,8 @@ def machine(tmp_path):
     (tmp_path / "usr/lib/gpr20/firewall").symlink_to(FIREWALL)
     (tmp_path / "proc").symlink_to("/proc")
     one.set("on")
-    for folder in (tmp_path, *list(tmp_path.parents)[:2]):
+    # With workers side by side there is one folder more.
+    for folder in (tmp_path, *list(tmp_path.parents)[:3]):
         folder.chmod(0o755)
     subprocess.run(["ip", "netns", "add", one.name], check=True)
     try:
