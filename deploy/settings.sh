@@ -8,8 +8,8 @@ GPR20_SETTINGS="ROBOT SERVER ADMIN FIREWALL DATA CONFIG LAUNCH_ARGUMENTS WINDOW_
 # gpr20_read_settings FILE: check the file and export what it sets. What the caller has set already
 # stays. On a mistake: a sentence, and status 1.
 gpr20_read_settings() {
-    if [ ! -r "$1" ]; then
-        echo "$1 cannot be read by $(id -un); it must be there, readable for all: chmod 644 $1" >&2
+    if [ ! -f "$1" ] || [ ! -r "$1" ]; then
+        echo "$1 cannot be read by $(id -un); it must be a file, readable for all: chmod 644 $1" >&2
         return 1
     fi
     gpr20_checked="$(_gpr20_check_lines "$1" <"$1")" || return 1
@@ -38,18 +38,18 @@ _gpr20_check_lines() {
         }
         /^[ \t]*(#|$)/ { next }
         /\r$/ { refuse("it ends with a carriage return; save the file with line ends of Linux") }
-        !/^[A-Za-z0-9_]+=/ { refuse("\"" $0 "\" is not NAME=value, without spaces before and around =") }
+        !/^[A-Za-z0-9_]+=/ { refuse("\"" $0 "\" is not NAME=value without further spaces") }
         {
             name = value = $0
             sub(/=.*/, "", name)
             sub(/^[^=]*=/, "", value)
             if (!(name in known)) refuse(name " is unknown; allowed: " allowed)
-            if (name in line) refuse(name " is set in line " line[name] " already; keep one of them")
+            if (name in line) refuse(name " is set in line " line[name] " already; keep one")
             line[name] = NR
             if (value ~ /^".*"$/) value = substr(value, 2, length(value) - 2)
             if (value ~ /^[ \t]|[ \t]$/) refuse(name " begins or ends with a space")
-            if (value ~ /["\047\\$`]/) refuse(name " has a quote, \\, $ or `, which nothing here needs")
-            if (value ~ /(^|[ \t])#/) refuse(name " has a comment behind it; give it a line of its own")
+            if (value ~ /["\047\\$`]/) refuse(name " has a quote, \\, $ or `: leave it out")
+            if (value ~ /(^|[ \t])#/) refuse(name " has a comment behind it: use another line")
             print name "=" value
         }
         END { exit failed }'

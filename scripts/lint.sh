@@ -27,7 +27,9 @@ mapfile -t programs < <(git ls-files 'catkin_ws/src/*/src/*.py' 'deploy/*.py')
 python3 tools/checks/word_decisions.py "${programs[@]}" "${nodes[@]}"
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
-mapfile -t shells < <(git grep -lE '^#!(/bin/sh|/usr/bin/env bash)' -- deploy debian scripts .ci)
+# What is sourced names its shell for shellcheck.
+mapfile -t shells < <(git grep -lE '^#( shellcheck shell=|!(/bin/sh|/usr/bin/env bash))' -- \
+    deploy debian scripts .ci)
 if grep -nE '^.{101}' "${shells[@]}" >&2; then
     echo "lint.sh: break these lines after at most 100 characters" >&2
     exit 1

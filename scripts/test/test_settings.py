@@ -63,6 +63,7 @@ WRONG = {
     "name with a mistake": (SIMULATED.replace("ARGUMENTS", "ARGUMENT"), "is unknown"),
     "argument in capitals": (SIMULATED.replace("robot", "Robot"), "'Robot:=simulated'"),
     "another robot": (SIMULATED.replace("simulated", "simulation"), "must name the robot"),
+    "two robots": (f"{SIMULATED} robot:=gpr20", "has robot more than once"),
     "no argument": (f"{SIMULATED} fast", "'fast'"),
 }
 
@@ -78,6 +79,14 @@ def test_a_file_that_is_not_there_starts_nothing(machine, tmp_path):
     done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / "none"))
     assert done.returncode == 2 and done.stdout == ""
     assert "none cannot be read" in done.stderr
+
+
+def test_what_is_no_file_starts_nothing_and_is_not_waited_for(machine, tmp_path):
+    os.mkfifo(str(tmp_path / "pipe"))
+    for path in (tmp_path, tmp_path / "pipe"):
+        done = machine(SHIPPED, GPR20_ENVIRONMENT=str(path))
+        assert done.returncode == 2 and done.stdout == ""
+        assert "it must be a file" in done.stderr
 
 
 LINES = st.sampled_from(
