@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import random
@@ -285,6 +286,24 @@ def test_damage_in_both_forms_at_random_is_never_called_intact_and_never_wrong(f
             assert present | set(found.found.lost) == everything, (SEED, number)
     for name, content in before.items():
         (folder / name).write_bytes(content)
+
+
+def test_a_wrong_number_of_an_entry_without_values_hides_and_invents_no_record(sealed):
+    """The checksum of such an entry cannot be calculated: its number may be any."""
+    before = both_files(sealed)
+    everything = recovered(sealed).found.records
+    shown = [one for one in json.loads(before["survey.json"])["log"] if one["values"] is None]
+    assert shown
+    for one, number, damaged in itertools.product(shown, (0, 7, 8, 90, 999_999), range(1, 10)):
+        old, new = (b'"number": %d,' % value for value in (one["number"], number))
+        (sealed / "survey.json").write_bytes(before["survey.json"].replace(old, new))
+        lines = before["log.jsonl"].splitlines(keepends=True)
+        lines[damaged] = lines[damaged].replace(b"2026", b"2027")
+        (sealed / "log.jsonl").write_bytes(b"".join(lines))
+        found = recovered(sealed).found
+        # Of those that have their values in survey.json, none is lost.
+        assert set(found.lost) <= {damaged} & {entry["number"] for entry in shown}
+        assert {one.sha256 for one in found.records} <= {one.sha256 for one in everything}
 
 
 def test_a_crash_while_the_log_is_repaired_forgets_nothing_that_is_lost(folder, tmp_path):

@@ -27,15 +27,16 @@ from gpr20_survey.folder.log_record import (
     record_of,
     record_of_line,
 )
-from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.manifest import LogHead, Manifest
 
 LOG_FILE = survey_folder.LOG_FILE
 MAX_LOG_BYTES = 64 << 20
 # How a record begins and ends in log.jsonl.
 _BEGIN = re.compile(rb'\{"number":\d+,"time":"')
 _END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
-# How a record begins in survey.json.
-_SHOWN = re.compile(r'(?P<before>\n    )\{\n      "number": ')
+# Where a record begins or ends in survey.json.
+_EDGE = re.compile(r'(?=\n    \{\n      "number": )|(?<="sha256": "[0-9a-f]{64}"\n    \})')
+_MIN_CHARS = 100  # of a record, which has a checksum or two of 64 digits
 
 
 class State(enum.Enum):
@@ -120,9 +121,10 @@ def read_log(
     """
     lines = _read_lines(folder / LOG_FILE)
     content, own, failure = _read_view(folder / survey_folder.SURVEY_FILE)
-    shown = own.pop(LOG, None) if own is not None else _salvaged(content)
+    listed = None if own is None else own.pop(LOG, None)
+    shown = listed if isinstance(listed, list) else _salvaged(content)
     in_log, damaged_lines = _records_of(lines or [], record_of_line, json_of_line)
-    in_view, damaged_entries = _records_of(shown if isinstance(shown, list) else [], record_of)
+    in_view, damaged_entries = _records_of(shown or [], record_of)
     forms = [in_log, in_view, {one.number: one for one in recorded}]
     heads = () if sealed is None else tuple(filter(None, (sealed.log, sealed.next_log)))
     found = merged(forms, heads)
@@ -132,11 +134,11 @@ def read_log(
         raise failure
     # A fact is acknowledged when it is in survey.json too: if that is whole, a line that it lacks
     # was torn while it was added.
-    is_whole = own is not None and isinstance(shown, list) and not damaged_entries
+    is_whole = shown is listed is not None and not damaged_entries
     ends = (
         -1 if sealed is None or sealed.log is None else sealed.log.number,
         -1 if is_whole else _lines_behind(lines or [], in_log),
-        _entries_behind(shown, in_view),
+        _entries_behind(shown or [], found),
     )
     lost = lost_numbers(found, max(ends))
     damaged = (*damaged_lines, *damaged_entries)
@@ -183,18 +185,15 @@ def _read_view(
 
 def _salvaged(content: bytes) -> Optional[List[Any]]:
     """Return the records in a survey.json that is no JSON as a whole; "?" for a damaged one."""
-    text = content.decode("ascii", "replace")
-    found: List[Any] = []
-    end = 0
-    for begin in _SHOWN.finditer(text):
-        if begin.start() < end:
-            continue
-        try:
-            record, end = json.JSONDecoder().raw_decode(text, begin.end("before"))
-        except (ValueError, RecursionError):
-            record = "?"
-        found.append(record)
-    return found or None
+    _, *pieces = _EDGE.split(content.decode("ascii", "replace"))
+    return [_salvaged_entry(one) for one in pieces if len(one) > _MIN_CHARS] or None
+
+
+def _salvaged_entry(piece: str) -> Any:
+    try:
+        return json.loads(piece)
+    except (ValueError, RecursionError):
+        return "?"
 
 
 def _records_of(
@@ -209,8 +208,9 @@ def _records_of(
         record = record_of_entry(entry)
         if record is None:
             damaged.append(legible(entry))
-        else:
-            found.setdefault(record.number, record)
+        elif record.number not in found or found[record.number].values is None:
+            # One without values may have a wrong number: it is in the way of no other one.
+            found[record.number] = record
     return found, damaged
 
 
@@ -240,11 +240,14 @@ def _lines_behind(lines: Sequence[bytes], records: Records) -> int:
     return max(records, default=-1) + max(begun, ended, min(1, len(damaged)))
 
 
-def _entries_behind(shown: Any, records: Records) -> int:
+def _entries_behind(entries: Sequence[Any], found: Sequence[LogRecord]) -> int:
     """Return the number of the last record in survey.json, although it is damaged."""
-    entries = shown if isinstance(shown, list) else []
-    damaged = list(itertools.takewhile(lambda one: record_of(one) is None, reversed(entries)))
-    return max(records, default=-1) + len(damaged)
+    right = {LogHead.of(one) for one in found}
+    for behind, entry in enumerate(reversed(entries)):
+        record = record_of(entry)
+        if record is not None and LogHead.of(record) in right:
+            return record.number + behind
+    return len(entries) - 1
 
 
 def _state_of_log(found: Sequence[LogRecord], lines: Optional[Sequence[bytes]]) -> State:
