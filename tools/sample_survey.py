@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Dict
 
 from mcap.reader import make_reader
-from mcap.writer import CompressionType, Writer
 from robot_kit import simulated_robot
 
 from gpr20_analysis import verify_survey
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.recording import RecordedMessage
 
 SCENES = Path(__file__).resolve().parents[1] / "catkin_ws" / "src" / "gpr20_simulator" / "scenes"
 SCENE = SCENES / "imaging_targets.yaml"
@@ -23,48 +23,29 @@ SURVEY = (
 # The traces, and what describes them. The other topics, such as those of the motors, would make the
 # file four times as large.
 TOPICS = ("trace", "survey_metadata", "survey_parameters", "description")
-CHUNK_BYTES = 4 << 20
 
 
 def copy_traces(recorded: Path, output: Path) -> None:
-    """Copy the messages of `TOPICS`, byte for byte, and all attachments and metadata."""
-    with recorded.open("rb") as source, output.open("wb") as target:
-        reader, writer = make_reader(source), Writer(
-            target, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD
-        )  # fmt: skip
-        header = reader.get_header()
-        writer.start(header.profile, header.library)
-        for attached in reader.iter_attachments():
-            writer.add_attachment(
-                attached.create_time,
-                attached.log_time,
-                attached.name,
-                attached.media_type,
-                attached.data,
-            )
-        for record in reader.iter_metadata():
-            writer.add_metadata(record.name, record.metadata)
-        schemas: Dict[int, int] = {}
-        channels: Dict[int, int] = {}
+    """Copy the messages of `TOPICS` as a survey is recorded, each trace in a chunk of its own."""
+    with recorded.open("rb") as source:
+        reader = make_reader(source)
+        (record,), (attached,) = reader.iter_metadata(), reader.iter_attachments()
+        target = McapFile(output, record.metadata, attached.data, attached.log_time)
         for schema, channel, message in reader.iter_messages(log_time_order=False):
-            if schema is None or channel.topic.split("/")[-1] not in TOPICS:
+            name = channel.topic.split("/")[-1]
+            if schema is None or name not in TOPICS:
                 continue
-            if schema.id not in schemas:
-                schemas[schema.id] = writer.register_schema(
-                    schema.name, schema.encoding, schema.data
-                )
-            if channel.id not in channels:
-                channels[channel.id] = writer.register_channel(
-                    channel.topic, channel.message_encoding, schemas[schema.id], channel.metadata
-                )
-            writer.add_message(
-                channels[channel.id],
-                message.log_time,
+            copied = RecordedMessage(
+                channel.topic,
+                schema.name,
+                channel.metadata["md5sum"],
+                schema.data.decode(),
                 message.data,
-                message.publish_time,
-                message.sequence,
+                message.log_time,
+                channel.metadata["latching"] == "1",
             )
-        writer.finish()
+            (target.write_alone if name == "trace" else target.write)(copied)
+        target.finish()
 
 
 def main() -> None:
