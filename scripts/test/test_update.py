@@ -18,7 +18,7 @@ import update_world
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.output import as_json
+from gpr20_doctor.mid.findings import as_json
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 

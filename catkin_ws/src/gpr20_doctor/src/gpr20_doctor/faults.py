@@ -42,6 +42,13 @@ OTHER_NAMESPACE = Fault(
 )
 NO_ROBOT = Fault("doctor.no_robot", remedies.START_ROBOT)
 PARTS_MISSING = Fault("doctor.parts_missing", remedies.START_ROBOT)
+LEFT_OVER = Fault("doctor.left_over", remedies.RESTART_ROBOT, Severity.WARNING)
+NOT_RESTARTED = Fault(
+    "node.not_restarted",
+    Message("Start all parts of the robot again, from one installation."),
+    Severity.WARNING,
+    replaces=True,
+)
 NODE_HANGS = Fault(
     "doctor.node_hangs",
     Message(
@@ -109,6 +116,10 @@ ADDRESS_MISSING = Fault(
     Message("Check the link, GPR20_ROBOT and GPR20_SERVER, and source setup.bash again."),
 )
 ADDRESS_WRONG = Fault("network.address_wrong", LISTEN_HERE)
+ADDRESS_GONE = Fault(
+    "network.address_gone",
+    Message("Check the link, and the address of this computer. Then start the robot again."),
+)
 GROUP_MISSING = Fault(
     "computer.group_missing",
     Message("Make the group, then restart the computer."),

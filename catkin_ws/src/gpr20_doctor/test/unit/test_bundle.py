@@ -107,7 +107,7 @@ def test_each_part_that_cannot_be_collected_has_its_reason(tmp_path, machine):
         raise OSError("it is broken")
 
     silent = unheard("http://x", Evidence())
-    with mock.patch.object(bundle, "output_of", refuse), mock.patch.object(
+    with mock.patch.object(bundle, "answer_of", refuse), mock.patch.object(
         bundle, "end_of", refuse
     ):
         parts, missing = written(tmp_path, machine, silent)

@@ -15,14 +15,14 @@ FIREWALL = Path(__file__).resolve().parents[5] / "deploy/common/usr/lib/gpr20/fi
 ROBOT, SERVER = "10.20.0.1", "10.20.0.2"
 LOOK = """
 import os, sys
+from dataclasses import replace
 from pathlib import Path
-from gpr20_doctor.low import whole_check
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
-whole_check.PROGRAM = ("false", "", "robot_config")
 request = ThisMachine("pi", {"ROS_MASTER_URI": f"http://{sys.argv[2]}:11311"},
                       Path(sys.argv[1])).request({})
+request = replace(request, files="")
 (one,) = [one for one in findings(None, probe_machine(request)) if one.check == "firewall"]
 print(one.level.name, one.text.fault_code or "-", one.text, one.remedy, sep="\\n")
 """

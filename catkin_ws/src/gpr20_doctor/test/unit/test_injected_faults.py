@@ -172,6 +172,18 @@ def date(now_s):
     return lambda one: setattr(one, "now_s", now_s)
 
 
+def process(number, words, environment):
+    def start(one):
+        one.write(f"proc/{number}/cmdline", words.replace(" ", "\0"))
+        one.write(f"proc/{number}/environ", environment)
+        one.write(f"proc/{number}/stat", f"{number} (node) S 1")
+
+    return start
+
+
+end_part = process("60", "", "")
+
+
 def plug_in(one):
     one.unmount(one.data)
 
@@ -245,6 +257,15 @@ STATES = {
         "etc/gpr20/environment",
         lambda one: one.set_addresses("192.0.2.5", "192.0.2.6"),
         lambda one: one.set_addresses("127.0.0.1", "127.0.0.2"),
+    ),
+    "an address of the robot's parts is gone": State(
+        "network.address_gone",
+        "Check the link",
+        process("50", "node __name:=x", "ROS_IP=192.0.2.7"),
+        process("50", "", ""),
+    ),
+    "the launch of a part has ended": State(
+        "doctor.left_over", "kill 60", process("60", "node __name:=x __log:=/l", ""), end_part
     ),
     "ROS_IP is that of another computer": State(
         "network.address_wrong", "gpr20-run doctor", address("192.0.2.9"), address("127.0.0.1")

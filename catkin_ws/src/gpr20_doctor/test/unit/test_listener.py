@@ -9,9 +9,9 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.listener import WATCH_S, Listener, unheard
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.output import as_json, lines
 from gpr20_doctor.mid.robot_facts import AxisPosition, Evidence
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription

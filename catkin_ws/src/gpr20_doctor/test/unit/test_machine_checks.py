@@ -37,8 +37,8 @@ from gpr20_survey.folder.data_folder import KnownFolder
 BOTH = frozenset({"gpio", "spi"})
 SPI = DeviceFile(Path("/dev/spidev0.0"), True, True)
 PINS = DeviceFile(Path("/dev/gpiomem"), True, True)
-TWO = AddressFacts("10.20.0.1", "10.20.0.2", ("10.20.0.1",), "10.20.0.1", "http://10.20.0.2:11311")
-ONE = AddressFacts("", "", (), "127.0.0.1", "http://localhost:11311")
+TWO = AddressFacts("10.20.0.1", "10.20.0.2", ("10.20.0.1",), "10.20.0.1")
+ONE = AddressFacts("", "", (), "127.0.0.1")
 GROUPS = GroupFacts("pi", False, BOTH, BOTH, BOTH)
 GPIO = GpioFacts((PINS,), frozenset({"rpi_gpio"}), "rpi_gpio")
 REALTIME = RealtimeFacts(99, True, None)
@@ -147,6 +147,13 @@ CASES = [
     ({"volumes": (replace(VOLUME, free_bytes=10**8),)}, Level.WARNING, "100 MB left"),
     ({"volumes": (replace(VOLUME, free_bytes=10**6),)}, Level.FAULT, "1 MB left"),
     ({"volumes": (replace(VOLUME, free_files=3),)}, Level.FAULT, "3 more files"),
+    ({"left_over": (7, 5)}, Level.WARNING, "The launch of 2 parts"),
+    (
+        {"addresses": replace(ONE, ros_address="10.0.0.7", foreign=("10.0.0.7",))},
+        Level.FAULT,
+        "ROS_IP or ROS_HOSTNAME is 10.0.0.7",
+    ),
+    ({"addresses": replace(TWO, foreign=("10.0.0.7",))}, Level.FAULT, "listen on 10.0.0.7"),
     ({"behind_s": 864000.0}, Level.WARNING, "10 days before"),
     *[
         ({field: GONE}, Level.UNKNOWN, "permission denied")
@@ -173,12 +180,21 @@ def test_axes_of_other_controllers_need_no_pins():
         assert [one.level for one in found if one.check in ("gpio", "realtime")] == [Level.NOTE]
 
 
-def test_a_robot_that_was_not_restarted_after_an_update_is_found():
+@each_case(
+    "host, words",
+    [
+        ("robot", "from one installation. Run: sudo systemctl restart gpr20-robot."),
+        ("laptop", "install the same version on all its computers"),
+    ],
+)
+def test_a_robot_that_was_not_restarted_after_an_update_is_found(host, words):
     assert exit_status(findings(facts(), replace(HEALTHY, software=SAME))) == GOOD
-    updated = replace(SAME, revision="new", host="")
-    (found, *_others) = findings(facts(), replace(HEALTHY, software=updated))
+    updated = replace(SAME, revision="new", host=host)
+    machine = replace(HEALTHY, software=updated, place=SERVED)
+    (found, *_others) = findings(facts(), machine)
     assert found.level is Level.WARNING
     assert "runs the software 0.1.0 (abc), but 0.1.0 (new) is installed" in str(found.text)
+    assert words in str(found.remedy)
 
 
 def test_space_and_speed_of_another_disk_are_not_called_good():
@@ -225,7 +241,7 @@ MACHINES = st.builds(
     perhaps(DEVICES),
     perhaps(st.builds(GpioFacts, st.lists(DEVICES).map(tuple), SETS, WORDS, st.booleans())),
     perhaps(st.builds(RealtimeFacts, st.integers(0, 99), st.booleans(), st.none() | st.just(9))),
-    perhaps(st.builds(PowerFacts, st.booleans(), st.booleans(), st.booleans())),
+    perhaps(st.builds(PowerFacts, st.booleans(), st.booleans())),
     perhaps(st.builds(DiskFacts, PATHS, st.integers(0, 10**13), FOLDERS, perhaps(st.floats(0.0)))),
     perhaps(st.builds(ClockFacts, st.booleans(), st.floats())),
     perhaps(st.builds(PortFacts, WORDS, st.just(111), REASONS)),

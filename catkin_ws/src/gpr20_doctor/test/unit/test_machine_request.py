@@ -8,7 +8,7 @@ from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse
-from gpr20_doctor.mid.machine_request import REAL, SIMULATED, ThisMachine
+from gpr20_doctor.mid.machine_request import AUTOMATIC, REAL, SIMULATED, ThisMachine
 from gpr20_survey.plan.robot_description import NodeDescription
 
 # The doctor's own computer has one of these addresses and not the other.
@@ -72,6 +72,35 @@ def test_a_simulated_robot_needs_no_hardware(root):
     request = machine(root).request(nodes(simulated=True))
     assert (request.hardware, request.vna) == (HardwareUse.SIMULATED, None)
     assert machine(root).request({}, robot=SIMULATED).hardware is HardwareUse.SIMULATED
+
+
+@pytest.mark.parametrize(
+    "running, robot, asked, expected",
+    [
+        ({}, AUTOMATIC, AUTOMATIC, REAL),
+        ({}, SIMULATED, AUTOMATIC, SIMULATED),
+        (nodes(), AUTOMATIC, AUTOMATIC, REAL),
+        (nodes(simulated=True), AUTOMATIC, AUTOMATIC, SIMULATED),
+        (nodes(simulated=True), AUTOMATIC, REAL, REAL),
+        (nodes(), AUTOMATIC, "", ""),
+    ],
+)
+def test_a_configuration_is_checked_as_that_of_the_robot_that_it_describes(
+    root, running, robot, asked, expected
+):
+    request = machine(root).request(running, robot=robot, thorough=False, files=asked)
+    assert request.files == expected
+
+
+def test_only_a_folder_that_the_launch_was_given_is_named_as_given(root):
+    (root / "config").mkdir()
+    storage = root / "config/storage.yaml"
+    for text, given in (("data: /s\n", ""), ("data: /other\n", "/s")):
+        storage.write_text(text)
+        request = machine(root).request(nodes())
+        assert (request.data, request.data_given) == (Path("/s"), given)
+    assert machine(root).request({}).data_given == ""
+    assert machine(root, GPR20_DATA="/s").request(nodes()).data_given == "/s"
 
 
 def test_nothing_of_another_computer_is_looked_at(root):

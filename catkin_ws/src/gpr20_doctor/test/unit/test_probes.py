@@ -3,7 +3,6 @@
 import errno
 import os
 import socket
-import stat
 import threading
 from pathlib import Path
 
@@ -11,19 +10,7 @@ import pytest
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_doctor.low import (
-    chrony,
-    config_files,
-    device_files,
-    disk_speed,
-    groups,
-    network,
-    pi_sensors,
-    pin_libraries,
-    realtime_limits,
-    system,
-    whole_check,
-)
+from gpr20_doctor.low import disk_speed, network, pi, programs, system
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, PortFacts
@@ -31,12 +18,6 @@ from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFolder
-
-
-@pytest.fixture(autouse=True)
-def no_check_of_the_whole_robot(monkeypatch):
-    # It takes a second; doctor.test runs it.
-    monkeypatch.setattr(whole_check, "PROGRAM", ("false", "", "robot_config"))
 
 
 def tree(folder, **files):
@@ -47,71 +28,96 @@ def tree(folder, **files):
     return folder
 
 
-def program(folder, text):
-    path = folder / "program"
-    path.write_text(f"#!/bin/sh\n{text}\n")
-    path.chmod(path.stat().st_mode | stat.S_IXUSR)
-    return str(path)
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """Return a function that makes a program, and lets nothing but the shell be found else."""
+
+    def make(name, script):
+        path = tmp_path / "bin" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(f"#!/bin/sh\n{script}\n")
+        path.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{path.parent}:/bin")
+
+    return make
 
 
 def test_groups_are_read_as_the_system_writes_them(tmp_path):
     tree(tmp_path, etc__group="gpio:x:997:pi,kim\nspi:x:999:\nbroken\nodd:x:a:\n")
-    assert groups.group_names(tmp_path) == {997: "gpio", 999: "spi"}
-    assert groups.groups_listing(tmp_path, "kim") == {"gpio"}
-    assert groups.group_names(Path("/"))[0] == "root"
-    assert groups.user_name()
+    assert pi.group_names(tmp_path) == {997: "gpio", 999: "spi"}
+    assert pi.groups_listing(tmp_path, "kim") == {"gpio"}
+    assert pi.group_names(Path("/"))[0] == "root"
+    assert pi.user_name()
 
 
 def test_devices_are_found_and_tried(tmp_path):
-    assert device_files.gpio_devices(tmp_path) == ()
+    assert pi.gpio_devices(tmp_path) == ()
     tree(tmp_path, dev__gpiomem="", dev__gpiochip0="")
-    assert [one.name for one in device_files.gpio_devices(tmp_path)] == ["gpiomem", "gpiochip0"]
-    assert device_files.can_be_used(tmp_path / "dev/gpiomem")
-    assert not device_files.can_be_used(device_files.spi_device(tmp_path, 0, 1))
+    assert [one.name for one in pi.gpio_devices(tmp_path)] == ["gpiomem", "gpiochip0"]
+    assert pi.can_be_used(tmp_path / "dev/gpiomem")
+    assert not pi.can_be_used(pi.spi_device(tmp_path, 0, 1))
 
 
 def test_the_hottest_zone_counts(tmp_path):
-    assert pi_sensors.hottest_c(tmp_path) is None
+    assert pi.hottest_c(tmp_path) is None
     zone = "sys__class__thermal__thermal_zone"
     tree(tmp_path, **{f"{zone}0__temp": "45000\n", f"{zone}1__temp": "81500\n"})
-    assert pi_sensors.hottest_c(tmp_path) == 81.5
+    assert pi.hottest_c(tmp_path) == 81.5
     tree(tmp_path, **{f"{zone}1__temp": "hot\n"})
     with pytest.raises(ValueError):
-        pi_sensors.hottest_c(tmp_path)
+        pi.hottest_c(tmp_path)
 
 
 def test_the_supply_of_a_raspberry_pi_is_found_among_other_sensors(tmp_path):
     hwmon = "sys__class__hwmon__hwmon"
     tree(tmp_path, **{f"{hwmon}0__name": "cpu_thermal\n"})
-    assert pi_sensors.low_voltage(tmp_path) is None
+    assert pi.low_voltage(tmp_path) is None
     tree(tmp_path, **{f"{hwmon}1__name": "rpi_volt\n", f"{hwmon}1__in0_lcrit_alarm": "1\n"})
-    assert pi_sensors.low_voltage(tmp_path) is True
-    assert not pi_sensors.is_raspberry_pi(tmp_path)
+    assert pi.low_voltage(tmp_path) is True
+    assert not pi.is_raspberry_pi(tmp_path)
     tree(tmp_path, **{"proc__device-tree__model": "Raspberry Pi 4 Model B Rev 1.4\0"})
-    assert pi_sensors.is_raspberry_pi(tmp_path)
-
-
-def test_the_firmware_is_asked_and_may_fail(tmp_path):
-    assert pi_sensors.throttled_bits("no-such-program") is None
-    assert pi_sensors.throttled_bits(program(tmp_path, "echo throttled=0x50005")) == 0x50005
-    with pytest.raises(ValueError):
-        pi_sensors.throttled_bits(program(tmp_path, "echo nothing"))
-    with pytest.raises(OSError):
-        pi_sensors.throttled_bits(program(tmp_path, "exit 255"))
+    assert pi.is_raspberry_pi(tmp_path)
 
 
 TRACKING = "0A140002,10.20.0.2,3,1763845122.1,{offset},0,0,-1.5,0,0,0.001,0.001,64.2,{leap}"
+NORMAL = TRACKING.format(offset="-0.000012", leap="Normal")
+ALONE = TRACKING.format(offset="0", leap="Not synchronised")
+ADVISED = Message("the pin is used twice").with_fault(OTHER_DATA_FOLDER)
 
 
-def test_chrony_is_understood_and_may_fail(tmp_path):
-    assert chrony.tracking("no-such-program") is None
-    normal = TRACKING.format(offset="-0.000012", leap="Normal")
-    assert chrony.tracking(program(tmp_path, f"echo '{normal}'")) == (True, -0.000012)
-    alone = TRACKING.format(offset="0", leap="Not synchronised")
-    assert chrony.tracking(program(tmp_path, f"echo '{alone}'")) == (False, 0.0)
-    for text in ("exit 1", "echo 506 Cannot talk to daemon"):
-        with pytest.raises((OSError, ValueError)):
-            chrony.tracking(program(tmp_path, text))
+def check():
+    return programs.problems(Path("/c"), "/d", "gpr20", "robot", {"GPR20_DATA": "/e"})
+
+
+@pytest.mark.parametrize(
+    "ask, name, script, expected",
+    [
+        (programs.throttled_bits, "other", "", None),
+        (programs.throttled_bits, "vcgencmd", "echo throttled=0x50005", 0x50005),
+        (programs.throttled_bits, "vcgencmd", "echo nothing", ValueError),
+        (programs.throttled_bits, "vcgencmd", "exit 255", OSError),
+        (programs.tracking, "other", "", FileNotFoundError),
+        (programs.tracking, "chronyc", f"echo '{NORMAL}'", (True, -0.000012)),
+        (programs.tracking, "chronyc", f"echo '{ALONE}'", (False, 0.0)),
+        (programs.tracking, "chronyc", "exit 1", OSError),
+        (programs.tracking, "chronyc", "echo 506 Cannot talk to daemon", ValueError),
+        (check, "rosrun", "echo '[]'", ()),
+        (check, "rosrun", 'test "$GPR20_DATA $*" = "/e 3" || echo "[]"', ()),
+        (check, "rosrun", f"cat <<'END'\n[{ADVISED.to_json()}]\nEND\nexit 1", (ADVISED,)),
+        (check, "rosrun", "echo '{\"a\": 1}'", ValueError),
+        (check, "rosrun", "echo no", ValueError),
+        (check, "rosrun", "echo 'unrecognized arguments' >&2; exit 2", OSError),
+    ],
+)
+def test_a_program_that_is_asked_is_understood_and_may_fail(stand_in, ask, name, script, expected):
+    stand_in(name, script)
+    if isinstance(expected, type):
+        with pytest.raises(expected):
+            ask()
+    else:
+        found = ask()
+        assert found == expected
+        assert not isinstance(found, tuple) or all(getattr(one, "fault_code", "x") for one in found)
 
 
 def test_a_disk_is_timed_and_nothing_is_left_on_it(tmp_path):
@@ -140,20 +146,20 @@ def test_ports_and_addresses():
 
 
 def test_limits_and_libraries_of_this_computer():
-    assert realtime_limits.priority_limit() >= -1
-    assert realtime_limits.memory_limit() is None or realtime_limits.memory_limit() >= 0
+    assert pi.priority_limit() >= -1
+    assert pi.memory_limit() is None or pi.memory_limit() >= 0
     before = os.sched_getscheduler(0)
-    assert realtime_limits.can_set_priority(1) in (True, False)
+    assert pi.can_set_priority(1) in (True, False)
     assert os.sched_getscheduler(0) == before
-    assert pin_libraries.installed({"a": "json", "b": "no_such.module"}) == {"a"}
+    assert pi.installed({"a": "json", "b": "no_such.module"}) == {"a"}
 
 
 def test_a_value_of_the_configuration_is_read_or_missing(tmp_path):
     tree(tmp_path, **{"analyzer.yaml": "address: 10.0.0.1\n", "site.yaml": "- ["})
-    assert config_files.configured(tmp_path, "analyzer.yaml", "address") == "10.0.0.1"
-    assert config_files.configured(tmp_path, "analyzer.yaml", "other") is None
-    assert config_files.configured(tmp_path, "site.yaml", "site") is None
-    assert config_files.configured(tmp_path, "no.yaml", "site") is None
+    assert programs.configured(tmp_path, "analyzer.yaml", "address") == "10.0.0.1"
+    assert programs.configured(tmp_path, "analyzer.yaml", "other") is None
+    assert programs.configured(tmp_path, "site.yaml", "site") is None
+    assert programs.configured(tmp_path, "no.yaml", "site") is None
 
 
 def test_memory_and_what_runs_and_listens_are_read_as_linux_writes_them(tmp_path):
@@ -169,45 +175,55 @@ def test_memory_and_what_runs_and_listens_are_read_as_linux_writes_them(tmp_path
     anywhere = f"sl\n 0: {'0' * 32}:0050 0:0 0A 0\n 1: {'1' * 32}:0051 0:0 0A 0"
     tree(tmp_path, proc__net__tcp6=anywhere)
     assert system.listening(tmp_path) == [("127.0.0.1", 11311), ("0.0.0.0", 80)]
-    tree(
+
+
+def processes(folder, *rows):
+    """Write processes: number, parent, command line and environment, both with blanks between."""
+    for number, parent, words, environment in rows:
+        tree(
+            folder,
+            **{
+                f"proc/{number}/cmdline": words.replace(" ", "\0") + "\0",
+                f"proc/{number}/environ": environment.replace(" ", "\0"),
+                f"proc/{number}/stat": f"{number} (a b) S {parent} 1",
+            },
+        )
+    return system.ros_processes(folder)
+
+
+PC = "ROS_MASTER_URI=http://pc:11311"
+
+
+def test_masters_nodes_and_launches_are_found(tmp_path):
+    found = processes(
         tmp_path,
-        proc__1__cmdline="python3\0/opt/ros/bin/rosmaster\0--core\0-p\x0011712\0",
-        proc__2__cmdline="node\0__name:=main_control\0",
-        proc__2__environ="A=1\0ROS_MASTER_URI=http://pc:11311/\0",
-        proc__3__cmdline="node\0__name:=imaging\0",
-        proc__4__cmdline="python3\0/opt/ros/bin/roslaunch\0gpr20\0config:=/etc/mole\0",
-        proc__4__environ="ROS_MASTER_URI=http://pc:11311\0GPR20_CONFIG=/etc/other\0",
-        proc__5__cmdline="python3\0/opt/ros/bin/roslaunch\0gpr20\0",
-        proc__5__environ="ROS_MASTER_URI=http://pi:11311\0GPR20_CONFIG=/etc/other\0",
+        (11, 1, "python3 /opt/ros/bin/rosmaster --core -p 11712", ""),
+        (12, 1, "node __name:=main_control", f"A=1 {PC}/ ROS_IP=10.20.0.1"),
+        (13, 1, "node __name:=imaging", "ROS_MASTER_URI=http://127.0.0.1:11311"),
+        (14, 1, "python3 /opt/ros/bin/roslaunch gpr20 config:=/etc/mole", f"{PC} GPR20_CONFIG=/o"),
+        (15, 1, "python3 roslaunch gpr20", "ROS_MASTER_URI=http://pi:11311 GPR20_CONFIG=/o"),
     )
-    found = system.ros_processes(tmp_path)
-    assert (found.ports, sorted(found.masters)) == ([11712], ["", "http://pc:11311"])
+    assert found.ports == [11712]
+    (node,) = found.nodes_of("http://pc:11311")
+    assert node == (12, "http://pc:11311", "10.20.0.1", False)
+    assert [one.number for one in found.nodes_of("http://localhost:11311/")] == [13]
     assert found.configuration("http://pc:11311/") == Path("/etc/mole")
-    assert found.configuration("http://pi:11311") == Path("/etc/other")
+    assert found.configuration("http://pi:11311") == Path("/o")
     assert found.configuration("http://nobody:11311") is None
 
 
-ADVISED = Message("the pin is used twice").with_fault(OTHER_DATA_FOLDER)
-
-
-@pytest.mark.parametrize(
-    "script, expected",
-    [
-        ("echo '[]'", ()),
-        (f"cat <<'END'\n[{ADVISED.to_json()}]\nEND\nexit 1", (ADVISED,)),
-        ("echo '{\"a\": 1}'", ValueError),
-        ("echo no", ValueError),
-        ("echo 'unrecognized arguments' >&2; exit 2", OSError),
-    ],
-)
-def test_the_check_of_the_whole_robot_is_asked(tmp_path, monkeypatch, script, expected):
-    monkeypatch.setattr(whole_check, "PROGRAM", (program(tmp_path, script), "", "robot_config"))
-    if isinstance(expected, tuple):
-        found = whole_check.problems(tmp_path, tmp_path, "gpr20", "robot")
-        assert found == expected and all(one.fault_code for one in found)
-    else:
-        with pytest.raises(expected):
-            whole_check.problems(tmp_path, None, "gpr20", "robot")
+def test_a_node_is_left_over_when_no_launch_is_above_it(tmp_path):
+    found = processes(
+        tmp_path,
+        (1, 0, "init", ""),
+        (20, 1, "python3 /opt/ros/bin/roslaunch gpr20 survey.launch", ""),
+        (21, 20, "xterm -e node __name:=a __log:=/l", ""),
+        (22, 21, "node __name:=a __log:=/l", ""),
+        (23, 1, "node __name:=b __log:=/l", ""),
+        (24, 1, "node __name:=by_hand", ""),
+        (25, 99, "node __name:=c __log:=/l", ""),
+    )
+    assert sorted(one.number for one in found.nodes if one.left_over) == [23]
 
 
 def test_a_computer_without_anything_is_known_to_have_nothing(tmp_path):
@@ -231,7 +247,7 @@ def test_a_folder_that_may_not_be_searched_is_not_known(monkeypatch, tmp_path):
     def refuse(path):
         raise PermissionError(errno.EACCES, "no", str(path))
 
-    monkeypatch.setattr(Path, "is_dir", refuse)
+    monkeypatch.setattr(machine_probe, "existing_folder", refuse)
     request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path / "a", thorough=False)
     assert isinstance(probe_machine(request).disk, Unknown)
 

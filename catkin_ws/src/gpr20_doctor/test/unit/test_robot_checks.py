@@ -107,6 +107,9 @@ NOWHERE = {"endstops": CLOSED, "axes": NOT_HOMED}
 LATE = {"clock_offsets_s": {HEIGHT: 0.1, VNA: -75.0}}
 
 
+LEFT = {**{name: SAME for name in EXPECTED_NODES}, VNA: NodeSoftware("0.1.0", "def", "robot")}
+
+
 def free_mb(text):
     return report(STORAGE, values={"free disk [MB]": text})
 
@@ -125,6 +128,7 @@ WITH_FAULT = [
     (NOWHERE, Level.WARNING, "closed; it is not homed", faults.ENDSTOP_DOUBTFUL),
     (LATE, Level.WARNING, "VNA driver differs", faults.CLOCKS_DIFFER),
     ({"software": OTHER}, Level.WARNING, "(abc) on pc; 0.1.0 (def) on pi", DIFFERS),
+    ({"software": LEFT}, Level.WARNING, "(def) on robot", faults.NOT_RESTARTED),
 ]
 OTHERS = [
     ({"configuration_problem": Message("parts are mixed")}, Level.FAULT, "No survey can"),

@@ -70,7 +70,10 @@ ENDSTOP = Fault(
 )
 DATA_FOLDER = Fault(
     "config.data_folder",
-    Message("Correct data: in storage.yaml, or mount the disk of the surveys."),
+    Message(
+        "Correct what the message names (data:= of a launch counts before data: in storage.yaml, "
+        "and that before GPR20_DATA), mount the disk of the surveys, or make space on it."
+    ),
 )
 ADDRESS = Fault("config.address", Message("Correct the address: each device has one of its own."))
 SENSORS = Fault("config.sensors", Message("Correct sensors.yaml."))

@@ -10,9 +10,8 @@ from view_kit import RESTING, moving, snapshot, state_of
 
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth, node_title
 from gpr20_doctor.mid.robot_facts import AxisPosition
-from gpr20_doctor.mid.titles import node_title
 from gpr20_operator import faults
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import AxisReport, ControlState, Progress, Request

@@ -26,17 +26,16 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor import faults
 from gpr20_doctor.high.graph import Graph
-from gpr20_doctor.low import masters, system
+from gpr20_doctor.low import masters, network, system
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.bundle import write_bundle
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.findings import exit_status, findings
+from gpr20_doctor.mid.findings import as_json, exit_status, findings, lines
 from gpr20_doctor.mid.listener import unheard
 from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import ROOT, MachineRequest, ThisMachine
+from gpr20_doctor.mid.machine_request import AUTOMATIC, REAL, ROOT, MachineRequest, ThisMachine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES
-from gpr20_doctor.mid.output import as_json, lines
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
@@ -45,7 +44,6 @@ HEIGHT_LIMIT_S = 5.0
 ANALYZER_LIMIT_S = 8.0
 REPORT_LIMIT_S = 2.5
 POLL_S = 0.5
-ADDRESSES = ("GPR20_SERVER", "GPR20_ROBOT")
 REFUSED = 3
 EXIT_STATUS = (
     "exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault, 3 the doctor "
@@ -120,7 +118,10 @@ def _find(
     machine = ThisMachine(socket.gethostname(), os.environ, config=config)
     robot, nodes = _robot(given, _Search(master, given.ns, here, machine.environment))
     ports = masters.node_ports(robot.master) if robot.master_alive else frozenset()
-    request = machine.request(nodes, robot.surveying, given.robot, not given.quick, ports)
+    # A configuration is that of a real robot, whatever runs now.
+    asked = given.config is not None and given.robot == AUTOMATIC
+    files = REAL if asked else given.robot
+    request = machine.request(nodes, robot.surveying, given.robot, not given.quick, files, ports)
     return findings(robot, probe_machine(request)), robot, request
 
 
@@ -158,15 +159,16 @@ def _robot(
 def _evidence(search: _Search, state: MasterState) -> Evidence:
     """Look for the robot where it could be: in other namespaces, and at other masters."""
     own = search.master.rstrip("/")
-    hosts = ["localhost", *(search.environment.get(name, "") for name in ADDRESSES)]
+    local = [one.master for one in search.here.nodes]
+    hosts = ["localhost", *(search.environment.get(name, "") for name in network.ADDRESSES)]
     ports = [system.DEFAULT_PORT, *search.here.ports]
     places = [f"http://{host}:{port}" for port in ports for host in hosts if host]
     return Evidence(
         master=state,
         namespace="/" + search.namespace.strip("/"),
         robots=masters.robots_at(own) if state is MasterState.ANSWERS else (),
-        elsewhere=masters.robots_elsewhere(own, [*filter(None, search.here.masters), *places]),
-        local_nodes=sum(one in ("", own) for one in search.here.masters),
+        elsewhere=masters.robots_elsewhere(own, [*filter(None, local), *places]),
+        local_nodes=len(search.here.nodes_of(own)),
     )
 
 

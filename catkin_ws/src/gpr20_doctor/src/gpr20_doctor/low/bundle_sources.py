@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import codecs
 import os
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Iterator, List, Sequence, Tuple
 
 from gpr20_survey.files.regular_file import open_regular
 
-LIMIT_S = 10.0
 UNITS = ("robot", "server", "firewall", "window", "update")
 # Each is short, and none changes anything.
 COMMANDS: Sequence[Tuple[str, Sequence[str]]] = (
@@ -33,25 +30,6 @@ COMMANDS: Sequence[Tuple[str, Sequence[str]]] = (
         + tuple(f"--unit=gpr20-{one}" for one in UNITS),
     ),
 )
-
-
-def output_of(command: Sequence[str], most_bytes: int) -> str:
-    """Return the end of what a command prints.
-
-    Raises:
-        OSError: It is not there, failed, or took too long; the text says why.
-    """
-    path = shutil.which(command[0])
-    if path is None:
-        raise FileNotFoundError(f"{command[0]} is not installed")
-    try:
-        ended = subprocess.run([path, *command[1:]], capture_output=True, timeout=LIMIT_S)
-    except subprocess.TimeoutExpired as error:
-        raise TimeoutError(f"{command[0]} did not end within {LIMIT_S:g} s") from error
-    if not ended.stdout.strip():
-        said = ended.stderr.decode(errors="replace").strip().splitlines()
-        raise OSError(said[0] if said else f"{command[0]} printed nothing")
-    return ended.stdout[-most_bytes:].decode(errors="replace")
 
 
 def end_of(path: Path, most_bytes: int, follow_link: bool = False) -> str:

@@ -12,6 +12,7 @@ from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_doctor.low import network
+from gpr20_doctor.low.system import plain_uri
 
 CALLER = "/doctor"
 # A master or a node that lives answers within this time [s].
@@ -88,8 +89,8 @@ def robots_elsewhere(uri: str, candidates: Iterable[str]) -> Tuple[Tuple[str, st
         uri: The master that is not meant.
         candidates: Addresses of masters that may run.
     """
-    names = dict.fromkeys(one.replace("//127.0.0.1:", "//localhost:") for one in candidates)
-    others = [one for one in names if one != uri.replace("//127.0.0.1:", "//localhost:")]
+    names = dict.fromkeys(map(plain_uri, candidates))
+    others = [one for one in names if one != plain_uri(uri)]
     with ThreadPoolExecutor(max(1, len(others))) as pool:
         found = zip(others, pool.map(robots_at, others))
         return tuple((one, robot) for one, robots in found for robot in robots)

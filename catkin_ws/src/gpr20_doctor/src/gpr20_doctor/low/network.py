@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import socket
+from typing import FrozenSet, Mapping, Tuple
+
+# Of the two computers of a robot.
+ADDRESSES = ("GPR20_ROBOT", "GPR20_SERVER")
 
 
 def is_own_address(address: str) -> bool:
@@ -14,6 +18,20 @@ def is_own_address(address: str) -> bool:
         except (OSError, UnicodeError):
             return False
     return True
+
+
+def own_addresses(environment: Mapping[str, str]) -> Tuple[str, ...]:
+    """Return those addresses of the two computers that this one has."""
+    given = (environment.get(name, "") for name in ADDRESSES)
+    return tuple(one for one in given if one and is_own_address(one))
+
+
+def addresses_of(name: str) -> FrozenSet[str]:
+    """Return the IPv4 addresses of a name or address; none if nobody knows it."""
+    try:
+        return frozenset(str(one[4][0]) for one in socket.getaddrinfo(name, 0, socket.AF_INET))
+    except (OSError, UnicodeError):
+        return frozenset()
 
 
 def connect(address: str, port: int, limit_s: float) -> None:

@@ -8,6 +8,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 DEFAULT_PORT = 11311
 BYTES_PER_KB, IPV4_BYTES = 1024, 4
+LAUNCHES = ("roslaunch", "roscore", "rostest")
 
 
 class Memory(NamedTuple):
@@ -36,23 +37,48 @@ def _numbers(path: Path) -> Dict[str, int]:
     return {row[0]: int(row[1]) for row in rows if len(row) > 1}
 
 
+class RosNode(NamedTuple):
+    """A process that is a node of ROS.
+
+    Attributes:
+        number: Its process id.
+        master: Its master; empty: not known.
+        address: Where it listens, as ROS_HOSTNAME or ROS_IP says; empty: not known.
+        left_over: Whether the roslaunch that has started it has ended.
+    """
+
+    number: int
+    master: str
+    address: str
+    left_over: bool
+
+
 class RosProcesses(NamedTuple):
-    """What runs on a computer, also what nobody can ask; a master that is not known is "".
+    """What runs on a computer, also what nobody can ask.
 
     Attributes:
         ports: Of the ROS masters.
-        masters: The master of each node.
+        nodes: All nodes.
         configurations: (master, folder) of each launch with a folder of its own.
     """
 
     ports: List[int]
-    masters: List[str]
+    nodes: List[RosNode]
     configurations: List[Tuple[str, Path]]
+
+    def nodes_of(self, master: str) -> List[RosNode]:
+        """Return the nodes of a master, and those whose master is not known."""
+        return [one for one in self.nodes if one.master in ("", plain_uri(master))]
 
     def configuration(self, master: str) -> Optional[Path]:
         """Return the folder with which the robot of a master was launched; None: not known."""
-        found = {folder for uri, folder in self.configurations if uri == master.rstrip("/")}
+        found = {folder for uri, folder in self.configurations if uri == plain_uri(master)}
         return found.pop() if len(found) == 1 else None
+
+
+def plain_uri(master: str) -> str:
+    """Return the address of a master as it is compared."""
+    return master.rstrip("/").replace("//127.0.0.1:", "//localhost:")
 
 
 def ros_processes(root: Path) -> RosProcesses:
@@ -63,22 +89,38 @@ def ros_processes(root: Path) -> RosProcesses:
         if _runs(words, "rosmaster") and "-p" in words[:-1]:
             port = words[words.index("-p") + 1]
             found.ports.append(int(port) if port.isdigit() else DEFAULT_PORT)
-        # roslaunch names each node that it starts.
-        is_node = any(one.startswith("__name:=") for one in words)
+        # roslaunch gives each node that it starts a name, and the file of its log.
+        is_node = _after("__name:=", words)
         if is_node or _runs(words, "roslaunch"):
             environment = _words(process / "environ")
-            master = _after("ROS_MASTER_URI=", environment).rstrip("/")
+            master = plain_uri(_after("ROS_MASTER_URI=", environment))
             folder = _after("config:=", words) or _after("GPR20_CONFIG=", environment)
             if is_node:
-                found.masters.append(master)
+                address = _after("ROS_HOSTNAME=", environment) or _after("ROS_IP=", environment)
+                left_over = bool(_after("__log:=", words)) and not _has_launch(process)
+                found.nodes.append(RosNode(int(process.name), master, address, left_over))
             elif folder:
                 path = Path(os.path.realpath(str(process / "cwd"))) / Path(folder).expanduser()
                 found.configurations.append((master, path))
     return found
 
 
-def _runs(words: List[str], program: str) -> bool:
-    return any(Path(word).name == program for word in words[:3])
+def _has_launch(process: Path) -> bool:
+    """Return whether a roslaunch is above a process; True where that cannot be read."""
+    while not _runs(_words(process / "cmdline"), *LAUNCHES):
+        if process.name in ("0", "1"):
+            return False
+        try:
+            status = (process / "stat").read_text(errors="replace")
+        except OSError:
+            return True  # it has just ended
+        # After the name, which is in brackets and may hold blanks, and the state.
+        process = process.with_name(status[status.rindex(")") + 2 :].split()[1])
+    return True
+
+
+def _runs(words: List[str], *programs: str) -> bool:
+    return any(Path(word).name in programs for word in words[:3])
 
 
 def _after(prefix: str, words: List[str]) -> str:

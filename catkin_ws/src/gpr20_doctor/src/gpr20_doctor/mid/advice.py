@@ -1,43 +1,130 @@
-"""What to do about each fault on this computer: one table, by the codes of the faults.
+"""What to do about each fault on this computer: two tables, by the codes of the faults.
 
-A fault that is not in the table has its own remedy, which is the same on every computer.
+The fields are filled from the sentence of the fault and from what is known of this computer. A
+fault in neither table has its own remedy, which is the same on every computer.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Dict, Optional
+from typing import Dict, Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, Value
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import ROBOT, SERVER, Place
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 
-Advice = Callable[[Message, Place], Optional[Message]]
 LAUNCHES = {ROBOT: "robot.launch", SERVER: "server.launch"}
 ALL_IN_ONE = "survey.launch"
+_RESTART = Message("{restart}", restart="")
+_MOTORS_THEN_RESTART = Message("Switch off the motors' power. {restart}", restart="")
+_LISTEN_AS_SERVICES = Message("Run it as the services do: gpr20-run doctor")
+
+ADVICE: Dict[str, Message] = {
+    faults.NO_MASTER.code: _RESTART,
+    faults.NO_ROBOT.code: _RESTART,
+    faults.MASTER_ENDED.code: _MOTORS_THEN_RESTART,
+    faults.MASTER_HANGS.code: _MOTORS_THEN_RESTART,
+    faults.MASTER_UNREACHABLE.code: Message(
+        "Check that the other computer is switched on, the cable between them, and the address "
+        "({where}).",
+        where="GPR20_SERVER, ROS_MASTER_URI",
+    ),
+    faults.MASTER_ELSEWHERE.code: Message(
+        "Run: export ROS_MASTER_URI={first}. Then run the doctor again.", first=""
+    ),
+    faults.OTHER_NAMESPACE.code: Message(
+        "Run: gpr20 doctor --ns {robot}. For every program in this terminal: export "
+        "ROS_NAMESPACE={robot}",
+        robot="",
+    ),
+    faults.PARTS_MISSING.code: Message(
+        "Wait one minute: what ends is started again by itself. If it stays: {restart}", restart=""
+    ),
+    faults.LEFT_OVER.code: Message(
+        "Run: kill {numbers}. A survey that runs is stopped and can be resumed. Then start the "
+        "robot again. {restart}",
+        numbers="",
+        restart="",
+    ),
+    faults.NOT_RESTARTED.code: Message(
+        "Start all parts of the robot again, from one installation. {restart}", restart=""
+    ),
+    faults.ADDRESS_GONE.code: Message(
+        "Check the link, and the address of this computer. Then start the robot again. {restart}",
+        restart="",
+    ),
+    faults.HEIGHT_UNUSUAL.code: Message(
+        "Look below the sensor, and check the offset in {height_file}.", height_file=""
+    ),
+    faults.GROUP_MISSING.code: Message(
+        "Run: sudo groupadd --system {group}. Then restart the computer.", group=""
+    ),
+    faults.NOT_IN_GROUP.code: Message(
+        "Run: sudo usermod -aG {group} {user}. Then log out and in.", group="", user=""
+    ),
+    faults.VOLUME_READ_ONLY.code: Message(
+        "Run: sudo mount -o remount,rw {point}. If that fails or it happens again, replace the "
+        "card or disk.",
+        point="",
+    ),
+    faults.VOLUME_FULL.code: Message(
+        "Delete what is not needed on {point}; to see what is large, run: sudo du -xh {point} | "
+        "sort -h | tail",
+        point="",
+    ),
+}
+# Where the packages are installed.
+WITH_PACKAGES: Dict[str, Message] = {
+    OTHER_DATA_FOLDER.code: Message(
+        "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
+        "used from now on, run: sudo -u gpr20 gpr20-run config accept_data"
+    ),
+    faults.ADDRESS_MISSING.code: Message(
+        "Check the link, and GPR20_ROBOT and GPR20_SERVER in {where}. Then run: sudo systemctl "
+        "restart gpr20-firewall",
+        where="",
+    ),
+    faults.ADDRESS_WRONG.code: _LISTEN_AS_SERVICES,
+    faults.NETWORK_OPEN.code: _LISTEN_AS_SERVICES,
+    faults.FIREWALL_OPEN.code: Message("Run: sudo {program} load", program=""),
+    faults.FIREWALL_OFF.code: Message(
+        "Write GPR20_FIREWALL=on into {where}. Run: sudo {program} load", where="", program=""
+    ),
+    faults.GROUP_MISSING.code: Message(
+        "Run: sudo apt install --reinstall gpr20-robot. Then restart the computer."
+    ),
+}
 
 
 def advised(finding: Finding, place: Place) -> Finding:
     """Return the finding with the advice for this computer, if its fault has one."""
-    advice = ADVICE.get(finding.text.fault_code)
-    return finding if advice is None else replace(finding, remedy=advice(finding.text, place))
+    code = finding.text.fault_code
+    advice: Optional[Message] = WITH_PACKAGES.get(code) if place.settings else None
+    advice = advice or ADVICE.get(code)
+    if advice is None:
+        return finding
+    known: Dict[str, Value] = {}
+    for text in finding.text.nested():
+        known = {**text.values, **known}
+    known["restart"] = _restart(str(known.get("service", "")), place)
+    known["program"] = printable(place.firewall)
+    known["height_file"] = printable(place.config / "height.yaml")
+    if place.settings:
+        known["where"] = printable(place.settings)
+    filled = {name: known.get(name, default) for name, default in advice.values.items()}
+    return replace(finding, remedy=Message(advice.template, **filled))
 
 
-def _value(text: Message, name: str) -> str:
-    found = (one.values[name] for one in text.nested() if name in one.values)
-    return str(next(found, ""))
-
-
-def _restart(text: Message, place: Place) -> Message:
-    service = _value(text, "service") if place.two_computers else place.service
+def _restart(named: str, place: Place) -> Message:
+    """Return how to restart the robot, or the one of its services that is named."""
+    service = named if place.two_computers else place.service
     if not place.service:
-        command = LAUNCHES.get(service, ALL_IN_ONE)
         return Message(
             "End what is left of the robot's launch with Ctrl-C, then start it: {command}",
-            command=f"roslaunch gpr20 {command}",
+            command=f"roslaunch gpr20 {LAUNCHES.get(service, ALL_IN_ONE)}",
         )
     if service not in ("", place.service):
         return Message(
@@ -50,142 +137,3 @@ def _restart(text: Message, place: Place) -> Message:
         "-n 50",
         service=place.service,
     )
-
-
-def _wait_then_restart(text: Message, place: Place) -> Message:
-    restart = _restart(text, place)
-    return Message(
-        "Wait one minute: what ends is started again by itself. If it stays: {restart}",
-        restart=restart,
-    )
-
-
-def _motors_then_restart(text: Message, place: Place) -> Message:
-    restart = _restart(text, place)
-    return Message("Switch off the motors' power. {restart}", restart=restart)
-
-
-def _other_namespace(text: Message, _place: Place) -> Message:
-    return Message(
-        "Run: gpr20 doctor --ns {robot}. For every program in this terminal: export "
-        "ROS_NAMESPACE={robot}",
-        robot=_value(text, "first"),
-    )
-
-
-def _other_master(text: Message, _place: Place) -> Message:
-    return Message(
-        "Run: export ROS_MASTER_URI={master}. Then run the doctor again.",
-        master=_value(text, "first"),
-    )
-
-
-def _unreachable(_text: Message, place: Place) -> Message:
-    where = printable(place.settings) if place.settings else "GPR20_SERVER, ROS_MASTER_URI"
-    return Message(
-        "Check that the other computer is switched on, the cable between them, and the address "
-        "({where}).",
-        where=where,
-    )
-
-
-def _address(_text: Message, place: Place) -> Message:
-    if place.settings is None:
-        return Message(
-            "Check the link, correct GPR20_ROBOT and GPR20_SERVER, and source setup.bash again."
-        )
-    return Message(
-        "Check the link, and GPR20_ROBOT and GPR20_SERVER in {file}. Then run: sudo systemctl "
-        "restart gpr20-firewall",
-        file=printable(place.settings),
-    )
-
-
-def _listening(_text: Message, place: Place) -> Message:
-    if place.settings is None:
-        return faults.LISTEN_HERE
-    return Message("Run it as the services do: gpr20-run doctor")
-
-
-def _firewall_open(_text: Message, place: Place) -> Message:
-    if place.firewall is None:
-        return faults.LOAD_FIREWALL
-    return Message("Run: sudo {program} load", program=printable(place.firewall))
-
-
-def _firewall_off(text: Message, place: Place) -> Message:
-    load = _firewall_open(text, place)
-    if place.settings is None:
-        return load
-    file = printable(place.settings)
-    return Message("Write GPR20_FIREWALL=on into {file}. {load}", file=file, load=load)
-
-
-def _height(_text: Message, place: Place) -> Message:
-    file = printable(place.config / "height.yaml")
-    return Message("Look below the sensor, and check the offset in {file}.", file=file)
-
-
-def _group_missing(text: Message, place: Place) -> Message:
-    if place.settings is not None:
-        return Message("Run: sudo apt install --reinstall gpr20-robot. Then restart the computer.")
-    return Message(
-        "Run: sudo groupadd --system {group}. Then restart the computer.",
-        group=_value(text, "group"),
-    )
-
-
-def _not_in_group(text: Message, _place: Place) -> Message:
-    return Message(
-        "Run: sudo usermod -aG {group} {user}. Then log out and in.",
-        group=_value(text, "group"),
-        user=_value(text, "user"),
-    )
-
-
-def _read_only(text: Message, _place: Place) -> Message:
-    return Message(
-        "Run: sudo mount -o remount,rw {point}. If that fails or it happens again, replace the "
-        "card or disk.",
-        point=_value(text, "point"),
-    )
-
-
-def _full(text: Message, _place: Place) -> Message:
-    return Message(
-        "Delete what is not needed on {point}; to see what is large, run: sudo du -xh {point} | "
-        "sort -h | tail",
-        point=_value(text, "point"),
-    )
-
-
-def _other_data(text: Message, place: Place) -> Optional[Message]:
-    if place.settings is None:
-        return text.remedy
-    return Message(
-        "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
-        "used from now on, run: sudo -u gpr20 gpr20-run config accept_data"
-    )
-
-
-ADVICE: Dict[str, Advice] = {
-    OTHER_DATA_FOLDER.code: _other_data,
-    faults.NO_MASTER.code: _restart,
-    faults.MASTER_ENDED.code: _motors_then_restart,
-    faults.MASTER_HANGS.code: _motors_then_restart,
-    faults.MASTER_UNREACHABLE.code: _unreachable,
-    faults.MASTER_ELSEWHERE.code: _other_master,
-    faults.OTHER_NAMESPACE.code: _other_namespace,
-    faults.NO_ROBOT.code: _restart,
-    faults.PARTS_MISSING.code: _wait_then_restart,
-    faults.ADDRESS_MISSING.code: _address,
-    faults.ADDRESS_WRONG.code: _listening,
-    faults.NETWORK_OPEN.code: _listening,
-    faults.FIREWALL_OPEN.code: _firewall_open,
-    faults.FIREWALL_OFF.code: _firewall_off,
-    faults.HEIGHT_UNUSUAL.code: _height,
-    faults.GROUP_MISSING.code: _group_missing,
-    faults.NOT_IN_GROUP.code: _not_in_group,
-    faults.VOLUME_READ_ONLY.code: _read_only,
-    faults.VOLUME_FULL.code: _full,
-}

@@ -13,11 +13,12 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.mid.node_software import own_software
-from gpr20_doctor.low.bundle_sources import COMMANDS, end_of, newest, output_of
+from gpr20_doctor.low.bundle_sources import COMMANDS, end_of, newest
+from gpr20_doctor.low.programs import answer_of
 from gpr20_doctor.low.secrets import json_without_secrets, without_secrets
 from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.machine_request import MachineRequest
-from gpr20_doctor.mid.output import as_json, lines
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_folder import LOG_FILE, SURVEY_FILE
@@ -28,6 +29,7 @@ CONFIGURATION = tuple(
     for name in ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "wiring")
 )
 PART_BYTES, SURVEY_BYTES = 1 << 20, 8 << 20
+LIMIT_S = 10.0
 LOGS_BYTES, LOG_FILES = 8 << 20, 100
 # The robot's own work comes first.
 NICENESS = 19
@@ -131,7 +133,7 @@ def _collect(
         bundle.add("configuration/environment", end_of, request.place.settings, PART_BYTES, True)
     _add_survey(bundle, request.data)
     for name, command in COMMANDS:
-        bundle.add(name, output_of, command, PART_BYTES)
+        bundle.add(name, lambda words: answer_of(words, LIMIT_S, None)[-PART_BYTES:], command)
     _add_logs(bundle, request.place.log)
     return bundle.finish()
 

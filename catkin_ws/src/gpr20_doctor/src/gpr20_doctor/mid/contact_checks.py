@@ -1,16 +1,24 @@
-"""Checks of the contact with a robot, and why there is none."""
+"""Checks of the contact with a robot, why there is none, and of the software of its parts."""
 
 from __future__ import annotations
 
-from typing import Iterator
+from typing import Iterable, Iterator, Mapping
 
-from gpr20_common.faults import NODE_SILENT
+from gpr20_common.faults import NODE_SILENT, SOFTWARE_DIFFERS
 from gpr20_common.message import Message
+from gpr20_common.mid.node_software import NodeSoftware, software_difference
+from gpr20_common.remedies import SAME_VERSION
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.node_health import MAIN_CONTROL
-from gpr20_doctor.mid.place import SERVER
+from gpr20_doctor.mid.node_health import (
+    DRIVERS,
+    EXPECTED_NODES,
+    IMAGING,
+    MAIN_CONTROL,
+    node_title,
+)
+from gpr20_doctor.mid.place import ROBOT, SERVER
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 
 # The part itself says why it is silent.
@@ -39,7 +47,7 @@ def _why_unheard(master: str, evidence: Evidence) -> Message:
             "{robots}",
             namespace=evidence.namespace,
             robots=", ".join(evidence.robots),
-            first=evidence.robots[0].strip("/") or "/",
+            robot=evidence.robots[0].strip("/") or "/",
         ).with_fault(faults.OTHER_NAMESPACE)
     # That of a master that hangs may move: it comes first.
     if evidence.elsewhere and evidence.master is not MasterState.HANGS:
@@ -92,3 +100,62 @@ def check_unheard(facts: RobotFacts) -> Iterator[Finding]:
         Message("Axes, height sensor, VNA, storage and versions: not known without the robot."),
         Message("First do what the fault above says, then run gpr20 doctor again."),
     )
+
+
+def service_of(nodes: Iterable[str]) -> str:
+    """Return the service that starts some nodes; empty if two do."""
+    services = {ROBOT if name in DRIVERS else SERVER for name in nodes}
+    return services.pop() if len(services) == 1 else ""
+
+
+def check_versions(facts: RobotFacts) -> Iterator[Finding]:
+    """Compare the software of the nodes."""
+    if not facts.control_alive:
+        return
+    software = facts.software
+    silent = next((node for node, one in software.items() if not one.version), None)
+    difference = software_difference(software)
+    # The node of the images does not describe itself.
+    expected = {*EXPECTED_NODES} - {IMAGING, *software}
+    missing = [one.name for one in facts.nodes if one.name in expected]
+    if not software:
+        text = Message("The software of the parts is not known yet.")
+        wait = Message("Wait until all parts of the robot have started.")
+        yield Finding("versions", Level.UNKNOWN, text, wait)
+    elif difference is not None:
+        hosts = [_on(host, software) for host in sorted({one.host for one in software.values()})]
+        mixed = next((nodes for nodes in hosts if software_difference(nodes)), {})
+        text = Message("Versions: {difference}", difference=difference, service=service_of(mixed))
+        fault = faults.NOT_RESTARTED if mixed else SOFTWARE_DIFFERS
+        yield Finding.of_fault("versions", text.with_fault(fault))
+    elif silent is not None:
+        text = Message("{part} does not say which software it runs.", part=node_title(silent))
+        yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)
+    elif missing:
+        text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, missing)))
+        yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)
+    else:
+        name = next(iter(software.values())).name
+        text = Message("Software {software} on every part", software=name)
+        yield Finding("versions", Level.OK, text)
+
+
+def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Finding]:
+    """Compare the software of this computer with its parts, or else with the main control."""
+    here = _on(installed.host, facts.software)
+    main = facts.software.get(MAIN_CONTROL)
+    running = here or ({} if main is None else {MAIN_CONTROL: main})
+    other = next((one for one in running.values() if one.name not in ("", installed.name)), None)
+    if other is not None:
+        text = Message(
+            "The robot runs the software {running}, but {installed} is installed here.",
+            running=other.name,
+            installed=installed.name,
+            service=service_of(here),
+        )
+        fault = faults.NOT_RESTARTED if here else SOFTWARE_DIFFERS
+        yield Finding.of_fault("installed", text.with_fault(fault))
+
+
+def _on(host: str, software: Mapping[str, NodeSoftware]) -> Mapping[str, NodeSoftware]:
+    return {node: one for node, one in software.items() if one.host == host}

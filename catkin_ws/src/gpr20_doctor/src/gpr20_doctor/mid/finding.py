@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, Optional
+from typing import Optional
 
-from gpr20_common.message import Message, Severity
+from gpr20_common.message import Message
 from gpr20_common.remedies import first_step
 
 
@@ -27,13 +27,13 @@ class Level(enum.IntEnum):
         return _TITLES[self]
 
 
-_TITLES: Dict[Level, Message] = {
-    Level.OK: Message("GOOD"),
-    Level.NOTE: Message("NOTE"),
-    Level.UNKNOWN: Message("UNKNOWN"),
-    Level.WARNING: Message("WARNING"),
-    Level.FAULT: Message("FAULT"),
-}
+_TITLES = (
+    Message("GOOD"),
+    Message("NOTE"),
+    Message("UNKNOWN"),
+    Message("WARNING"),
+    Message("FAULT"),
+)
 
 
 @dataclass(frozen=True)
@@ -63,14 +63,7 @@ class Finding:
         """
         cause = text.cause
         assert cause is not None
-        return cls(check, _LEVELS[cause.severity], text, remedy or first_step(text))
-
-
-_LEVELS: Dict[Severity, Level] = {
-    Severity.NOTE: Level.NOTE,
-    Severity.WARNING: Level.WARNING,
-    Severity.FAULT: Level.FAULT,
-}
+        return cls(check, Level[cause.severity.name], text, remedy or first_step(text))
 
 
 @dataclass(frozen=True)
@@ -82,3 +75,22 @@ class Unknown:
     """
 
     reason: Message
+
+
+NOT_ASKED = Message("it was not looked for")
+BY_HAND = Message("Look by hand: docs/doctor.md says how.")
+ASK = Message("Run the doctor without --quick, or touch CHECK ALL on ROBOT.")
+
+
+def not_known(check: str, subject: Message, fact: object, remedy: Message = BY_HAND) -> Finding:
+    """Return that something is not known, and why.
+
+    Args:
+        check: Name of the check.
+        subject: What is not known, in the middle of a sentence.
+        fact: An `Unknown`, or anything else if it was not looked for.
+        remedy: What to do.
+    """
+    reason = fact.reason if isinstance(fact, Unknown) else NOT_ASKED
+    text = Message("Not known: {subject} ({reason}).", subject=subject, reason=reason)
+    return Finding(check, Level.UNKNOWN, text, remedy if isinstance(fact, Unknown) else ASK)

@@ -1,18 +1,22 @@
-"""All findings about the robot and this computer, and what they mean together."""
+"""All findings about the robot and this computer: what they mean together, text and JSON."""
 
 from __future__ import annotations
 
-from typing import Iterable, List, Optional, Tuple
+import json
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
 
+from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_doctor.mid import machine_checks, robot_checks
 from gpr20_doctor.mid.advice import advised
+from gpr20_doctor.mid.contact_checks import check_installed
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.robot_facts import RobotFacts
-from gpr20_doctor.mid.version_checks import check_installed
 
 FILES = "config_files"
+BETWEEN = "; "
+LEVEL_WIDTH = 12
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
 
@@ -62,3 +66,38 @@ def summary(found: Tuple[Finding, ...]) -> Message:
         good=levels.count(Level.OK),
         notes=levels.count(Level.NOTE),
     )
+
+
+def lines(found: Tuple[Finding, ...], catalogue: Catalogue) -> Iterator[str]:
+    """Yield the lines of a terminal: level and sentence, the remedy below, counts at the end."""
+    for one in found:
+        level = catalogue.text(one.level.title)
+        yield f"{level:{LEVEL_WIDTH}}{_with_details(one.text, catalogue)}"
+        if one.remedy is not None:
+            yield f"{'':{LEVEL_WIDTH}}-> {catalogue.text(one.remedy)}"
+    yield catalogue.text(summary(found))
+
+
+def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
+    """Return findings as one JSON object."""
+    record: Dict[str, Any] = {
+        "status": exit_status(found),
+        "findings": [
+            {
+                "check": one.check,
+                "fault_code": one.text.fault_code,
+                "level": one.level.name,
+                "text": catalogue.text(one.text),
+                "details": BETWEEN.join(one.text.all_details),
+                "remedy": "" if one.remedy is None else catalogue.text(one.remedy),
+            }
+            for one in found
+        ],
+    }
+    return json.dumps(record, indent=2)
+
+
+def _with_details(message: Message, catalogue: Catalogue) -> str:
+    details = BETWEEN.join(message.all_details)
+    text = catalogue.text(message)
+    return f"{text} ({details})" if details else text

@@ -6,7 +6,7 @@ from typing import Dict, Iterator, Sequence
 
 from gpr20_common.message import Message
 from gpr20_doctor import faults
-from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.finding import Finding, Level, not_known
 from gpr20_doctor.mid.machine_facts import (
     PIN_MODULES,
     DeviceFile,
@@ -16,7 +16,6 @@ from gpr20_doctor.mid.machine_facts import (
     MachineFacts,
     RealtimeFacts,
 )
-from gpr20_doctor.mid.not_known import not_known
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
 SPI = "spi"

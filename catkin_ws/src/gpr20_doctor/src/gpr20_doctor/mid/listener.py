@@ -141,7 +141,6 @@ class Listener:
                 master=self._master,
                 configuration_problem=self._problem,
                 clock_offsets_s=dict(self._offsets_s),
-                listening_s=math.inf,
                 software={name: one.software for name, one in self._descriptions.items()},
                 endstops=dict(self._endstops),
                 axes=dict(self._axes),

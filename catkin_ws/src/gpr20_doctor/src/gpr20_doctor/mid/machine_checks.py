@@ -11,7 +11,7 @@ from typing import Callable, Iterable, Iterator, Tuple
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
-from gpr20_doctor.mid.finding import Finding, Level, Unknown
+from gpr20_doctor.mid.finding import Finding, Level, Unknown, not_known
 from gpr20_doctor.mid.hardware_checks import check_hardware
 from gpr20_doctor.mid.machine_facts import (
     AddressFacts,
@@ -21,7 +21,6 @@ from gpr20_doctor.mid.machine_facts import (
     PortFacts,
     PowerFacts,
 )
-from gpr20_doctor.mid.not_known import not_known
 from gpr20_doctor.mid.robot_checks import disk_space
 from gpr20_doctor.mid.system_checks import (
     check_configuration,
@@ -51,10 +50,29 @@ def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
     addresses = facts.addresses
     if not isinstance(addresses, AddressFacts):
         yield not_known("addresses", Message("the addresses of this computer"), addresses)
-    elif not addresses.robot and not addresses.server:
-        yield _one_machine(addresses)
-    else:
-        yield _two_machines(addresses)
+        return
+    two = addresses.robot or addresses.server
+    yield _two_machines(addresses) if two else _one_machine(addresses)
+    gone = [one for one in addresses.foreign if one != addresses.ros_address]
+    if gone:
+        text = Message(
+            "Parts of the robot on this computer listen on {addresses}, which it does not have: "
+            "they cannot be reached.",
+            addresses=", ".join(gone),
+        )
+        yield Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_GONE))
+
+
+def check_launch(facts: MachineFacts) -> Iterator[Finding]:
+    """Find parts of the robot that nobody would start again."""
+    if facts.left_over:
+        text = Message(
+            "The launch of {count} parts of the robot on this computer has ended. They run on, "
+            "and nothing starts one of them again if it ends.",
+            count=len(facts.left_over),
+            numbers=" ".join(map(str, sorted(facts.left_over))),
+        )
+        yield Finding.of_fault("launch", text.with_fault(faults.LEFT_OVER))
 
 
 def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
@@ -85,7 +103,7 @@ def check_power(facts: MachineFacts) -> Iterator[Finding]:
     elif power.low_now:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
         yield Finding.of_fault("power", text.with_fault(faults.VOLTAGE_LOW))
-    elif power.low_before or power.throttled:
+    elif power.low_before:
         text = Message(
             "The supply voltage of the Raspberry Pi was too low since its start, or it was "
             "slowed down."
@@ -156,15 +174,19 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
 
 
 def _one_machine(addresses: AddressFacts) -> Finding:
-    if not addresses.ros_address or addresses.ros_address == "localhost":
-        local = bool(addresses.ros_address)
-    else:
-        local = addresses.ros_address.startswith("127.")
-    if local:
+    address = addresses.ros_address
+    if address == "localhost" or address.startswith("127."):
         return Finding("addresses", Level.OK, Message("One computer: ROS listens on loopback."))
+    if address in addresses.foreign:
+        text = Message(
+            "ROS_IP or ROS_HOSTNAME is {address}, which is no address of this computer: what is "
+            "started here cannot be reached.",
+            address=address,
+        )
+        return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_WRONG))
     text = Message(
         "ROS listens on {address}: everybody in the network can move the robot.",
-        address=addresses.ros_address or "*",
+        address=address or "*",
     )
     return Finding.of_fault("addresses", text.with_fault(faults.NETWORK_OPEN))
 
@@ -183,11 +205,8 @@ def _two_machines(addresses: AddressFacts) -> Finding:
             own=addresses.own[0],
         )
         return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_WRONG))
-    return Finding(
-        "addresses",
-        Level.OK,
-        Message("Two computers: this one is {own}.", own=addresses.own[0]),
-    )
+    text = Message("Two computers: this one is {own}.", own=addresses.own[0])
+    return Finding("addresses", Level.OK, text)
 
 
 def _data_folder(disk: DiskFacts) -> Finding:
@@ -229,6 +248,7 @@ def _disk_speed(trace_s: object) -> Finding:
 
 CHECKS: Tuple[Check, ...] = (
     check_configuration,
+    check_launch,
     check_addresses,
     check_firewall,
     check_hardware,

@@ -131,14 +131,14 @@ class AddressFacts:
         server: GPR20_SERVER; empty: not set.
         own: Those of the two that this computer has.
         ros_address: ROS_HOSTNAME or ROS_IP; empty: not set.
-        master_uri: ROS_MASTER_URI; empty: not set.
+        foreign: Where ROS and the robot's parts here listen, if it is no address of this computer.
     """
 
     robot: str
     server: str
     own: Tuple[str, ...]
     ros_address: str
-    master_uri: str
+    foreign: Tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -147,13 +147,11 @@ class PowerFacts:
 
     Attributes:
         low_now: Whether its voltage is too low now.
-        low_before: Whether it was too low since the computer started.
-        throttled: Whether the processor is slowed down now.
+        low_before: Whether it was so since the computer started, or it is slowed down.
     """
 
     low_now: bool
     low_before: bool = False
-    throttled: bool = False
 
 
 @dataclass(frozen=True)
@@ -243,6 +241,8 @@ class MachineFacts:
         outside: What a foreign computer reaches.
         closed: Whether nothing of ROS can be reached but from this computer.
         configuration: What the check of the whole robot found, with its faults.
+        files: The robot as whose the files were checked: gpr20 or simulated.
+        left_over: Process ids of the robot's nodes here whose roslaunch has ended.
         behind_s: How far this clock is before the making of the installed software [s].
     """
 
@@ -266,4 +266,6 @@ class MachineFacts:
     outside: Union[OutsideFacts, Unknown, None] = None
     closed: bool = False
     configuration: Union[Tuple[Message, ...], Unknown, None] = None
+    files: str = ""
+    left_over: Tuple[int, ...] = ()
     behind_s: float = 0.0

@@ -8,7 +8,7 @@ import os
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, Optional, Tuple, TypeVar, Union
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 from urllib.parse import urlsplit
 
 from gpr20_common.low.clock import Clock
@@ -16,39 +16,11 @@ from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import own_software
 from gpr20_common.os_reason import os_reason
-from gpr20_doctor.low import (
-    chrony,
-    device_files,
-    disk_speed,
-    groups,
-    network,
-    outside,
-    pi_sensors,
-    pin_libraries,
-    realtime_limits,
-    system,
-    whole_check,
-)
+from gpr20_doctor.low import disk_speed, network, outside, pi, programs, system
+from gpr20_doctor.mid import machine_facts as facts
 from gpr20_doctor.mid.finding import Unknown
-from gpr20_doctor.mid.machine_facts import (
-    PIN_MODULES,
-    AddressFacts,
-    ClockFacts,
-    DeviceFile,
-    DiskFacts,
-    GpioFacts,
-    GroupFacts,
-    HardwareUse,
-    MachineFacts,
-    MemoryFacts,
-    OutsideFacts,
-    PortFacts,
-    PowerFacts,
-    RealtimeFacts,
-    VolumeFacts,
-)
-from gpr20_doctor.mid.machine_request import REAL, SIMULATED, MachineRequest
-from gpr20_doctor.mid.place import default_configuration
+from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
+from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
@@ -75,32 +47,38 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
     """Return what is known about this computer; what fails is `Unknown`."""
     needed = request.hardware is HardwareUse.NEEDED
     pins = needed and request.pins
-    spi = device_files.spi_device(request.root, *request.spi)
-    pi = pi_sensors.is_raspberry_pi(request.root)
+    is_pi = pi.is_raspberry_pi(request.root)
     exposed = _known(lambda: _exposed(request))
+    nodes = system.ros_processes(request.root).nodes_of(_master(request))
     return MachineFacts(
         hardware=request.hardware,
-        addresses=_known(lambda: _addresses(request.environment)),
+        addresses=_known(lambda: _in_time(lambda: _addresses(request.environment, nodes))),
         software=own_software(),
-        temperature_c=_known(lambda: _temperature_c(request.root, pi)),
+        temperature_c=_known(lambda: _temperature_c(request.root, is_pi)),
         groups=_known(lambda: _groups(request.root)) if needed else None,
-        spi=_known(lambda: _device(spi)) if needed else None,
+        spi=_device(pi.spi_device(request.root, *request.spi)) if needed else None,
         gpio=_known(lambda: _gpio(request)) if pins else None,
         realtime=_known(_realtime) if pins else None,
-        power=_known(lambda: _power(request.root)) if pi else None,
+        power=_known(lambda: _power(request.root)) if is_pi else None,
         disk=None if request.data is None else _disk(request.data, request),
-        clock=_known(_clock) if request.thorough else None,
-        vna=_vna(request.vna) if request.thorough else None,
+        clock=_known(lambda: facts.ClockFacts(*programs.tracking())) if request.thorough else None,
+        vna=_vna(request.vna),
         pins=request.pins,
         place=request.place,
         two_computers=request.two_computers,
-        memory=_known(lambda: MemoryFacts(*system.memory(request.root))),
+        memory=_known(lambda: facts.MemoryFacts(*system.memory(request.root))),
         volumes=_known(lambda: _in_time(lambda: _volumes(request))),
         outside=_outside(request, exposed),
         closed=exposed == [],
-        configuration=_known(lambda: _configuration(request)) if request.thorough else None,
+        configuration=_known(lambda: _configuration(request)) if request.files else None,
+        files=request.files,
+        left_over=tuple(one.number for one in nodes if one.left_over),
         behind_s=max(0.0, Path(__file__).stat().st_mtime - time.time()),
     )
+
+
+def _master(request: MachineRequest) -> str:
+    return request.environment.get("ROS_MASTER_URI") or f"http://localhost:{system.DEFAULT_PORT}"
 
 
 def _known(probe: Callable[[], Fact]) -> Union[Fact, Unknown]:
@@ -112,33 +90,31 @@ def _known(probe: Callable[[], Fact]) -> Union[Fact, Unknown]:
         return Unknown(verbatim(str(error)))
 
 
-def _addresses(environment: Mapping[str, str]) -> AddressFacts:
-    robot, server = (environment.get(name, "") for name in ("GPR20_ROBOT", "GPR20_SERVER"))
-    return AddressFacts(
-        robot=robot,
-        server=server,
-        own=tuple(one for one in (robot, server) if one and network.is_own_address(one)),
-        ros_address=environment.get("ROS_HOSTNAME") or environment.get("ROS_IP", ""),
-        master_uri=environment.get("ROS_MASTER_URI", ""),
+def _addresses(
+    environment: Mapping[str, str], nodes: Sequence[system.RosNode]
+) -> facts.AddressFacts:
+    robot, server = (environment.get(name, "") for name in network.ADDRESSES)
+    listens_on = environment.get("ROS_HOSTNAME") or environment.get("ROS_IP", "")
+    known = sorted({listens_on, *(one.address for one in nodes)} - {""})
+    foreign = tuple(
+        one for one in known if not any(map(network.is_own_address, network.addresses_of(one)))
     )
+    own = network.own_addresses(environment)
+    return facts.AddressFacts(robot, server, own, listens_on, foreign)
 
 
 def _configuration(request: MachineRequest) -> Tuple[Message, ...]:
-    # A computer that is no part of a real robot, as far as is known, needs no address of a VNA.
-    simulated = request.hardware in (HardwareUse.SIMULATED, HardwareUse.NO_PI)
     part = SURVEY
     if request.two_computers:
         part = ROBOT if request.data is None else SERVER
-    folder = request.place.config
-    # Without the default folder the defaults are used, and that is no mistake.
-    missing = folder == default_configuration() and not os.path.exists(str(folder))
-    robot = SIMULATED if simulated else REAL
-    return whole_check.problems(None if missing else folder, request.data, robot, part)
+    return programs.problems(
+        request.place.config, request.data_given, request.files, part, request.environment
+    )
 
 
 def _exposed(request: MachineRequest) -> List[Tuple[str, int]]:
     """Return where ROS listens on this computer for more than the computer itself."""
-    master = urlsplit(request.environment.get("ROS_MASTER_URI", "")).port or system.DEFAULT_PORT
+    master = urlsplit(_master(request)).port or system.DEFAULT_PORT
     return [
         (address, port)
         for address, port in system.listening(request.root)
@@ -148,37 +124,38 @@ def _exposed(request: MachineRequest) -> List[Tuple[str, int]]:
 
 def _outside(
     request: MachineRequest, exposed: Union[List[Tuple[str, int]], Unknown]
-) -> Union[OutsideFacts, Unknown, None]:
+) -> Union[facts.OutsideFacts, Unknown, None]:
     """Try what a foreign computer reaches; None where nothing of ROS is open to others."""
     if isinstance(exposed, Unknown):
         return exposed
-    own = [one for one in _addresses(request.environment).own if not one.startswith("127.")]
+    known = network.own_addresses(request.environment)
+    own = [one for one in known if not one.startswith("127.")]
     if not exposed and not own:
         return None
     if not request.thorough or request.surveying:
         return Unknown(Message("it is not tried now"))
     off = request.environment.get("GPR20_FIREWALL") == "off"
 
-    def attempt() -> OutsideFacts:
+    def attempt() -> facts.OutsideFacts:
         # Also of a robot that is off: a port that the doctor opens.
         reached = outside.reached_from_outside(own, exposed)
         ports = tuple(sorted({port for _address, port in reached}))
-        return OutsideFacts(len(own) + len(exposed), ports, off)
+        return facts.OutsideFacts(len(own) + len(exposed), ports, off)
 
     return _known(lambda: _in_time(attempt))
 
 
-def _volumes(request: MachineRequest) -> Tuple[VolumeFacts, ...]:
+def _volumes(request: MachineRequest) -> Tuple[facts.VolumeFacts, ...]:
     """Look at each mount that the robot writes to, once."""
     state = state_folder(request.environment)
     wanted = [request.root, request.root / "var/log", request.place.log, state, request.data]
-    found: Dict[str, VolumeFacts] = {}
+    found: Dict[str, facts.VolumeFacts] = {}
     for folder in filter(None, wanted):
         existing = existing_folder(folder)
         one, numbers = file_system_of(existing), os.statvfs(str(existing))
         found.setdefault(
             one.mount_point,
-            VolumeFacts(
+            facts.VolumeFacts(
                 one.mount_point,
                 folder,
                 one.read_only,
@@ -189,35 +166,35 @@ def _volumes(request: MachineRequest) -> Tuple[VolumeFacts, ...]:
     return tuple(found.values())
 
 
-def _temperature_c(root: Path, pi: bool) -> Optional[float]:
-    hottest_c = pi_sensors.hottest_c(root)
-    if hottest_c is None and pi:
+def _temperature_c(root: Path, is_pi: bool) -> Optional[float]:
+    hottest_c = pi.hottest_c(root)
+    if hottest_c is None and is_pi:
         raise ValueError("no thermal zone")
     return hottest_c
 
 
-def _groups(root: Path) -> GroupFacts:
-    names = groups.group_names(root)
-    user = groups.user_name()
-    return GroupFacts(
+def _groups(root: Path) -> facts.GroupFacts:
+    names = pi.group_names(root)
+    user = pi.user_name()
+    return facts.GroupFacts(
         user=user,
         is_root=os.geteuid() == 0,
         existing=frozenset(names.values()),
         member=frozenset(names[one] for one in {*os.getgroups(), os.getegid()} if one in names),
-        listed=groups.groups_listing(root, user),
+        listed=pi.groups_listing(root, user),
     )
 
 
-def _device(path: Path) -> DeviceFile:
-    return DeviceFile(path, path.exists(), device_files.can_be_used(path))
+def _device(path: Path) -> facts.DeviceFile:
+    return facts.DeviceFile(path, path.exists(), pi.can_be_used(path))
 
 
-def _gpio(request: MachineRequest) -> GpioFacts:
-    return GpioFacts(
-        devices=tuple(_device(path) for path in device_files.gpio_devices(request.root)),
-        libraries=pin_libraries.installed(PIN_MODULES),
+def _gpio(request: MachineRequest) -> facts.GpioFacts:
+    return facts.GpioFacts(
+        devices=tuple(_device(path) for path in pi.gpio_devices(request.root)),
+        libraries=pi.installed(facts.PIN_MODULES),
         wanted=request.pin_library,
-        daemon=_is_open(LOOPBACK, pin_libraries.DAEMON_PORT),
+        daemon=_is_open(LOOPBACK, pi.DAEMON_PORT),
     )
 
 
@@ -229,25 +206,22 @@ def _is_open(address: str, port: int) -> bool:
     return True
 
 
-def _realtime() -> RealtimeFacts:
-    return RealtimeFacts(
-        realtime_limits.priority_limit(),
-        realtime_limits.can_set_priority(PULSE_PRIORITY),
-        realtime_limits.memory_limit(),
-    )
+def _realtime() -> facts.RealtimeFacts:
+    granted = pi.can_set_priority(PULSE_PRIORITY)
+    return facts.RealtimeFacts(pi.priority_limit(), granted, pi.memory_limit())
 
 
-def _power(root: Path) -> PowerFacts:
-    bits = pi_sensors.throttled_bits()
+def _power(root: Path) -> facts.PowerFacts:
+    bits = programs.throttled_bits()
     if bits is not None:
-        return PowerFacts(bool(bits & LOW_NOW), bool(bits & LOW_BEFORE), bool(bits & SLOW_NOW))
-    low = pi_sensors.low_voltage(root)
+        return facts.PowerFacts(bool(bits & LOW_NOW), bool(bits & (LOW_BEFORE | SLOW_NOW)))
+    low = pi.low_voltage(root)
     if low is None:
         raise ValueError("neither vcgencmd nor rpi_volt")
-    return PowerFacts(low)
+    return facts.PowerFacts(low)
 
 
-def _disk(folder: Path, request: MachineRequest) -> Union[DiskFacts, Unknown]:
+def _disk(folder: Path, request: MachineRequest) -> Union[facts.DiskFacts, Unknown]:
     # A launch makes the folder; until then its disk is that of the folder around it.
     existing = _known(lambda: _in_time(lambda: existing_folder(folder)))
     if isinstance(existing, Unknown):
@@ -259,7 +233,8 @@ def _disk(folder: Path, request: MachineRequest) -> Union[DiskFacts, Unknown]:
     known = _known(lambda: _in_time(lambda: _identify(use, request.thorough)))
     # Nothing is written where no survey is stored.
     measured = request.thorough and not isinstance(known, Message)
-    return DiskFacts(folder, free, known, _known(lambda: _trace_s(existing)) if measured else None)
+    trace_s = _known(lambda: _trace_s(existing)) if measured else None
+    return facts.DiskFacts(folder, free, known, trace_s)
 
 
 def _identify(use: DataFolderUse, thorough: bool) -> Union[KnownFolder, Message]:
@@ -309,18 +284,11 @@ def _trace_s(folder: Path) -> float:
         return math.inf
 
 
-def _clock() -> ClockFacts:
-    tracked = chrony.tracking()
-    if tracked is None:
-        raise ValueError("no chrony")
-    return ClockFacts(*tracked)
-
-
-def _vna(address: Union[str, Unknown, None]) -> Union[PortFacts, Unknown, None]:
+def _vna(address: Union[str, Unknown, None]) -> Union[facts.PortFacts, Unknown, None]:
     if not isinstance(address, str):
         return address
     try:
         network.connect(address, PORTMAPPER, PORT_LIMIT_S)
     except OSError as error:
-        return PortFacts(address, PORTMAPPER, os_reason(error))
-    return PortFacts(address, PORTMAPPER)
+        return facts.PortFacts(address, PORTMAPPER, os_reason(error))
+    return facts.PortFacts(address, PORTMAPPER)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import FrozenSet, List, Mapping, Optional, Tuple, Union
+from typing import Any, FrozenSet, List, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
-from gpr20_doctor.low import config_files, network, pi_sensors
+from gpr20_doctor.low import network, pi
+from gpr20_doctor.low.programs import configured
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.node_health import axis_node
@@ -35,9 +36,11 @@ class MachineRequest:
         pins: Whether an axis has pins; False: other controllers move all axes.
         spi: Bus and device of the height sensor's converter.
         data: Folder of the surveys; None: not on this computer.
+        data_given: That folder as the launch was given it; empty: as configured.
         data_disk: Whether that folder must be on a disk of its own.
         vna: Address of the VNA; None: not to be checked.
         thorough: Whether to do what takes longer: speed of the disk, VNA, chrony, firewall.
+        files: The robot as whose the configuration is checked: gpr20 or simulated; empty: none.
         root: Root of the file system.
         place: Folders and services of this computer.
         two_computers: Whether the robot has parts on another computer.
@@ -51,9 +54,11 @@ class MachineRequest:
     pins: bool = True
     spi: Tuple[int, int] = DEFAULT_SPI
     data: Optional[Path] = None
+    data_given: str = ""
     data_disk: bool = False
     vna: Union[str, Unknown, None] = None
     thorough: bool = True
+    files: str = ""
     root: Path = ROOT
     place: Place = NO_PLACE
     two_computers: bool = False
@@ -91,6 +96,7 @@ class ThisMachine:
         surveying: bool = False,
         robot: str = AUTOMATIC,
         thorough: bool = True,
+        files: str = "",
         ports: FrozenSet[int] = frozenset(),
     ) -> MachineRequest:
         """Return what is to be looked at.
@@ -100,22 +106,30 @@ class ThisMachine:
             surveying: Whether a survey is running or paused.
             robot: gpr20, simulated, or auto: what the nodes or this computer say.
             thorough: Whether to do what takes longer.
+            files: The robot as whose the configuration is checked: gpr20, simulated, or auto: the
+                one that runs, else the real one, whose it is; empty: only if thorough.
             ports: Ports of the ROS nodes, wherever they run.
         """
-        axis = nodes.get(axis_node(AxisId.X))
+        axis, storage = nodes.get(axis_node(AxisId.X)), nodes.get(STORAGE)
         libraries = self._pin_libraries(nodes)
         if robot == AUTOMATIC and axis is not None:
             robot = SIMULATED if axis.hardware.simulated else REAL
+        if files == AUTOMATIC or (thorough and not files):
+            files = SIMULATED if robot == SIMULATED else REAL
+        data = self._data(storage)
+        vna = thorough and not surveying and robot != SIMULATED
         return MachineRequest(
             hardware=self._hardware(robot, axis),
             environment=self.environment,
             pin_library=libraries[0] if libraries else "",
             pins=bool(libraries),
             spi=self._spi(nodes.get(HEIGHT_SENSOR)),
-            data=self._data(nodes.get(STORAGE)),
-            data_disk=self._data_disk(nodes.get(STORAGE)),
-            vna=None if surveying or robot == SIMULATED else self._vna(nodes.get(ANALYZER)),
+            data=data,
+            data_given=str(data) if data not in (None, self._data(None)) else "",
+            data_disk=self._value(storage, "storage.yaml", "data_disk") is True,
+            vna=self._vna(nodes.get(ANALYZER)) if vna else None,
             thorough=thorough,
+            files=files,
             root=self.root,
             place=self.place,
             two_computers=self._two_computers(nodes),
@@ -130,9 +144,9 @@ class ThisMachine:
     def _hardware(self, robot: str, axis: Optional[NodeDescription]) -> HardwareUse:
         if robot == SIMULATED:
             return HardwareUse.SIMULATED
-        if self._is("GPR20_SERVER") or (axis is not None and axis.software.host != self.host):
+        if self._is("GPR20_SERVER") or self._is_elsewhere(axis):
             return HardwareUse.ELSEWHERE
-        if robot == REAL or self._is("GPR20_ROBOT") or pi_sensors.is_raspberry_pi(self.root):
+        if robot == REAL or self._is("GPR20_ROBOT") or pi.is_raspberry_pi(self.root):
             return HardwareUse.NEEDED
         return HardwareUse.NO_PI
 
@@ -141,42 +155,30 @@ class ThisMachine:
         found = []
         for axis_id in AxisId:
             node = nodes.get(axis_node(axis_id))
-            own: object
-            if node is None:
-                own = config_files.configured(self.place.config, "axes.yaml", axis_id.value)
-            else:
-                own = node.configuration
-            if not (isinstance(own, Mapping) and own.get("controller")):
-                found.append(_pin_library(node, own))
+            own = configured(self.place.config, "axes.yaml", axis_id.value)
+            values = own if node is None else node.configuration
+            known = isinstance(values, Mapping) and not (node and node.hardware.simulated)
+            library = values.get("backend", Backend.RPI_GPIO.value) if known else ""
+            if not (isinstance(values, Mapping) and values.get("controller")):
+                found.append(str(library))
         return found
 
     def _spi(self, sensor: Optional[NodeDescription]) -> Tuple[int, int]:
-        numbers = []
-        for key, default in zip(("spi_bus", "spi_device"), DEFAULT_SPI):
-            number = None if sensor is None else sensor.configuration.get(key)
-            if number is None:
-                number = config_files.configured(self.place.config, "height.yaml", key)
-            numbers.append(number if isinstance(number, int) else default)
-        return numbers[0], numbers[1]
+        keys = zip(("spi_bus", "spi_device"), DEFAULT_SPI)
+        found = [(self._value(sensor, "height.yaml", key), default) for key, default in keys]
+        bus, device = (one if isinstance(one, int) else default for one, default in found)
+        return bus, device
 
     def _data(self, storage: Optional[NodeDescription]) -> Optional[Path]:
-        if self._is("GPR20_ROBOT") or (storage is not None and storage.software.host != self.host):
+        if self._is("GPR20_ROBOT") or self._is_elsewhere(storage):
             return None
-        folder = storage.configuration.get("data") if storage is not None else None
-        folder = folder or config_files.configured(self.place.config, "storage.yaml", "data")
+        folder = self._value(storage, "storage.yaml", "data")
         return data_folder(str(folder or ""), self.environment)
 
-    def _data_disk(self, storage: Optional[NodeDescription]) -> bool:
-        if storage is not None:
-            return storage.configuration.get("data_disk") is True
-        return config_files.configured(self.place.config, "storage.yaml", "data_disk") is True
-
     def _vna(self, analyzer: Optional[NodeDescription]) -> Union[str, Unknown, None]:
-        host = "" if analyzer is None else analyzer.software.host
-        if self._is("GPR20_ROBOT") or (analyzer is not None and host != self.host):
+        if self._is("GPR20_ROBOT") or self._is_elsewhere(analyzer):
             return None
-        address = analyzer.configuration.get("address") if analyzer is not None else None
-        address = address or config_files.configured(self.place.config, "analyzer.yaml", "address")
+        address = self._value(analyzer, "analyzer.yaml", "address")
         if not address:
             return Unknown(Message("its address is not in analyzer.yaml"))
         try:
@@ -185,20 +187,14 @@ class ThisMachine:
             return None  # an analyzer that is not reached over VXI-11
         return str(address)
 
+    def _value(self, node: Optional[NodeDescription], file: str, key: str) -> Any:
+        """Return a value as a node has it, or else as it is configured; None: neither."""
+        own = None if node is None else node.configuration.get(key)
+        return configured(self.place.config, file, key) if own is None else own
+
+    def _is_elsewhere(self, node: Optional[NodeDescription]) -> bool:
+        return node is not None and node.software.host != self.host
+
     def _is(self, name: str) -> bool:
         """Return whether this computer is only one of two, the one with an address."""
-        own = self.own_addresses
-        return len(own) == 1 and own[0] == self.environment.get(name)
-
-    @property
-    def own_addresses(self) -> Tuple[str, ...]:
-        """Those addresses of the two computers that this one has."""
-        given = (self.environment.get(name, "") for name in ("GPR20_ROBOT", "GPR20_SERVER"))
-        return tuple(one for one in given if one and network.is_own_address(one))
-
-
-def _pin_library(axis: Optional[NodeDescription], configuration: object) -> str:
-    """Return what drives the pins of an axis; empty: nothing, or it is not known."""
-    if not isinstance(configuration, Mapping) or (axis is not None and axis.hardware.simulated):
-        return ""
-    return str(configuration.get("backend", Backend.RPI_GPIO.value))
+        return network.own_addresses(self.environment) == (self.environment.get(name),)

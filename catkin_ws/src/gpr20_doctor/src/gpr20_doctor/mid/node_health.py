@@ -1,13 +1,13 @@
-"""Health of the nodes of a robot, as they report it."""
+"""The nodes of a robot: what they are called, and their health, as they report it."""
 
 from __future__ import annotations
 
 import enum
 import math
 from dataclasses import dataclass
-from typing import Mapping, Optional
+from typing import Dict, Mapping, Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE
 
@@ -21,19 +21,32 @@ def axis_node(axis_id: AxisId) -> str:
 
 
 # In the order in which they are listed.
-EXPECTED_NODES = (
-    MAIN_CONTROL,
-    ANALYZER,
-    STORAGE,
-    IMAGING,
-    *map(axis_node, AxisId),
-    HEIGHT_SENSOR,
-)
-
-
+EXPECTED_NODES = (MAIN_CONTROL, ANALYZER, STORAGE, IMAGING, *map(axis_node, AxisId), HEIGHT_SENSOR)
 # Other sensors beside the radar report below this name, and are listed once they have.
 SENSOR_PREFIX = "sensors/"
 MAX_SENSORS = 32
+
+
+# What drives the hardware, on a computer of its own if there are two.
+DRIVERS = (*map(axis_node, AxisId), HEIGHT_SENSOR)
+_TITLES: Dict[str, Message] = {
+    MAIN_CONTROL: Message("Main control"),
+    ANALYZER: Message("VNA driver"),
+    STORAGE: Message("Storage"),
+    IMAGING: Message("Imaging"),
+    "x_axis/axis_driver": Message("X axis"),
+    "y_axis/axis_driver": Message("Y axis"),
+    "z_axis/axis_driver": Message("Z axis"),
+    HEIGHT_SENSOR: Message("Height sensor"),
+    "simulator": Message("Simulator"),
+}
+
+
+def node_title(name: str) -> Message:
+    """Return what the operator calls a node; one without a title keeps its name."""
+    if name.startswith(SENSOR_PREFIX):
+        return Message("Sensor {name}", name=name[len(SENSOR_PREFIX) :])
+    return _TITLES.get(name) or verbatim(name)
 
 
 class HealthLevel(enum.IntEnum):
@@ -43,6 +56,11 @@ class HealthLevel(enum.IntEnum):
     WARN = 1
     ERROR = 2
     STALE = 3
+
+
+def level_title(level: HealthLevel) -> Message:
+    """Return the health of a node in one word."""
+    return (Message("GOOD"), Message("WARNING"), Message("FAULT"), Message("OFFLINE"))[level]
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import Dict, Mapping, Optional, Tuple
 
 SETTINGS = "etc/gpr20/environment"
 FIREWALL = "usr/lib/gpr20/firewall"
@@ -27,7 +26,7 @@ class Place:
         log: Folder of the logs.
         settings: File with the settings of the services; None: no packages are installed.
         service: Name of the robot's service here; empty: none is installed.
-        firewall: The program that loads the firewall; None: no packages are installed.
+        firewall: The program of the packages that loads the firewall.
         two_computers: Whether the robot has another computer, by its addresses.
     """
 
@@ -35,16 +34,11 @@ class Place:
     log: Path = Path("~/.ros/log")
     settings: Optional[Path] = None
     service: str = ""
-    firewall: Optional[Path] = None
+    firewall: Path = Path("/") / FIREWALL
     two_computers: bool = False
 
 
 NO_PLACE = Place()
-
-
-def default_configuration() -> Path:
-    """Return the folder of the configuration where nothing else was said."""
-    return Path(DEFAULT_CONFIGURATION).expanduser()
 
 
 def place_of(
@@ -62,22 +56,22 @@ def place_of(
     """
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
     known = {**_values(settings), **environment}
-    folder = config or known.get("GPR20_CONFIG") or default_configuration()
-    units = [name for name in (ROBOT, SERVER) if any(map(os.path.exists, _unit_files(root, name)))]
+    folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
+    units = [
+        name
+        for name in (ROBOT, SERVER)
+        if any((root / folder / f"{name}.service").exists() for folder in UNITS)
+    ]
     logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
     place = Place(
         config=Path(folder).expanduser().absolute(),
         log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
-        settings=settings if os.path.exists(str(settings)) else None,
+        settings=settings if settings.exists() else None,
         service=units[0] if units else "",
         two_computers=bool(known.get("GPR20_SERVER")),
-        firewall=root / FIREWALL if os.path.exists(str(root / FIREWALL)) else None,
+        firewall=root / FIREWALL,
     )
     return place, known
-
-
-def _unit_files(root: Path, name: str) -> List[str]:
-    return [str(root / folder / f"{name}.service") for folder in UNITS]
 
 
 def _values(settings: Path) -> Dict[str, str]:

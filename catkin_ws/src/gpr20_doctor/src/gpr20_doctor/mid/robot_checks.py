@@ -13,13 +13,15 @@ from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.remedies import first_step
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import NodeState
-from gpr20_doctor.mid.contact_checks import check_contact, check_unheard
+from gpr20_doctor.mid.contact_checks import (
+    check_contact,
+    check_unheard,
+    check_versions,
+    service_of,
+)
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, axis_node
-from gpr20_doctor.mid.place import ROBOT, SERVER
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, axis_node, node_title
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
-from gpr20_doctor.mid.titles import node_title
-from gpr20_doctor.mid.version_checks import check_versions
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CALIBRATION_AGED, HEIGHT_NOT_MEASURED, NOT_CALIBRATED, NOT_HOMED
 from gpr20_survey.plan.robot_description import (
@@ -92,8 +94,6 @@ ENDSTOP_REACH_MM = 5.0
 # Antennas that are lower touch the ground; at a greater height they measure little of it [m].
 USUAL_HEIGHT_M = (0.01, 0.6)
 
-# What drives the hardware, on a computer of its own if there are two.
-DRIVERS = (*map(axis_node, AxisId), HEIGHT_SENSOR)
 Check = Callable[[RobotFacts], Iterable[Finding]]
 
 
@@ -127,9 +127,7 @@ def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     missing = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
     if missing:
         parts = tuple(map(node_title, missing))
-        services = {ROBOT if name in DRIVERS else SERVER for name in missing}
-        service = services.pop() if len(services) == 1 else ""
-        text = Message("Not running: {parts}", parts=parts, service=service)
+        text = Message("Not running: {parts}", parts=parts, service=service_of(missing))
         yield Finding.of_fault("missing", text.with_fault(faults.PARTS_MISSING))
     for node in facts.nodes:
         if node.name not in missing:

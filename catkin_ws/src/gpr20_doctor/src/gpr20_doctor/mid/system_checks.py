@@ -10,9 +10,8 @@ from typing import Iterator
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
-from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.finding import Finding, Level, not_known
 from gpr20_doctor.mid.machine_facts import MachineFacts, MemoryFacts, OutsideFacts, VolumeFacts
-from gpr20_doctor.mid.not_known import not_known
 
 MB, GB = 1e6, 1e9
 # Below them the system begins to end programs [bytes].
@@ -30,14 +29,16 @@ def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
     """Say what the check of the whole robot found in the files on this computer."""
     found = facts.configuration
     if found is None:
-        return  # of the running robot, it is known to the nodes
+        return  # a launch has checked it already
     folder = printable(facts.place.config)
     if not isinstance(found, tuple):
         subject = Message("whether the configuration in {folder} is correct", folder=folder)
         command = Message("Run: {command}", command=_check_command(facts))
         yield not_known("config_files", subject, found, command)
     elif not found:
-        text = Message("Configuration files in {folder}", folder=folder)
+        text = Message(
+            "Configuration in {folder}, for robot:={robot}", folder=folder, robot=facts.files
+        )
         yield Finding("config_files", Level.OK, text)
     else:
         for reason in found:

@@ -2,28 +2,42 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 from typing import Mapping, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
+from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_common.mid.records import record_from
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import findings
-from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import MachineRequest
-from gpr20_doctor.mid.place import place_of
+from gpr20_doctor.mid.machine_request import ROOT, ThisMachine
+from gpr20_doctor.mid.node_health import axis_node
 from gpr20_launch import faults
-from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, LaunchRequest
+from gpr20_launch.mid.launch_request import REAL, ROBOT, LaunchRequest
 from gpr20_launch.mid.robot_files import Sections
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import Backend
+from gpr20_survey.plan.robot_description import (
+    ANALYZER,
+    HEIGHT_SENSOR,
+    STORAGE,
+    NodeDescription,
+)
 from gpr20_vna_acquisition.mid.conformance.record import has_passed
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-ROOT = Path("/")
-ANALYZER = "vna_acquisition"
+# The part of the configuration that each node gets.
+SECTIONS: Mapping[str, str] = {
+    **{axis_node(one): f"{one.value}_axis" for one in AxisId},
+    HEIGHT_SENSOR: "height_sensor",
+    STORAGE: "storage",
+    ANALYZER: ANALYZER,
+}
+# The name of a computer that is not this one.
+ANOTHER = "another"
 
 
 def machine_warnings(
@@ -42,27 +56,12 @@ def machine_warnings(
     """
     if request.robot != REAL:
         return ()
-    elsewhere = request.part == SERVER
-    axes = [sections.get(f"{one.value}_axis", {}) for one in AxisId]
-    with_pins = [one for one in axes if not one.get("controller")]
-    libraries = [str(one.get("backend", Backend.RPI_GPIO.value)) for one in with_pins]
-    sensor = sections.get("height_sensor", {})
-    storage = sections.get("storage", {})
-    data = storage.get("data")
-    facts = probe_machine(
-        MachineRequest(
-            hardware=HardwareUse.ELSEWHERE if elsewhere else HardwareUse.NEEDED,
-            environment=environment,
-            pin_library=libraries[0] if libraries else "",
-            pins=bool(libraries),
-            spi=(sensor.get("spi_bus", 0), sensor.get("spi_device", 0)),
-            data=Path(str(data)) if data else None,
-            data_disk=storage.get("data_disk") is True,
-            thorough=False,
-            root=root,
-            place=place_of(environment, root, request.folder)[0],
-        )
-    )
+    host, nodes = socket.gethostname(), {}
+    for node, section in SECTIONS.items():
+        here = NodeSoftware(host=host if node in request.nodes else ANOTHER)
+        nodes[node] = NodeDescription(node, NO_HARDWARE, sections.get(section, {}), here)
+    machine = ThisMachine(host, environment, root, request.folder)
+    facts = probe_machine(machine.request(nodes, thorough=False))
     bad = tuple(one for one in findings(None, facts) if one.level >= Level.WARNING)
     return bad + _unchecked_analyzer(request, sections)
 

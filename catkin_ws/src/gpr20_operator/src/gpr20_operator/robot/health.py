@@ -16,8 +16,8 @@ from gpr20_doctor.mid.node_health import (
     SENSOR_PREFIX,
     HealthLevel,
     NodeHealth,
+    node_title,
 )
-from gpr20_doctor.mid.titles import node_title
 from gpr20_operator import faults
 
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.

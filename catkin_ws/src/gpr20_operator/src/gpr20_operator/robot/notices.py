@@ -8,8 +8,7 @@ from typing import List, Optional, Set, Tuple
 
 from gpr20_common import remedies
 from gpr20_common.message import Message
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_doctor.mid.titles import level_title, node_title
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, level_title, node_title
 from gpr20_operator.robot.condition import Condition, condition_of, lost, urgent
 from gpr20_operator.robot.events import Answer, ControlState
 from gpr20_operator.robot.snapshot import Snapshot
