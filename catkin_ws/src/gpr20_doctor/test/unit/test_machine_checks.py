@@ -12,22 +12,18 @@ from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_doctor import faults
+from gpr20_doctor.low import pi
+from gpr20_doctor.low.programs import Tracking
+from gpr20_doctor.low.system import Memory
 from gpr20_doctor.mid.finding import Level, Unknown
 from gpr20_doctor.mid.findings import GOOD, exit_status, findings
 from gpr20_doctor.mid.machine_facts import (
     AddressFacts,
-    ClockFacts,
-    DeviceFile,
     DiskFacts,
-    GpioFacts,
-    GroupFacts,
     HardwareUse,
     MachineFacts,
-    MemoryFacts,
     OutsideFacts,
     PortFacts,
-    PowerFacts,
-    RealtimeFacts,
     VolumeFacts,
 )
 from gpr20_doctor.mid.place import Place
@@ -35,13 +31,13 @@ from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import KnownFolder
 
 BOTH = frozenset({"gpio", "spi"})
-SPI = DeviceFile(Path("/dev/spidev0.0"), True, True)
-PINS = DeviceFile(Path("/dev/gpiomem"), True, True)
+SPI = pi.DeviceFile(Path("/dev/spidev0.0"), True, True)
+PINS = pi.DeviceFile(Path("/dev/gpiomem"), True, True)
 TWO = AddressFacts("10.20.0.1", "10.20.0.2", ("10.20.0.1",), "10.20.0.1")
 ONE = AddressFacts("", "", (), "127.0.0.1")
-GROUPS = GroupFacts("pi", False, BOTH, BOTH, BOTH)
-GPIO = GpioFacts((PINS,), frozenset({"rpi_gpio"}), "rpi_gpio")
-REALTIME = RealtimeFacts(99, True, None)
+GROUPS = pi.Groups("pi", False, BOTH, BOTH, BOTH)
+GPIO = pi.Pins((PINS,), frozenset({"rpi_gpio"}), "rpi_gpio")
+REALTIME = pi.Realtime(99, True, None)
 DISK = DiskFacts(Path("/data"), 20_000_000_000, KnownFolder("0f8fad5b", True), 0.1)
 HEALTHY = MachineFacts(
     hardware=HardwareUse.NEEDED,
@@ -52,12 +48,12 @@ HEALTHY = MachineFacts(
     spi=SPI,
     gpio=GPIO,
     realtime=REALTIME,
-    power=PowerFacts(False),
+    power=pi.Power(False),
     disk=DISK,
-    clock=ClockFacts(True, 0.0001),
+    clock=Tracking(True, 0.0001),
     vna=PortFacts("10.0.0.1", 111),
     two_computers=True,
-    memory=MemoryFacts(2_000_000_000),
+    memory=Memory(2_000_000_000, 0),
     volumes=(VolumeFacts("/", Path("/var/log"), False, 10**10, 10**6),),
     outside=OutsideFacts(3),
     configuration=(),
@@ -102,7 +98,7 @@ CASES = [
         "not in the group spi",
     ),
     (
-        {"groups": GroupFacts("pi", False, frozenset({"gpio"}), frozenset({"gpio"}), BOTH)},
+        {"groups": pi.Groups("pi", False, frozenset({"gpio"}), frozenset({"gpio"}), BOTH)},
         Level.WARNING,
         "no group spi",
     ),
@@ -111,23 +107,23 @@ CASES = [
     ({"gpio": replace(GPIO, libraries=frozenset())}, Level.FAULT, "RPi.GPIO for the pins"),
     ({"gpio": replace(GPIO, devices=())}, Level.FAULT, "pins cannot be used"),
     (
-        {"gpio": GpioFacts((), frozenset({"pigpio"}), "pigpio")},
+        {"gpio": pi.Pins((), frozenset({"pigpio"}), "pigpio")},
         Level.FAULT,
         "pigpio daemon does not answer",
     ),
-    ({"realtime": RealtimeFacts(0, False, None)}, Level.WARNING, "Real-time priority"),
-    ({"realtime": RealtimeFacts(99, True, 64_000)}, Level.WARNING, "memory can be locked"),
+    ({"realtime": pi.Realtime(0, False, None)}, Level.WARNING, "Real-time priority"),
+    ({"realtime": pi.Realtime(99, True, 64_000)}, Level.WARNING, "memory can be locked"),
     ({"temperature_c": 75.0}, Level.WARNING, "75 °C"),
     ({"temperature_c": 81.0}, Level.FAULT, "81 °C"),
-    ({"power": PowerFacts(True)}, Level.FAULT, "too low now"),
-    ({"power": PowerFacts(False, True)}, Level.WARNING, "too low since"),
+    ({"power": pi.Power(True)}, Level.FAULT, "too low now"),
+    ({"power": pi.Power(False, True)}, Level.WARNING, "too low since"),
     ({"disk": replace(DISK, free_bytes=10)}, Level.FAULT, "0.0 GB"),
     ({"disk": replace(DISK, known=OTHER)}, Level.FAULT, "not the data folder"),
     ({"disk": replace(DISK, known=KnownFolder("", False))}, Level.UNKNOWN, "right data folder"),
     ({"disk": replace(DISK, trace_s=1.5)}, Level.WARNING, "in 1.50 s"),
     ({"disk": replace(DISK, trace_s=float("inf"))}, Level.FAULT, "did not store"),
-    ({"clock": ClockFacts(False, 0.0)}, Level.WARNING, "chrony does not follow"),
-    ({"clock": ClockFacts(True, -2.0)}, Level.WARNING, "off by -2.000 s"),
+    ({"clock": Tracking(False, 0.0)}, Level.WARNING, "chrony does not follow"),
+    ({"clock": Tracking(True, -2.0)}, Level.WARNING, "off by -2.000 s"),
     (
         {"vna": PortFacts("10.0.0.1", 111, Message("connection refused"))},
         Level.FAULT,
@@ -140,9 +136,9 @@ CASES = [
     ({"outside": OutsideFacts(3, (11311, 4))}, Level.FAULT, "(11311, 4)"),
     ({"outside": OutsideFacts(1, (9,), True)}, Level.FAULT, "(9)"),
     ({"outside": None}, Level.UNKNOWN, "where ROS listens"),
-    ({"memory": MemoryFacts(150_000_000)}, Level.WARNING, "150 MB free"),
-    ({"memory": MemoryFacts(50_000_000)}, Level.FAULT, "50 MB free"),
-    ({"memory": MemoryFacts(10**9, 2)}, Level.WARNING, "ended 2 programs"),
+    ({"memory": Memory(150_000_000, 0)}, Level.WARNING, "150 MB free"),
+    ({"memory": Memory(50_000_000, 0)}, Level.FAULT, "50 MB free"),
+    ({"memory": Memory(10**9, 2)}, Level.WARNING, "ended 2 programs"),
     ({"volumes": (replace(VOLUME, read_only=True),)}, Level.FAULT, "is read-only"),
     ({"volumes": (replace(VOLUME, free_bytes=10**8),)}, Level.WARNING, "100 MB left"),
     ({"volumes": (replace(VOLUME, free_bytes=10**6),)}, Level.FAULT, "1 MB left"),
@@ -218,7 +214,7 @@ SETS = st.frozensets(WORDS)
 SERVED = Place(Path("/etc/r"), Path("/log"), Path("/etc/e"), "gpr20-robot", Path("/usr/f"))
 PATHS = st.just(Path("/x"))
 UNKNOWN = st.builds(Unknown, st.builds(verbatim, WORDS))
-DEVICES = st.builds(DeviceFile, PATHS, st.booleans(), st.booleans())
+DEVICES = st.builds(pi.DeviceFile, PATHS, st.booleans(), st.booleans())
 REASONS = st.none() | st.builds(verbatim, WORDS)
 
 
@@ -237,16 +233,16 @@ MACHINES = st.builds(
     UNKNOWN | st.builds(AddressFacts, WORDS, WORDS, st.lists(WORDS).map(tuple), WORDS, WORDS),
     st.just(NodeSoftware()),
     perhaps(st.floats()),
-    perhaps(st.builds(GroupFacts, WORDS, st.booleans(), SETS, SETS, SETS)),
+    perhaps(st.builds(pi.Groups, WORDS, st.booleans(), SETS, SETS, SETS)),
     perhaps(DEVICES),
-    perhaps(st.builds(GpioFacts, st.lists(DEVICES).map(tuple), SETS, WORDS, st.booleans())),
-    perhaps(st.builds(RealtimeFacts, st.integers(0, 99), st.booleans(), st.none() | st.just(9))),
-    perhaps(st.builds(PowerFacts, st.booleans(), st.booleans())),
+    perhaps(st.builds(pi.Pins, st.lists(DEVICES).map(tuple), SETS, WORDS, st.booleans())),
+    perhaps(st.builds(pi.Realtime, st.integers(0, 99), st.booleans(), st.none() | st.just(9))),
+    perhaps(st.builds(pi.Power, st.booleans(), st.booleans())),
     perhaps(st.builds(DiskFacts, PATHS, st.integers(0, 10**13), FOLDERS, perhaps(st.floats(0.0)))),
-    perhaps(st.builds(ClockFacts, st.booleans(), st.floats())),
+    perhaps(st.builds(Tracking, st.booleans(), st.floats())),
     perhaps(st.builds(PortFacts, WORDS, st.just(111), REASONS)),
     two_computers=st.booleans(),
-    memory=perhaps(st.builds(MemoryFacts, st.integers(0, 10**10), st.integers(0, 3))),
+    memory=perhaps(st.builds(Memory, st.integers(0, 10**10), st.integers(0, 3))),
     volumes=perhaps(
         st.builds(
             VolumeFacts, WORDS, PATHS, st.booleans(), st.integers(0), st.none() | st.integers(0)

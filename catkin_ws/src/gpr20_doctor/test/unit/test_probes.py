@@ -43,19 +43,21 @@ def stand_in(tmp_path, monkeypatch):
 
 
 def test_groups_are_read_as_the_system_writes_them(tmp_path):
-    tree(tmp_path, etc__group="gpio:x:997:pi,kim\nspi:x:999:\nbroken\nodd:x:a:\n")
-    assert pi.group_names(tmp_path) == {997: "gpio", 999: "spi"}
-    assert pi.groups_listing(tmp_path, "kim") == {"gpio"}
-    assert pi.group_names(Path("/"))[0] == "root"
-    assert pi.user_name()
+    user = pi.groups(Path("/")).user
+    own = os.getegid()
+    tree(tmp_path, etc__group=f"gpio:x:997:pi,{user}\nspi:x:{own}:\nbroken\nodd:x:a:\n")
+    found = pi.groups(tmp_path)
+    assert (found.existing, found.listed, found.member) == ({"gpio", "spi"}, {"gpio"}, {"spi"})
 
 
 def test_devices_are_found_and_tried(tmp_path):
-    assert pi.gpio_devices(tmp_path) == ()
+    assert pi.pins(tmp_path, "").devices == ()
     tree(tmp_path, dev__gpiomem="", dev__gpiochip0="")
-    assert [one.name for one in pi.gpio_devices(tmp_path)] == ["gpiomem", "gpiochip0"]
-    assert pi.can_be_used(tmp_path / "dev/gpiomem")
-    assert not pi.can_be_used(pi.spi_device(tmp_path, 0, 1))
+    devices = pi.pins(tmp_path, "").devices
+    assert [one.path.name for one in devices] == ["gpiomem", "gpiochip0"]
+    assert all(one.exists and one.usable for one in devices)
+    missing = pi.spi_device(tmp_path, 0, 1)
+    assert not missing.exists and not missing.usable
 
 
 def test_the_hottest_zone_counts(tmp_path):
@@ -68,12 +70,14 @@ def test_the_hottest_zone_counts(tmp_path):
         pi.hottest_c(tmp_path)
 
 
-def test_the_supply_of_a_raspberry_pi_is_found_among_other_sensors(tmp_path):
+def test_the_supply_of_a_raspberry_pi_is_found_among_other_sensors(tmp_path, stand_in):
+    stand_in("other", "")
     hwmon = "sys__class__hwmon__hwmon"
     tree(tmp_path, **{f"{hwmon}0__name": "cpu_thermal\n"})
-    assert pi.low_voltage(tmp_path) is None
+    with pytest.raises(ValueError):
+        pi.power(tmp_path)
     tree(tmp_path, **{f"{hwmon}1__name": "rpi_volt\n", f"{hwmon}1__in0_lcrit_alarm": "1\n"})
-    assert pi.low_voltage(tmp_path) is True
+    assert pi.power(tmp_path) == pi.Power(True)
     assert not pi.is_raspberry_pi(tmp_path)
     tree(tmp_path, **{"proc__device-tree__model": "Raspberry Pi 4 Model B Rev 1.4\0"})
     assert pi.is_raspberry_pi(tmp_path)
@@ -85,6 +89,10 @@ ALONE = TRACKING.format(offset="0", leap="Not synchronised")
 ADVISED = Message("the pin is used twice").with_fault(OTHER_DATA_FOLDER)
 
 
+def power():
+    return pi.power(Path("/no-such-root"))
+
+
 def check():
     return programs.problems(Path("/c"), "/d", "gpr20", "robot", {"GPR20_DATA": "/e"})
 
@@ -92,10 +100,10 @@ def check():
 @pytest.mark.parametrize(
     "ask, name, script, expected",
     [
-        (programs.throttled_bits, "other", "", None),
-        (programs.throttled_bits, "vcgencmd", "echo throttled=0x50005", 0x50005),
-        (programs.throttled_bits, "vcgencmd", "echo nothing", ValueError),
-        (programs.throttled_bits, "vcgencmd", "exit 255", OSError),
+        (power, "vcgencmd", "echo throttled=0x50000", pi.Power(False, True)),
+        (power, "vcgencmd", "echo throttled=0x1", pi.Power(True, False)),
+        (power, "vcgencmd", "echo nothing", ValueError),
+        (power, "vcgencmd", "exit 255", OSError),
         (programs.tracking, "other", "", FileNotFoundError),
         (programs.tracking, "chronyc", f"echo '{NORMAL}'", (True, -0.000012)),
         (programs.tracking, "chronyc", f"echo '{ALONE}'", (False, 0.0)),
@@ -146,12 +154,11 @@ def test_ports_and_addresses():
 
 
 def test_limits_and_libraries_of_this_computer():
-    assert pi.priority_limit() >= -1
-    assert pi.memory_limit() is None or pi.memory_limit() >= 0
     before = os.sched_getscheduler(0)
-    assert pi.can_set_priority(1) in (True, False)
+    found = pi.realtime(1)
+    assert found.priority >= -1 and (found.locked_bytes is None or found.locked_bytes >= 0)
     assert os.sched_getscheduler(0) == before
-    assert pi.installed({"a": "json", "b": "no_such.module"}) == {"a"}
+    assert pi.is_installed("json") and not pi.is_installed("no_such.module")
 
 
 def test_a_value_of_the_configuration_is_read_or_missing(tmp_path):

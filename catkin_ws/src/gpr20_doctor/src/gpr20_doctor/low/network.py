@@ -41,3 +41,12 @@ def connect(address: str, port: int, limit_s: float) -> None:
         OSError: It does not, or not in time.
     """
     socket.create_connection((address, port), limit_s).close()
+
+
+def is_open(address: str, port: int, limit_s: float) -> bool:
+    """Return whether a TCP port accepts connections within a time limit [s]."""
+    try:
+        connect(address, port, limit_s)
+    except OSError:
+        return False
+    return True

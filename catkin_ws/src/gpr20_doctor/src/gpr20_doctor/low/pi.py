@@ -7,19 +7,105 @@ import os
 import pwd
 import resource
 import threading
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, FrozenSet, List, Mapping, Optional, Sequence, Tuple
+from typing import FrozenSet, List, Optional, Tuple
+
+from gpr20_doctor.low.network import is_open
+from gpr20_doctor.low.programs import ANSWER_LIMIT_S, answer_of
 
 MODEL = "proc/device-tree/model"
 TEMPERATURES = "sys/class/thermal/thermal_zone*/temp"
-SUPPLIES = "sys/class/hwmon/hwmon*/name"
-SUPPLY_NAME = "rpi_volt"
-ALARM = "in0_lcrit_alarm"
 MILLIDEGREES = 1000.0
+FIRMWARE = ("vcgencmd", "get_throttled")
+# Bits of its answer: low voltage now and before, slowed down now.
+LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
+SUPPLIES, SUPPLY_NAME, ALARM = "sys/class/hwmon/hwmon*/name", "rpi_volt", "in0_lcrit_alarm"
 GPIO_FILES = ("dev/gpiomem", "dev/gpiochip*")
-# Where the daemon of the library pigpio listens.
-DAEMON_PORT = 8888
+# The libraries of the pins: the module of each name of the configuration.
+PIN_MODULES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
+# Where the daemon of pigpio listens, and the time that it takes to answer [s].
+DAEMON, DAEMON_LIMIT_S = ("127.0.0.1", 8888), 0.1
 GROUP_FILE = "etc/group"
+
+
+@dataclass(frozen=True)
+class Power:
+    """Supply of a Raspberry Pi.
+
+    Attributes:
+        low_now: Whether its voltage is too low now.
+        low_before: Whether it was so since the computer started, or it is slowed down.
+    """
+
+    low_now: bool
+    low_before: bool = False
+
+
+@dataclass(frozen=True)
+class DeviceFile:
+    """A device of this computer.
+
+    Attributes:
+        path: Its file.
+        exists: Whether it is there.
+        usable: Whether it can be read and written.
+    """
+
+    path: Path
+    exists: bool
+    usable: bool
+
+
+@dataclass(frozen=True)
+class Pins:
+    """Access to the pins.
+
+    Attributes:
+        devices: Files through which libraries reach the pins.
+        libraries: Names of the libraries that are installed.
+        wanted: Name of the library that is configured; empty: not known.
+        daemon: Whether pigpio's daemon answers.
+    """
+
+    devices: Tuple[DeviceFile, ...]
+    libraries: FrozenSet[str]
+    wanted: str = ""
+    daemon: bool = False
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Groups of the user of this process.
+
+    Attributes:
+        user: Name of the user; the number if there is no name.
+        is_root: Whether the user may do everything.
+        existing: Names of the groups of this computer.
+        member: Groups that this process has.
+        listed: Groups that the user has at the next login.
+    """
+
+    user: str
+    is_root: bool
+    existing: FrozenSet[str]
+    member: FrozenSet[str]
+    listed: FrozenSet[str]
+
+
+@dataclass(frozen=True)
+class Realtime:
+    """Limits of a process that makes pulses.
+
+    Attributes:
+        priority: Highest real-time priority that the user may set.
+        granted: Whether the priority of the pulses could be set.
+        locked_bytes: Memory that the user may lock [bytes]; None: no limit.
+    """
+
+    priority: int
+    granted: bool
+    locked_bytes: Optional[int]
 
 
 def is_raspberry_pi(root: Path) -> bool:
@@ -41,108 +127,97 @@ def hottest_c(root: Path) -> Optional[float]:
     return max((float(one.read_text()) / MILLIDEGREES for one in zones), default=None)
 
 
-def low_voltage(root: Path) -> Optional[bool]:
-    """Return whether the supply of a Raspberry Pi is too low now; None if that is not shown.
+def power(root: Path) -> Power:
+    """Return what the firmware says of the supply, or without its program the sensor of Linux.
 
     Raises:
-        OSError: It cannot be read.
-        ValueError: It is no number.
+        OSError: It cannot be read, or did not answer in time.
+        ValueError: It is not shown, or not understood.
     """
-    for name in sorted(root.glob(SUPPLIES)):
-        if name.read_text().strip() == SUPPLY_NAME:
-            return bool(int(name.with_name(ALARM).read_text()))
-    return None
+    try:
+        bits = int(answer_of(FIRMWARE, ANSWER_LIMIT_S).split("=")[-1], 16)
+        return Power(bool(bits & LOW_NOW), bool(bits & (LOW_BEFORE | SLOW_NOW)))
+    except FileNotFoundError:
+        names = [
+            one for one in sorted(root.glob(SUPPLIES)) if one.read_text().strip() == SUPPLY_NAME
+        ]
+    if not names:
+        raise ValueError("neither vcgencmd nor rpi_volt")
+    return Power(bool(int(names[0].with_name(ALARM).read_text())))
 
 
-def spi_device(root: Path, bus: int, device: int) -> Path:
-    """Return the file of a device on an SPI bus."""
-    return root / f"dev/spidev{bus}.{device}"
+def spi_device(root: Path, bus: int, device: int) -> DeviceFile:
+    """Return a device on an SPI bus."""
+    return _device(root / f"dev/spidev{bus}.{device}")
 
 
-def gpio_devices(root: Path) -> Tuple[Path, ...]:
-    """Return the files through which libraries reach the pins."""
-    return tuple(path for pattern in GPIO_FILES for path in sorted(root.glob(pattern)))
-
-
-def can_be_used(path: Path) -> bool:
-    """Return whether a device may be read and written; False if it is missing."""
-    return os.access(str(path), os.R_OK | os.W_OK)
-
-
-def installed(modules: Mapping[str, str]) -> FrozenSet[str]:
-    """Return which libraries this interpreter finds, without loading them.
+def pins(root: Path, wanted: str) -> Pins:
+    """Return what gives access to the pins.
 
     Args:
-        modules: The module of each library.
+        root: Root of the file system.
+        wanted: Name of the library that is configured; empty: not known.
     """
-    return frozenset(name for name, module in modules.items() if _is_found(module))
+    paths = [path for pattern in GPIO_FILES for path in sorted(root.glob(pattern))]
+    libraries = frozenset(name for name, module in PIN_MODULES.items() if is_installed(module))
+    return Pins(tuple(map(_device, paths)), libraries, wanted, is_open(*DAEMON, DAEMON_LIMIT_S))
 
 
-def _is_found(module: str) -> bool:
+def _device(path: Path) -> DeviceFile:
+    return DeviceFile(path, path.exists(), os.access(str(path), os.R_OK | os.W_OK))
+
+
+def is_installed(module: str) -> bool:
+    """Return whether this interpreter finds a module, without loading it."""
     try:
         return importlib.util.find_spec(module) is not None
     except ImportError:
         return False
 
 
-def user_name() -> str:
-    """Return the name of the user of this process; its number if it has no name."""
-    try:
-        return pwd.getpwuid(os.geteuid()).pw_name
-    except KeyError:
-        return str(os.geteuid())
-
-
-def group_names(root: Path) -> Dict[int, str]:
-    """Return the groups of a computer by their numbers.
+def groups(root: Path) -> Groups:
+    """Return the groups of a computer, and those of the user of this process.
 
     Raises:
         OSError: They cannot be read.
     """
-    return {number: name for name, number, _users in _groups(root)}
-
-
-def groups_listing(root: Path, user: str) -> FrozenSet[str]:
-    """Return the groups that list a user.
-
-    Raises:
-        OSError: They cannot be read.
-    """
-    return frozenset(name for name, _number, users in _groups(root) if user in users)
-
-
-def _groups(root: Path) -> Sequence[Tuple[str, int, Sequence[str]]]:
     text = (root / GROUP_FILE).read_text(encoding="utf-8", errors="replace")
     rows = [line.split(":") for line in text.splitlines()]
-    whole = [row for row in rows if len(row) == 4 and row[2].isdigit()]
-    return [(row[0], int(row[2]), row[3].split(",")) for row in whole]
+    known = {int(row[2]): row for row in rows if len(row) == 4 and row[2].isdigit()}
+    try:
+        user = pwd.getpwuid(os.geteuid()).pw_name
+    except KeyError:
+        user = str(os.geteuid())
+    own = {*os.getgroups(), os.getegid()} & set(known)
+    return Groups(
+        user,
+        os.geteuid() == 0,
+        existing=frozenset(row[0] for row in known.values()),
+        member=frozenset(known[number][0] for number in own),
+        listed=frozenset(row[0] for row in known.values() if user in row[3].split(",")),
+    )
 
 
-def priority_limit() -> int:
-    """Return the highest real-time priority that this user may set."""
-    return resource.getrlimit(resource.RLIMIT_RTPRIO)[0]
+def realtime(priority: int) -> Realtime:
+    """Return what the system grants to a process with a real-time priority."""
+    locked = resource.getrlimit(resource.RLIMIT_MEMLOCK)[0]
+    unlimited = locked == resource.RLIM_INFINITY or os.geteuid() == 0
+    highest = resource.getrlimit(resource.RLIMIT_RTPRIO)[0]
+    return Realtime(highest, _can_set(priority), None if unlimited else locked)
 
 
-def memory_limit() -> Optional[int]:
-    """Return how much memory this user may lock [bytes]; None: no limit."""
-    limit = resource.getrlimit(resource.RLIMIT_MEMLOCK)[0]
-    return None if limit == resource.RLIM_INFINITY or os.geteuid() == 0 else limit
-
-
-def can_set_priority(priority: int) -> bool:
-    """Return whether SCHED_FIFO with a priority is granted."""
+def _can_set(priority: int) -> bool:
     granted: List[bool] = []
 
     def try_it() -> None:
         try:
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
         except OSError:
-            granted.append(False)
-        else:
-            granted.append(True)
+            return
+        granted.append(True)
 
     # In Linux it holds for the calling thread, and this one ends at once.
     thread = threading.Thread(target=try_it)
     thread.start()
     thread.join()
-    return granted == [True]
+    return bool(granted)

@@ -7,18 +7,17 @@ import os
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any, Mapping, Optional, Sequence, Tuple
+from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.sent_message import received_message
 
-CLOCK = ("chronyc", "-c", "tracking")
+TRACKING = ("chronyc", "-c", "tracking")
 # Columns of its answer: the offset of the clock [s], and the leap status.
 OFFSET, LEAP = 4, 13
 UNSYNCHRONIZED = "Not synchronised"
-FIRMWARE = ("vcgencmd", "get_throttled")
 ANSWER_LIMIT_S = 1.0
 CHECK = ("rosrun", "gpr20_launch", "robot_config", "check", "--json")
 CHECK_LIMIT_S = 20.0
@@ -64,31 +63,25 @@ def answer_of(
     return answer
 
 
-def tracking() -> Tuple[bool, float]:
-    """Return whether the clock follows a source, and its offset [s], as chrony says.
+class Tracking(NamedTuple):
+    """The clock of this computer: whether it follows a source, and its offset [s]."""
+
+    synchronized: bool
+    offset_s: float
+
+
+def tracking() -> Tracking:
+    """Return what chrony says of the clock.
 
     Raises:
         OSError: chrony is not there, or did not answer in time.
         ValueError: Its answer was not understood.
     """
-    answer = answer_of(CLOCK, ANSWER_LIMIT_S)
+    answer = answer_of(TRACKING, ANSWER_LIMIT_S)
     fields = answer.strip().split(",")
     if len(fields) <= LEAP:
         raise ValueError(f"chronyc answered {answer[:80]!r}")
-    return fields[LEAP] != UNSYNCHRONIZED, float(fields[OFFSET])
-
-
-def throttled_bits() -> Optional[int]:
-    """Return what the firmware says of voltage and speed; None without its program.
-
-    Raises:
-        OSError: The program failed, or did not end in time.
-        ValueError: Its answer is no number.
-    """
-    try:
-        return int(answer_of(FIRMWARE, ANSWER_LIMIT_S).split("=")[-1], 16)
-    except FileNotFoundError:
-        return None
+    return Tracking(fields[LEAP] != UNSYNCHRONIZED, float(fields[OFFSET]))
 
 
 def problems(

@@ -6,16 +6,9 @@ from typing import Dict, Iterator, Sequence
 
 from gpr20_common.message import Message
 from gpr20_doctor import faults
+from gpr20_doctor.low.pi import PIN_MODULES, DeviceFile, Groups, Pins, Realtime
 from gpr20_doctor.mid.finding import Finding, Level, not_known
-from gpr20_doctor.mid.machine_facts import (
-    PIN_MODULES,
-    DeviceFile,
-    GpioFacts,
-    GroupFacts,
-    HardwareUse,
-    MachineFacts,
-    RealtimeFacts,
-)
+from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
 SPI = "spi"
@@ -52,7 +45,7 @@ def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
 
 
 def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
-    if not isinstance(groups, GroupFacts):
+    if not isinstance(groups, Groups):
         yield not_known("groups", Message("the user's groups"), groups)
         return
     if groups.is_root:
@@ -69,7 +62,7 @@ def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
         yield _missing_group(groups, name)
 
 
-def _missing_group(groups: GroupFacts, name: str) -> Finding:
+def _missing_group(groups: Groups, name: str) -> Finding:
     values = {"user": groups.user, "group": name}
     if name not in groups.existing:
         text = Message("This computer has no group {group}.", **values)
@@ -95,7 +88,7 @@ def _spi(device: object) -> Finding:
 
 
 def _gpio(gpio: object) -> Finding:
-    if not isinstance(gpio, GpioFacts):
+    if not isinstance(gpio, Pins):
         return not_known("gpio", Message("access to the pins"), gpio)
     wanted = gpio.wanted
     if not gpio.libraries or (wanted and wanted not in gpio.libraries):
@@ -118,7 +111,7 @@ def _gpio(gpio: object) -> Finding:
 
 
 def _realtime(limits: object) -> Finding:
-    if not isinstance(limits, RealtimeFacts):
+    if not isinstance(limits, Realtime):
         return not_known("realtime", Message("the real-time limits"), limits)
     if not limits.granted:
         text = Message(

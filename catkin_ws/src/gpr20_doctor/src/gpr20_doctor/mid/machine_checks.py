@@ -11,16 +11,11 @@ from typing import Callable, Iterable, Iterator, Tuple
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
+from gpr20_doctor.low.pi import Power
+from gpr20_doctor.low.programs import Tracking
 from gpr20_doctor.mid.finding import Finding, Level, Unknown, not_known
 from gpr20_doctor.mid.hardware_checks import check_hardware
-from gpr20_doctor.mid.machine_facts import (
-    AddressFacts,
-    ClockFacts,
-    DiskFacts,
-    MachineFacts,
-    PortFacts,
-    PowerFacts,
-)
+from gpr20_doctor.mid.machine_facts import AddressFacts, DiskFacts, MachineFacts, PortFacts
 from gpr20_doctor.mid.robot_checks import disk_space
 from gpr20_doctor.mid.system_checks import (
     check_configuration,
@@ -98,7 +93,7 @@ def check_power(facts: MachineFacts) -> Iterator[Finding]:
     power = facts.power
     if power is None:
         yield Finding("power", Level.NOTE, Message("Supply voltage: not measured here."))
-    elif not isinstance(power, PowerFacts):
+    elif not isinstance(power, Power):
         yield not_known("power", Message("the supply voltage"), power)
     elif power.low_now:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
@@ -136,7 +131,7 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
     clock = facts.clock
     if not facts.two_computers:
         yield Finding("clock", Level.NOTE, Message("Clock offset: there is one computer."))
-    elif not isinstance(clock, ClockFacts):
+    elif not isinstance(clock, Tracking):
         remedy = Message("Install chrony on both computers, or run: chronyc tracking")
         yield not_known("clock", Message("the offset of the clock"), clock, remedy)
     elif not clock.synchronized:

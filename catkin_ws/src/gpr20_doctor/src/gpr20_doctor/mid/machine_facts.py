@@ -5,16 +5,16 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 from pathlib import Path
-from typing import FrozenSet, Optional, Tuple, Union
+from typing import Optional, Tuple, Union
 
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.low import pi
+from gpr20_doctor.low.programs import Tracking
+from gpr20_doctor.low.system import Memory
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.place import NO_PLACE, Place
 from gpr20_survey.folder.data_folder import KnownFolder
-
-# The libraries of the pins: the module of each name of the configuration.
-PIN_MODULES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
 
 
 class HardwareUse(enum.Enum):
@@ -24,72 +24,6 @@ class HardwareUse(enum.Enum):
     SIMULATED = "simulated"
     ELSEWHERE = "elsewhere"
     NO_PI = "no Raspberry Pi"
-
-
-@dataclass(frozen=True)
-class GroupFacts:
-    """Groups of the user.
-
-    Attributes:
-        user: Name of the user.
-        is_root: Whether the user may do everything.
-        existing: Names of the groups of this computer.
-        member: Groups that this process has.
-        listed: Groups that the user has at the next login.
-    """
-
-    user: str
-    is_root: bool
-    existing: FrozenSet[str]
-    member: FrozenSet[str]
-    listed: FrozenSet[str]
-
-
-@dataclass(frozen=True)
-class DeviceFile:
-    """A device of this computer.
-
-    Attributes:
-        path: Its file.
-        exists: Whether it is there.
-        usable: Whether it can be read and written.
-    """
-
-    path: Path
-    exists: bool
-    usable: bool
-
-
-@dataclass(frozen=True)
-class GpioFacts:
-    """Access to the pins.
-
-    Attributes:
-        devices: Files through which libraries reach the pins.
-        libraries: Names of the libraries that are installed.
-        wanted: Name of the library that is configured; empty: not known.
-        daemon: Whether pigpio's daemon answers.
-    """
-
-    devices: Tuple[DeviceFile, ...]
-    libraries: FrozenSet[str]
-    wanted: str = ""
-    daemon: bool = False
-
-
-@dataclass(frozen=True)
-class RealtimeFacts:
-    """Limits of a process that makes pulses.
-
-    Attributes:
-        priority: Highest real-time priority that the user may set.
-        granted: Whether the priority of the pulses could be set.
-        locked_bytes: Memory that the user may lock [bytes]; None: no limit.
-    """
-
-    priority: int
-    granted: bool
-    locked_bytes: Optional[int]
 
 
 @dataclass(frozen=True)
@@ -110,19 +44,6 @@ class DiskFacts:
 
 
 @dataclass(frozen=True)
-class ClockFacts:
-    """What chrony says of the clock.
-
-    Attributes:
-        synchronized: Whether chrony follows a source.
-        offset_s: Of this clock [s].
-    """
-
-    synchronized: bool
-    offset_s: float
-
-
-@dataclass(frozen=True)
 class AddressFacts:
     """Addresses of the two machines, and where ROS listens.
 
@@ -139,32 +60,6 @@ class AddressFacts:
     own: Tuple[str, ...]
     ros_address: str
     foreign: Tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class PowerFacts:
-    """Supply of a Raspberry Pi.
-
-    Attributes:
-        low_now: Whether its voltage is too low now.
-        low_before: Whether it was so since the computer started, or it is slowed down.
-    """
-
-    low_now: bool
-    low_before: bool = False
-
-
-@dataclass(frozen=True)
-class MemoryFacts:
-    """Memory of this computer.
-
-    Attributes:
-        available_bytes: What programs may still have [bytes].
-        ended_programs: How many Linux has ended for lack of it since the start.
-    """
-
-    available_bytes: int
-    ended_programs: int = 0
 
 
 @dataclass(frozen=True)
@@ -250,18 +145,18 @@ class MachineFacts:
     addresses: Union[AddressFacts, Unknown]
     software: NodeSoftware
     temperature_c: Union[float, Unknown, None] = None
-    groups: Union[GroupFacts, Unknown, None] = None
-    spi: Union[DeviceFile, Unknown, None] = None
-    gpio: Union[GpioFacts, Unknown, None] = None
-    realtime: Union[RealtimeFacts, Unknown, None] = None
-    power: Union[PowerFacts, Unknown, None] = None
+    groups: Union[pi.Groups, Unknown, None] = None
+    spi: Union[pi.DeviceFile, Unknown, None] = None
+    gpio: Union[pi.Pins, Unknown, None] = None
+    realtime: Union[pi.Realtime, Unknown, None] = None
+    power: Union[pi.Power, Unknown, None] = None
     disk: Union[DiskFacts, Unknown, None] = None
-    clock: Union[ClockFacts, Unknown, None] = None
+    clock: Union[Tracking, Unknown, None] = None
     vna: Union[PortFacts, Unknown, None] = None
     pins: bool = True
     place: Place = NO_PLACE
     two_computers: bool = False
-    memory: Union[MemoryFacts, Unknown, None] = None
+    memory: Union[Memory, Unknown, None] = None
     volumes: Union[Tuple[VolumeFacts, ...], Unknown, None] = None
     outside: Union[OutsideFacts, Unknown, None] = None
     closed: bool = False

@@ -29,16 +29,12 @@ from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFold
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.trace.ms2026c import MAX_FREQUENCY_POINTS
 
-LOOPBACK = "127.0.0.1"
 # Of the VXI-11 instruments: where they say which port to use.
 PORTMAPPER = 111
 PORT_LIMIT_S = 2.0
 # The parts of a robot, as the launch files call them.
 ROBOT, SERVER, SURVEY = "robot", "server", "survey"
 DISK_LIMIT_S = 4.0
-DAEMON_LIMIT_S = 0.1
-# Bits of the firmware: low voltage now and before, slowed down now.
-LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
 
 Fact = TypeVar("Fact")
 
@@ -55,18 +51,18 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         addresses=_known(lambda: _in_time(lambda: _addresses(request.environment, nodes))),
         software=own_software(),
         temperature_c=_known(lambda: _temperature_c(request.root, is_pi)),
-        groups=_known(lambda: _groups(request.root)) if needed else None,
-        spi=_device(pi.spi_device(request.root, *request.spi)) if needed else None,
-        gpio=_known(lambda: _gpio(request)) if pins else None,
-        realtime=_known(_realtime) if pins else None,
-        power=_known(lambda: _power(request.root)) if is_pi else None,
+        groups=_known(lambda: pi.groups(request.root)) if needed else None,
+        spi=pi.spi_device(request.root, *request.spi) if needed else None,
+        gpio=pi.pins(request.root, request.pin_library) if pins else None,
+        realtime=pi.realtime(PULSE_PRIORITY) if pins else None,
+        power=_known(lambda: pi.power(request.root)) if is_pi else None,
         disk=None if request.data is None else _disk(request.data, request),
-        clock=_known(lambda: facts.ClockFacts(*programs.tracking())) if request.thorough else None,
+        clock=_known(programs.tracking) if request.thorough else None,
         vna=_vna(request.vna),
         pins=request.pins,
         place=request.place,
         two_computers=request.two_computers,
-        memory=_known(lambda: facts.MemoryFacts(*system.memory(request.root))),
+        memory=_known(lambda: system.memory(request.root)),
         volumes=_known(lambda: _in_time(lambda: _volumes(request))),
         outside=_outside(request, exposed),
         closed=exposed == [],
@@ -171,54 +167,6 @@ def _temperature_c(root: Path, is_pi: bool) -> Optional[float]:
     if hottest_c is None and is_pi:
         raise ValueError("no thermal zone")
     return hottest_c
-
-
-def _groups(root: Path) -> facts.GroupFacts:
-    names = pi.group_names(root)
-    user = pi.user_name()
-    return facts.GroupFacts(
-        user=user,
-        is_root=os.geteuid() == 0,
-        existing=frozenset(names.values()),
-        member=frozenset(names[one] for one in {*os.getgroups(), os.getegid()} if one in names),
-        listed=pi.groups_listing(root, user),
-    )
-
-
-def _device(path: Path) -> facts.DeviceFile:
-    return facts.DeviceFile(path, path.exists(), pi.can_be_used(path))
-
-
-def _gpio(request: MachineRequest) -> facts.GpioFacts:
-    return facts.GpioFacts(
-        devices=tuple(_device(path) for path in pi.gpio_devices(request.root)),
-        libraries=pi.installed(facts.PIN_MODULES),
-        wanted=request.pin_library,
-        daemon=_is_open(LOOPBACK, pi.DAEMON_PORT),
-    )
-
-
-def _is_open(address: str, port: int) -> bool:
-    try:
-        network.connect(address, port, DAEMON_LIMIT_S)
-    except OSError:
-        return False
-    return True
-
-
-def _realtime() -> facts.RealtimeFacts:
-    granted = pi.can_set_priority(PULSE_PRIORITY)
-    return facts.RealtimeFacts(pi.priority_limit(), granted, pi.memory_limit())
-
-
-def _power(root: Path) -> facts.PowerFacts:
-    bits = programs.throttled_bits()
-    if bits is not None:
-        return facts.PowerFacts(bool(bits & LOW_NOW), bool(bits & (LOW_BEFORE | SLOW_NOW)))
-    low = pi.low_voltage(root)
-    if low is None:
-        raise ValueError("neither vcgencmd nor rpi_volt")
-    return facts.PowerFacts(low)
 
 
 def _disk(folder: Path, request: MachineRequest) -> Union[facts.DiskFacts, Unknown]:

@@ -10,8 +10,9 @@ from typing import Iterator
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
+from gpr20_doctor.low.system import Memory
 from gpr20_doctor.mid.finding import Finding, Level, not_known
-from gpr20_doctor.mid.machine_facts import MachineFacts, MemoryFacts, OutsideFacts, VolumeFacts
+from gpr20_doctor.mid.machine_facts import MachineFacts, OutsideFacts, VolumeFacts
 
 MB, GB = 1e6, 1e9
 # Below them the system begins to end programs [bytes].
@@ -90,7 +91,7 @@ def check_memory(facts: MachineFacts) -> Iterator[Finding]:
     memory = facts.memory
     if memory is None:
         return
-    if not isinstance(memory, MemoryFacts):
+    if not isinstance(memory, Memory):
         yield not_known("memory", Message("the free memory"), memory)
         return
     free = memory.available_bytes
