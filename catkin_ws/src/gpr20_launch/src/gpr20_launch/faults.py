@@ -104,6 +104,10 @@ OLD_LAUNCH = Fault(
     "config.old_launch",
     Message("Give the launch file of the original software that starts the nodes of the axes."),
 )
+OLD_UNREAD = Fault(
+    "config.old_unread",
+    Message("Look up what it sets on the original robot, and write the values of axes.yaml."),
+)
 FILES_EXIST = Fault(
     "config.files_exist",
     Message("Give an empty folder, compare its files with those, and copy what is right."),

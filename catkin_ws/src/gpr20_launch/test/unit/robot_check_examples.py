@@ -2,12 +2,22 @@
 
 from pathlib import Path
 
+from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
+
+
+def message_field(datatype, field):
+    """Find a field; only with sensors is ROS needed."""
+    from gpr20_common.high.message_field import MessageField
+
+    return MessageField(datatype, field)
+
 
 PACKAGES = Path(__file__).resolve().parents[3]
 BUILT = BuiltRobot(
     PACKAGES / "gpr20_launch/config/axes.yaml",
     PACKAGES / "gpr20_visualization/urdf/gpr20.urdf",
+    message_field,
 )
 PROFILES = PACKAGES / "gpr20_launch/config/profiles"
 VNA = "address: 192.168.1.10\n"
@@ -24,4 +34,4 @@ def write(folder, files):
 def checked(folder, environment=(), **options):
     """Return what the check finds; the state of this computer does not matter."""
     own = {"GPR20_STATE": str(folder / "state"), **dict(environment)}
-    return check_robot(folder, BUILT, own, **options)
+    return check_robot(Use(folder, own, **options), BUILT)

@@ -74,7 +74,7 @@ def test_the_simulated_robot_never_gets_the_address_of_the_real_instrument(home)
     assert real["address"] == "192.168.1.10"
 
 
-def test_the_simulated_robot_has_its_own_analyzer_whatever_the_real_one_is(home):
+def test_the_simulated_robot_has_its_own_devices_whatever_the_real_ones_are(home):
     config = home / "robot"
     config.mkdir()
     text = (
@@ -82,7 +82,10 @@ def test_the_simulated_robot_has_its_own_analyzer_whatever_the_real_one_is(home)
         "maker: Agilent\nmodel: N5222A\naccepted_calibrations: [5]\nsettle_s: 1.5"
     )
     (config / "analyzer.yaml").write_text(text)
-    simulated = request(config=str(config)).sections(AXES)["vna_acquisition"]
+    (config / "axes.yaml").write_text("x: {controller: 'other:Axis', controller_options: {a: 1}}")
+    sections = request(config=str(config)).sections(AXES)
+    assert not {"controller", "controller_options"} & set(sections["x_axis"])
+    simulated = sections["vna_acquisition"]
     parameters = record_from(VnaParameters, simulated, "vna_acquisition")
     default = VnaParameters()
     for name in ("analyzer", "maker", "model", "accepted_calibrations", "address"):
@@ -174,34 +177,6 @@ def test_the_robot_part_does_not_need_the_data_folder(home):
     assert "data" not in request("robot", data=str(home / "surveys")).sections(AXES)["storage"]
 
 
-OWN_AXIS = "x: {controller: 'subprocess:Popen', controller_options: {args: 'true'}}"
-OWN_ANALYZER = "analyzer: no_such_package.vna:Vna\nanalyzer_options: {port: 5025}"
-
-
-@each_case(
-    "name, text, parts, shown",
-    [
-        ("axes", OWN_AXIS, ("robot", "survey"), ("x_axis", "begin_homing")),
-        ("analyzer", OWN_ANALYZER, ("server", "survey"), ("vna_acquisition", "no_such_package")),
-    ],
-)
-def test_a_class_of_its_own_is_checked_where_it_is_used(home, name, text, parts, shown):
-    config = home / name
-    config.mkdir()
-    (config / f"{name}.yaml").write_text(text)
-    for part in ("robot", "server", "survey"):
-        launch = request(part, "gpr20", str(config))
-        if part in parts:
-            with raises_fault(faults.UNUSABLE_EXTENSION, *shown):
-                launch.sections(AXES)
-        else:
-            launch.sections(AXES)
-    # The simulated robot has pins and an MS2026C.
-    simulated = request(config=str(config)).sections(AXES)
-    for section in ("x_axis", "vna_acquisition"):
-        assert not {"controller", "analyzer", "analyzer_options"} & set(simulated[section])
-
-
 OPTIONS_REFUSED = """
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
@@ -217,5 +192,5 @@ def test_a_class_of_analyzer_checks_its_options_before_the_launch(home, monkeypa
     (home / "own_vna.py").write_text(OPTIONS_REFUSED)
     (home / "analyzer.yaml").write_text("analyzer: own_vna:Vna\nanalyzer_options: {port: -1}")
     monkeypatch.syspath_prepend(str(home))
-    with raises_fault(faults.UNUSABLE_EXTENSION, "vna_acquisition", "port is -1"):
+    with raises_fault(faults.UNUSABLE_EXTENSION, "analyzer.yaml", "port is -1"):
         request("server", "gpr20", str(home)).sections(AXES)

@@ -14,6 +14,7 @@ import yaml
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES
 from gpr20_launch.mid.templates import templates
@@ -90,7 +91,7 @@ def check(files):
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        return check_robot(Path(folder), BUILT, {}, stores=False)
+        return check_robot(Use(Path(folder), {}, part="robot"), BUILT)
 
 
 free = st.sampled_from([7, 11, 12, 13, 15, 16, 18, 22, 29, 31, 32, 33, 35, 36, 37, 38, 40])

@@ -8,7 +8,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_check_examples import BUILT, checked
+from robot_check_examples import BUILT, checked, write
 
 from gpr20_launch import faults
 from gpr20_launch.errors import OldLaunchError
@@ -75,6 +75,17 @@ FORMS = {
         + node(params({key: f"$(arg {axis}_{key})" for key in NAMES}), axis)
         for axis in "xyz"
     ),
+    "expressions": '<arg name="half" value="0.5"/><arg name="axis" value="x"/>'
+    + node(params({**X, "dir_pin": "$(eval 2 * (int(arg('half') * 12) + 1) - 1)"}), "$(arg axis)")
+    + f"<group if=\"$(eval axis == 'x')\">{node(params(Y), 'y')}</group>"
+    + f'<group if="$(eval half > 0.5)">{node(params(X), "y")}</group>'
+    + node(params({**Z, "min_coord": "$(eval -180 * half)"}), "z"),
+    "arguments of nodes": "".join(
+        node("", axis).replace(
+            "name=", f'args="{" ".join(f"_{key}:={AXES[axis][key]}" for key in NAMES)}" name='
+        )
+        for axis in "xyz"
+    ),
     "conditions": '<arg name="real" default="true"/>'
     + "".join(node(params(AXES[axis]), axis) for axis in "xyz")
     + f'<group unless="$(arg real)">{node(params({"dir_pin": 3}), "x")}</group>',
@@ -86,7 +97,7 @@ def test_every_form_of_a_launch_file_means_the_same(tmp_path, form):
     axes, robot = imported(launch(tmp_path, FORMS[form]))
     wanted = {axis: {**AXES[axis], "invert_direction": True} for axis in "xyz"}
     del wanted["z"]["sensor_pin"]
-    assert axes == wanted and robot.left == []
+    assert axes == wanted and robot.left == robot.problems == []
     assert len(robot.taken) == 29 and "x/max_coord: 640.5 mm" in robot.taken
     assert any("z/sensor_pin: -1 -> left out" in one for one in robot.changed)
     # The original's axis node sets its direction pin to `not direction`.
@@ -94,36 +105,111 @@ def test_every_form_of_a_launch_file_means_the_same(tmp_path, form):
 
 
 def test_includes_and_files_are_found_beside_the_launch_file(tmp_path):
-    (tmp_path / "config").mkdir()
-    (tmp_path / "config/z.yaml").write_text(yaml.safe_dump(Z))
+    robot_folder = tmp_path / "gpr20_robot"
+    (robot_folder / "config").mkdir(parents=True)
+    (robot_folder / "config/z.yaml").write_text(yaml.safe_dump({**Z, "step_pin": "$(arg step)"}))
+    # A file of the same name elsewhere is another one.
+    launch(tmp_path, node(params(Y), "x"), "launch/axes.launch")
+    load = 'command="load" subst_value="true" file="$(find gpr20_robot)/config/z.yaml"'
     inner = (
-        '<arg name="pin"/>'
+        '<arg name="pin"/><arg name="step" default="40"/>'
         + node(params({**X, "dir_pin": "$(arg pin)"}), "x")
-        + node('<rosparam command="load" file="$(find gpr20_robot)/config/z.yaml"/>', "z")
+        + node(f"<rosparam {load}/>", "z")
     )
-    launch(tmp_path, inner, "launch/axes.launch")
-    path = launch(
-        tmp_path,
-        '<include file="$(find gpr20_robot)/launch/axes.launch"><arg name="pin" value="29"/>'
-        "</include>",
-        "launch/GPR20_robot.launch",
-    )
-    axes, robot = imported(path)
-    assert axes["x"]["dir_pin"] == 29 and axes["z"]["step_pin"] == 40 and "y" not in axes
-    assert "y/sensor_pin: not in the file, so the default counts: 40" in robot.changed
+    launch(robot_folder, inner, "launch/axes.launch")
+    for file in ("$(find gpr20_robot)/launch/axes.launch", "$(dirname)/axes.launch"):
+        arguments = '<arg name="pin" value="29"/><arg name="pin" value="3" unless="1"/>'
+        include = f'<include file="{file}">{arguments}</include>'
+        path = launch(robot_folder, include, "launch/GPR20_robot.launch")
+        axes, robot = imported(path)
+        assert axes["x"]["dir_pin"] == 29 and axes["z"]["step_pin"] == 40 and "y" not in axes
+        assert "y/sensor_pin: not in the file, so the default counts: 40" in robot.changed
+        assert read_launch(path).files == [
+            *(path, robot_folder / "launch/axes.launch", robot_folder / "config/z.yaml")
+        ]
 
 
-def test_what_has_no_counterpart_or_cannot_be_resolved_is_named(tmp_path):
+def test_minus_one_or_nothing_means_no_endstop(tmp_path):
+    without_type = {key: value for key, value in Z.items() if key != "type"}
+    for pin in (-1, None):
+        text = yaml.safe_dump({"x_axis": {**X, "sensor_pin": pin}, "z_axis": without_type})
+        axes, robot = imported(launch(tmp_path, f"<rosparam>{text}</rosparam>"))
+        assert axes["x"]["sensor_pin"] is None and "sensor_pin" not in axes["z"]
+        assert not any("x/endstop_pull" in one for one in robot.changed)
+    axes, _robot = imported(launch(tmp_path, node(params({**Y, "sensor_pin": -1}), "y")))
+    assert axes["y"]["sensor_pin"] is None
+
+
+X_NODE = node(params({key: X[key] for key in NAMES if key != "dir_pin"}) + "{}", "x")
+# What is not read, what follows, and the keys of x without a value.
+UNREAD = [
+    (X_NODE.format('<param name="dir_pin" value="$(env PIN)"/>'), "$(env PIN)", {"dir_pin"}),
+    (X_NODE.format('<param name="dir_pin" value="$(optenv PIN 13)"/>'), "$(optenv", {"dir_pin"}),
+    (X_NODE.format('<param name="dir_pin" command="cat pin"/>'), "cat pin", {"dir_pin"}),
+    (X_NODE.format('<param name="dir_pin" value="$(arg pin)"/>'), "$(arg pin)", {"dir_pin"}),
+    (X_NODE.format('<param name="$(env A)" value="13"/>'), "$(env A)", {"dir_pin"}),
+    (X_NODE.format('<rosparam command="load" file="$(find a)/a.yaml"/>'), "find a", {"dir_pin"}),
+    (X_NODE.format("<rosparam>[</rosparam>"), "not YAML", {"dir_pin"}),
+    (X_NODE.format("") + '<include file="$(find other)/gone.launch"/>', "gone", {"dir_pin"}),
+    (X_NODE.format("") + '<include file="/nowhere/gone.launch"/>', "gone", {"dir_pin"}),
+    (
+        X_NODE.format("") + f'<group if="$(env A)">{node(params(X), "x")}</group>',
+        "env A",
+        {"dir_pin"},
+    ),
+    (node(params(X) + '<param name="dir_pin" value="$(env A)"/>', "x"), "env A", {"dir_pin"}),
+    (node(params(X), "x") + params({"x_axis/dir_pin": 12}), "12", {"dir_pin"}),
+    *(
+        (X_NODE.format(f'<param name="dir_pin" value="$(eval {one})"/>'), "eval", {"dir_pin"})
+        for one in (
+            *(
+                "__import__('os').getpid()",
+                "1/0",
+                "9**9",
+                "'a'*9",
+                "pin",
+                "[1][0]",
+                "1 if 1 else 2",
+            ),
+            *("int.real", "int(", "(" * 300, "1" * 600, "arg('pin')", "(lambda: 13)()", "None"),
+        )
+    ),
+]
+
+
+@each_case("inner, shown, keys", UNREAD)
+def test_what_cannot_be_read_is_asked_for_and_no_default_counts(tmp_path, inner, shown, keys):
+    folder = tmp_path / str([one[0] for one in UNREAD].index(inner))
+    path = launch(folder, inner)
+    _axes, robot = imported(path)
+    write(folder / "robot", robot.texts)
+    wrong = {
+        one.key: str(one.message)
+        for one in checked(folder / "robot", part="robot")
+        if one.message.fault_code != faults.NOT_CHECKED.code
+    }
+    assert {key for key in wrong if key.startswith("x")} == {f"x/{key}" for key in keys}, wrong
+    for text in wrong.values():
+        assert path.name in text and shown in text and "write the value" in text, text
+    assert all(one.message.remedy is not None for one in robot.problems)
+    assert not any("x/dir_pin: not in the file" in one for one in robot.changed)
+
+
+def test_what_has_no_counterpart_or_sets_nothing_of_an_axis_is_named(tmp_path):
     inner = (
-        node(params(X), "x")
-        + params({"rate": 100, "vna_ip": "192.168.1.20", "who": "$(env USER)"})
-        + '<param name="robot_description" command="rm -rf /"/>'
-        + '<include file="$(find other)/launch/gone.launch"/>'
+        "".join(node(params(AXES[axis]), axis) for axis in "xyz")
+        + params({"rate": 100, "vna_ip": "192.168.1.20", "who": "$(env USER)", "a": "$(find b)/c"})
+        + '<param name="robot_description" command="rm -rf /"/><arg name="b" value="$(env B)"/>'
+        + node(params({"port": "$(env PORT)"}), name="bridge")
     )
     _axes, robot = imported(launch(tmp_path, inner))
-    left = "\n".join(robot.left)
-    assert all(one in left for one in ("/rate: 100", "who", "robot_description", "gone.launch"))
+    assert robot.left == ["/a: $(find b)/c", "/rate: 100"]
     assert robot.texts["analyzer.yaml"].endswith("address: 192.168.1.20\n")
+    assert len(robot.problems) == 4 and not any(one.refuses for one in robot.problems)
+    for one, shown in zip(robot.problems, ("who", "rm -rf", "$(env B)", "port")):
+        assert shown in str(one.message)
+    _axes, robot = imported(launch(tmp_path, inner + '<include file="$(find other)/a.launch"/>'))
+    assert [one.refuses for one in robot.problems] == [False] * 4 + [True]
 
 
 @each_case(
@@ -149,9 +235,14 @@ def test_files_that_include_each_other_end(tmp_path):
     again = '<include file="$(find a)/old.launch"/>'
     path = launch(tmp_path, node(params(X), "x") + again * 3, "old.launch")
     axes, robot = imported(path)
-    assert axes["x"]["dir_pin"] == 13 and robot.left
+    assert axes["x"]["dir_pin"].startswith("UNREAD") and any(one.refuses for one in robot.problems)
     deep = "<group>" * 500 + node(params(X), "x") + "</group>" * 500
-    assert "too deeply" in str(read_launch(launch(tmp_path, deep)).unresolved)
+    assert "too deeply" in str(read_launch(launch(tmp_path, deep)).unread)
+    copies = "".join(f"a{n + 1}: &a{n + 1} {{b: *a{n}, c: *a{n}}}\n" for n in range(28))
+    many = launch(
+        tmp_path, f"<rosparam>a0: &a0 {{d: 1}}\n{copies}</rosparam>".replace("&", "&amp;")
+    )
+    assert "too many parameters" in str(read_launch(many).unread)
 
 
 @given(
@@ -174,6 +265,30 @@ def test_any_file_is_read_or_refused(tmp_path_factory, text):
         assert str(path) in str(error)
 
 
+@given(
+    st.recursive(
+        st.integers(-99, 99) | st.floats(-99, 99).filter(lambda one: "e" not in str(one)),
+        lambda one: st.tuples(
+            one, st.sampled_from(["+", "-", "*", "/", "//", "%", "<", "=="]), one
+        ),
+        max_leaves=5,
+    )
+)
+def test_an_expression_has_the_value_that_python_gives_it(tmp_path_factory, parts):
+    def text(one):
+        return f"({text(one[0])} {one[1]} {text(one[2])})" if isinstance(one, tuple) else repr(one)
+
+    path = launch(tmp_path_factory.mktemp("old"), "<param name='a' value='X'/>")
+    path.write_text(path.read_text().replace("X", f"$(eval {text(parts)})".replace("<", "&lt;")))
+    found = read_launch(path)
+    try:
+        wanted = eval(text(parts), {"__builtins__": {}})  # noqa: S307 - numbers of this test
+    except ZeroDivisionError:
+        assert found.unread and not found.values
+    else:
+        assert found.values == {"/a": wanted}
+
+
 def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     tmp_path, monkeypatch, capsys
 ):
@@ -185,7 +300,7 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     assert main() == 0
     said = capsys.readouterr().out
     assert all(f"{one}:" in said for one in ("taken", "changed", "without a counterpart here"))
-    found = checked(folder, stores=False)
+    found = checked(folder, part="robot")
     assert {one.message.fault_code for one in found} == {faults.NOT_CHECKED.code}
     assert any(one.refuses for one in found)
     before = {one.name: one.read_bytes() for one in folder.iterdir()}
@@ -196,5 +311,13 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     # The direction of z on the pin of y's endstop, as in the group's packages, is found.
     wrong = launch(tmp_path, FORMS["groups"].replace('value="38"', 'value="11"'))
     monkeypatch.setattr(sys, "argv", ["robot_config", "import", str(wrong), str(tmp_path / "b")])
-    assert main() == 0
+    assert main() == 1
     assert "pin 11 (GPIO17) has 2 purposes: axes.yaml y/sensor_pin" in capsys.readouterr().out
+    # So is what could not be read, also where every value is there.
+    more = FORMS["groups"] + '<include file="$(find other)/more.launch"/>'
+    monkeypatch.setattr(
+        sys, "argv", ["robot_config", "import", str(launch(tmp_path, more)), str(tmp_path / "c")]
+    )
+    assert main() == 1
+    said = capsys.readouterr().out
+    assert "FAULT: " in said and "more.launch" in said and faults.OLD_UNREAD.remedy.template in said

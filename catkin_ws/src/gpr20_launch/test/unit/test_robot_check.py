@@ -13,187 +13,159 @@ from gpr20_launch import faults
 from gpr20_launch.mid import place_checks
 from gpr20_launch.mid.axis_checks import DescriptionError, read_frame
 from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES
+from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
+from gpr20_launch.mid.templates import templates
 from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Unchecked
 
-REFUSED, DOUBTFUL = True, False
 SENSOR = "topic: soil/values, message: std_msgs/Float64, field: data"
+TWICE = f"sensors: [{{name: a, {SENSOR}}}, {{name: b, {SENSOR}}}]"
+NO_TYPE = "sensors: [{name: a, topic: b, message: no_msgs/No, field: data}]"
+NO_FIELD = "sensors: [{name: a, topic: b, message: std_msgs/Float64, field: dat}]"
+NO_CLASS = f"{VNA}analyzer: nowhere.vna:Vna"
+NO_CONTROLLER = "x: {controller: 'subprocess:Popen', controller_options: {args: 'true'}}"
+THREE = "x: {dir_pin: 33}\ny: {dir_pin: 33}\nz: {step_pin: 33}"
+LEVELS = "x: {enable_pin: 18}\ny: {enable_pin: 18, enable_active: high}"
 LEFT = ("axes.yaml.bak", "axes.yaml~", ".axes.yaml.swp", "axes.yaml.dpkg-old", "#axes.yaml#")
 PACKAGED = ("axes.yaml.dpkg-new", "axes.yaml.dpkg-dist", "axes.yaml.2", "axes.yml.orig")
-# File and text, then file, key, fault and whether it refuses, then words of the sentence.
-# test_mistakes_of_technicians.py has more; here each fault of the check is there.
+# File and text; key, after the other file that has it; fault; what must be said.
 MISTAKES = [
     # Pins, with everything that uses them.
+    ("axes", "y: {sensor_pin: 11}", "z/dir_pin", "pin_conflict", "GPIO17|axes.yaml y/sensor_pin"),
+    ("axes", THREE, "z/step_pin", "pin_conflict", "3 purposes|x/dir_pin|y/dir_pin|enable_pin"),
+    ("axes", "y: {dir_pin: 13}", "y/dir_pin", "pin_conflict", "pin 13|x/dir_pin (default)"),
+    ("axes", "x: {step_pin: 13}", "x/step_pin", "pin_conflict", "pin 13|x/dir_pin|x/step_pin"),
+    ("axes", "z: {enable_pin: 40}", "z/enable_pin", "pin_conflict", "y/sensor_pin"),
+    ("axes", LEVELS, "y/enable_pin", "pin_conflict", "x/enable_pin|enable_active"),
     (
-        *("axes", "y: {sensor_pin: 11}"),
-        *("axes.yaml", "z/dir_pin", faults.PIN_CONFLICT, REFUSED),
-        ("pin 11", "GPIO17", "axes.yaml y/sensor_pin", "axes.yaml z/dir_pin (default)"),
+        "axes",
+        "x: {sensor_pin: 19}",
+        "height.yaml spi_bus",
+        "pin_conflict",
+        "x/sensor_pin|SPI0 MOSI",
     ),
+    ("axes", "y: {sensor_pin: 24}", "height.yaml spi_device", "pin_conflict", "pin 24|SPI0 CE0"),
+    ("height", "spi_bus: 5\nspi_device: 1", "spi_device", "pin_conflict", "y/dir_pin|SPI5 CE1"),
+    ("height", "spi_bus: 2", "spi_bus", "wrong_value", "0, 1, 3, 4, 5, 6"),
+    ("height", "spi_device: 2", "spi_device", "wrong_value", "chip select|0 - 1"),
+    ("axes", "x: {dir_pin: 28}", "x/dir_pin", "pin_unusable", "EEPROM|29, 31"),
+    ("axes", "x: {dir_pin: 17}", "x/dir_pin", "wrong_value", "pin 17 is 3.3 V|BOARD"),
+    ("axes", "x: {step_pin: 4}", "x/step_pin", "wrong_value", "5 V"),
+    ("axes", "y: {sensor_pin: 39}", "y/sensor_pin", "wrong_value", "ground"),
+    ("axes", "x: {dir_pin: 41}", "x/dir_pin", "wrong_value", "41"),
+    ("axes", "x: {dir_pin: GPIO27}", "x/dir_pin", "wrong_value", "GPIO27 is pin 13"),
+    ("axes", "x: {backend: pigpio}\ny: {backend: pigpio}", "y/backend", "motion", "rpi_gpio|x"),
+    ("axes", "x: {sensor_pin: 5, endstop_pull: none}", "x/endstop_pull", "endstop", "1.8 kOhm|up"),
+    ("axes", NO_CONTROLLER, "x/controller", "unusable_extension", "subprocess:Popen|begin_homing"),
+    # Travel, steps, speed.
+    ("axes", "y: {max_coord: 80000}", "y/max_coord", "travel", "80000 mm|20 to 3000 mm"),
+    ("axes", "x: {max_coord: 0.65}", "x/max_coord", "travel", "0.65 mm"),
+    ("axes", "z: {max_coord: 1000}", "z/max_coord", "travel", "1000 deg"),
+    ("axes", "z: {min_coord: 0, max_coord: 270}", "z/max_coord", "travel", "270 deg|cables"),
+    ("axes", "x: {step_size: 0.001}", "x/step_size", "motion", "1.8 hours"),
+    ("axes", "x: {step_size: 0.00001}", "x/step_size", "motion", "1e-05 mm|0.0005 - 1 mm"),
+    ("axes", "x: {step_size: 10}", "x/step_size", "motion", "10 mm"),
+    ("axes", "x: {homing_margin: 640}", "x/homing_margin", "wrong_value", "640 mm|0 - 50 mm"),
+    ("axes", "x: {homing_backoff: 129}", "x/homing_backoff", "wrong_value", "129 mm|0 - 20 mm"),
     (
-        *("axes", "x: {dir_pin: 33}\ny: {dir_pin: 33}\nz: {step_pin: 33}"),
-        *("axes.yaml", "z/step_pin", faults.PIN_CONFLICT, REFUSED),
-        ("3 purposes", "x/dir_pin", "y/dir_pin", "z/step_pin", "enable_pin"),
+        *("axes", "x: {step_size: 0.1, min_step: 0.00005, late_limit_s: 0.00003}"),
+        *("x/min_step", "motion", "1000 mm/s"),
     ),
+    ("axes", "x: {min_step: 1.5}", "x/min_step", "wrong_value", "1.5 s"),
+    ("axes", "x: {min_step: 0.0002}", "x/min_step", "wrong_value", "late_limit_s has its default"),
+    ("axes", "x: {type: ROT}", "x/type", "wrong_value", "LIN"),
+    ("axes", "z: {type: LIN, sensor_pin: 18}", "z/type", "wrong_value", "ROT"),
+    # Typing errors.
     (
-        *("axes", "x: {sensor_pin: 19}"),
-        *("height.yaml", "spi_bus", faults.PIN_CONFLICT, REFUSED),
-        ("x/sensor_pin", "height.yaml spi_bus: SPI0 MOSI"),
+        "axes",
+        "x: {step_size: 0,01}",
+        "x/step_size",
+        "wrong_value",
+        "'0,01'|point, not a comma: 0.01",
     ),
+    ("axes", "x:\n  step_size: 0,01", "x/step_size", "wrong_value", "0.01"),
+    ("axes", "x:\n  dir_pin:13", "x", "wrong_value", "line 2|colon"),
+    ("axes", "x:\n\tdir_pin: 13", "", "wrong_value", "line 2|tab"),
+    ("axes", "x: {step_pin: '15'}", "x/step_pin", "wrong_value", "'15'|quotes"),
+    ("axes", "x: {delta_step: 1e-4}", "x/delta_step", "wrong_value", "1.0e-4"),
+    ("analyzer", f"{VNA}min_frequency_hz: 2.0e9", "min_frequency_hz", "wrong_value", "2.0e+9"),
+    ("axes", "x: {max_coord: 650 mm}", "x/max_coord", "wrong_value", "without its unit: 650"),
     (
-        *("height", "spi_bus: 5\nspi_device: 1"),
-        *("height.yaml", "spi_device", faults.PIN_CONFLICT, REFUSED),
-        ("y/dir_pin (default)", "SPI5 CE1"),
+        "axes",
+        "x: {max_cord: 900, min_coord: 700}",
+        "x/max_cord",
+        "wrong_value",
+        "max_coord is meant",
     ),
-    (
-        *("axes", "x: {enable_pin: 26}"),
-        *("axes.yaml", "x/enable_pin", faults.PIN_UNUSABLE, DOUBTFUL),
-        ("CE1",),
-    ),
-    (
-        *("axes", "x: {dir_pin: 28}"),
-        *("axes.yaml", "x/dir_pin", faults.PIN_UNUSABLE, REFUSED),
-        ("EEPROM", "29, 31"),
-    ),
-    (
-        *("axes", "x: {step_pin: 8}"),
-        *("axes.yaml", "x/step_pin", faults.PIN_UNUSABLE, DOUBTFUL),
-        ("console",),
-    ),
-    (
-        *("axes", "x: {dir_pin: 3}"),
-        *("axes.yaml", "x/dir_pin", faults.PIN_UNUSABLE, DOUBTFUL),
-        ("1.8 kOhm",),
-    ),
-    (
-        *("axes", "x: {dir_pin: 14}"),
-        *("axes.yaml", "x/dir_pin", faults.WRONG_VALUE, REFUSED),
-        ("pin 14 is ground", "BOARD"),
-    ),
-    # Travel, motion, endstops.
-    (
-        *("axes", "y: {max_coord: 80000}"),
-        *("axes.yaml", "y/max_coord", faults.TRAVEL, REFUSED),
-        ("80000 mm", "20 to 3000 mm"),
-    ),
-    (
-        *("axes", "y: {max_coord: 880}"),
-        *("axes.yaml", "y/max_coord", faults.TRAVEL, DOUBTFUL),
-        ("880 mm", "URDF", "0 - 800 mm"),
-    ),
-    (
-        *("axes", "x: {max_coord: 1200}"),
-        *("axes.yaml", "x/max_coord", faults.TRAVEL, DOUBTFUL),
-        ("frame", "880 mm"),
-    ),
-    (
-        *("axes", "z: {max_coord: 45}"),
-        *("axes.yaml", "z/max_coord", faults.TRAVEL, DOUBTFUL),
-        ("0 and 90",),
-    ),
-    (
-        *("axes", "x: {step_size: 0.001}"),
-        *("axes.yaml", "x/step_size", faults.MOTION, REFUSED),
-        ("1.8 hours",),
-    ),
-    (
-        *("axes", "x: {step_size: 0.00001}"),
-        *("axes.yaml", "x/step_size", faults.MOTION, REFUSED),
-        ("1e-05 mm", "0.0005 - 1 mm"),
-    ),
-    (
-        *("axes", "x: {homing_margin: 640}"),
-        *("axes.yaml", "x/homing_margin", faults.MOTION, REFUSED),
-        ("640 mm", "<= 50 mm"),
-    ),
-    (
-        *("axes", "z: {min_coord: 0, max_coord: 270}"),
-        *("axes.yaml", "z/max_coord", faults.TRAVEL, REFUSED),
-        ("270 deg", "cables"),
-    ),
+    ("axes", "x: {type: lin}", "x/type", "wrong_value", "perhaps LIN is meant"),
+    ("height", "Spi_Bus: 0", "Spi_Bus", "wrong_value", "perhaps spi_bus"),
+    ("axes", "x: {dir_pin: 013}", "x/dir_pin", "wrong_value", "013|13"),
+    ("axes", "x: {max_coord: 10:50}", "x/max_coord", "wrong_value", "10:50"),
+    ("axes", "dir_pin: 13", "dir_pin", "wrong_value", "x, y, z"),
+    ("axes", "x: {dir_pin: 13, dir_pin: 15}", "", "wrong_value", "dir_pin|twice"),
+    ("site", "latitude_deg: 4,6\nlongitude_deg: 1", "latitude_deg", "wrong_value", "'4,6'|4.6"),
+    ("site", "latitude_deg: -74.1", "latitude_deg", "wrong_value", "longitude_deg"),
+    ("site", "latitude_deg: 104\nlongitude_deg: 4", "latitude_deg", "wrong_value", "104|90"),
+    ("site", "# 4\nsite: Bogotá".encode("latin-1"), "", "wrong_value", "line 2 is not UTF-8"),
+    # Data, addresses, sensors, wiring, files.
+    ("storage", "data: surveys", "data", "data_folder", "absolute path, such as /srv/gpr20"),
+    ("storage", "data: $HOME/surveys", "data", "data_folder", "$HOME/surveys"),
+    ("storage", "data: /etc/surveys", "data", "data_folder", "/etc/surveys|system"),
+    ("storage", "data: /", "data", "data_folder", "system"),
+    ("analyzer", "address: 224.0.0.1", "address", "address", "224.0.0.1"),
+    ("analyzer", "address: 0.0.0.0", "address", "address", "0.0.0.0"),
+    ("analyzer", "address: 192.168.1.255", "address", "address", "192.168.1.255"),
+    ("analyzer", "address: 192.168.1.300", "address", "wrong_value", "192.168.1.300|192.168.1.10"),
+    ("analyzer", "address: vna.local", "address", "wrong_value", "vna.local"),
+    ("analyzer", NO_CLASS, "analyzer", "unusable_extension", "nowhere.vna|cannot be imported"),
+    ("sensors", "sensors: [{name: soil}]", "sensors", "wrong_value", "topic"),
+    ("sensors", NO_TYPE, "sensors[0]", "sensors", "no_msgs/No is not installed"),
+    ("sensors", NO_FIELD, "sensors[0]", "sensors", "no field dat;|data (float64)"),
+    ("wiring", "unchecked: [pins]", "unchecked", "not_checked", "pins|continuity meter"),
+    ("hight", "", "", "unknown_file", "hight.yaml|height.yaml"),
+]
+DOUBTS = [
+    ("axes", "x: {enable_pin: 26}", "x/enable_pin", "pin_unusable", "CE1"),
+    ("axes", "x: {step_pin: 8}", "x/step_pin", "pin_unusable", "console"),
+    ("axes", "x: {dir_pin: 3}", "x/dir_pin", "pin_unusable", "1.8 kOhm"),
+    ("axes", "y: {max_coord: 880}", "y/max_coord", "travel", "880 mm|URDF|0 - 800 mm"),
+    ("axes", "x: {max_coord: 1200}", "x/max_coord", "travel", "frame|880 mm"),
+    ("axes", "x: {max_coord: 65}", "x/max_coord", "travel", "much shorter|in cm"),
+    ("axes", "z: {max_coord: 45}", "z/max_coord", "travel", "0 and 90"),
+    ("axes", "z: {min_coord: -1.57, max_coord: 1.57}", "z/max_coord", "travel", "in radians"),
+    ("axes", "z: {step_size: 7}", "z/step_size", "motion", "one of 91 deg"),
     (
         *("axes", "x: {min_step: 0.0004, max_step: 0.0004, late_limit_s: 0.0003}"),
-        *("axes.yaml", "x/max_step", faults.MOTION, DOUBTFUL),
-        ("1250 steps per second",),
+        *("x/max_step", "motion", "1250 steps per second"),
     ),
+    ("axes", "z: {min_step: 0.0009, delta_step: 0.02}", "z/delta_step", "motion", "deg/s"),
+    ("axes", "x: {late_limit_s: 0.0015}", "x/late_limit_s", "wrong_value", "<= 0.0012 s"),
+    ("storage", "data: ~/no_such_disk/surveys", "data", "data_folder", "does not exist"),
+    ("storage", "data: /media/usb/surveys", "data", "data_folder", "data_disk: true"),
+    ("storage", "data: ~/src/gpr20/surveys", "data", "data_folder", "repository"),
     (
-        *("axes", "z: {min_step: 0.0009, delta_step: 0.02}"),
-        *("axes.yaml", "z/delta_step", faults.MOTION, DOUBTFUL),
-        ("deg/s",),
+        "storage",
+        "disk_reserve_mb: 900000000",
+        "disk_reserve_mb",
+        "data_folder",
+        "no survey can start",
     ),
+    ("storage", "disk_reserve_mb: 0.5", "disk_reserve_mb", "wrong_value", ">= 50 MB"),
+    ("storage", "recorded_topics: []", "recorded_topics", "wrong_value", "extra_recorded_topics"),
+    ("storage", "signing_key: /nowhere/key", "signing_key", "", "/nowhere/key|not signed"),
+    ("survey", "settle_s: 0", "settle_s", "wrong_value", "swing"),
+    ("analyzer", "address: 127.0.0.1", "address", "address", "127.0.0.1"),
     (
-        *("axes", "x: {sensor_pin: 5, endstop_pull: none}"),
-        *("axes.yaml", "x/endstop_pull", faults.ENDSTOP, REFUSED),
-        ("1.8 kOhm", "up"),
+        *("analyzer", f"{VNA}accepted_calibrations: [1, 0]", "accepted_calibrations"),
+        *("wrong_value", "without a calibration"),
     ),
-    # Typing.
-    (
-        *("axes", "x: {step_size: 0,01}"),
-        *("axes.yaml", "x/step_size", faults.WRONG_VALUE, REFUSED),
-        ("'0,01'", "write a point, not a comma: 0.01"),
-    ),
-    (
-        *("height", "Spi_Bus: 0"),
-        *("height.yaml", "Spi_Bus", faults.WRONG_VALUE, REFUSED),
-        ("perhaps spi_bus",),
-    ),
-    # Data, addresses, sensors, site, wiring.
-    (
-        *("storage", "data: surveys"),
-        *("storage.yaml", "data", faults.DATA_FOLDER, REFUSED),
-        ("surveys", "/srv/gpr20/surveys"),
-    ),
-    (
-        *("storage", "data: ~/no_such_disk/surveys"),
-        *("storage.yaml", "data", faults.DATA_FOLDER, DOUBTFUL),
-        ("does not exist",),
-    ),
-    (
-        *("storage", "disk_reserve_mb: 900000000"),
-        *("storage.yaml", "disk_reserve_mb", faults.DATA_FOLDER, DOUBTFUL),
-        ("no survey can start",),
-    ),
-    (
-        *("storage", "signing_key: /nowhere/key"),
-        *("storage.yaml", "signing_key", None, DOUBTFUL),
-        ("/nowhere/key", "not signed"),
-    ),
-    (
-        *("analyzer", "address: 127.0.0.1"),
-        *("analyzer.yaml", "address", faults.ADDRESS, DOUBTFUL),
-        ("127.0.0.1",),
-    ),
-    (
-        *("analyzer", "address: 224.0.0.1"),
-        *("analyzer.yaml", "address", faults.ADDRESS, REFUSED),
-        ("224.0.0.1",),
-    ),
-    (
-        *("height", "reference_voltage_v: 5.0"),
-        *("height.yaml", "reference_voltage_v", faults.INPUT_VOLTAGE, DOUBTFUL),
-        ("5 V", "MISO"),
-    ),
-    (
-        *("sensors", f"sensors: [{{name: a, {SENSOR}}}, {{name: b, {SENSOR}}}]"),
-        *("sensors.yaml", "sensors[1]/field", faults.SENSORS, DOUBTFUL),
-        ("sensor a",),
-    ),
-    (
-        *("site", "latitude_deg: 0.0\nlongitude_deg: 0.0"),
-        *("site.yaml", "latitude_deg", faults.SITE, DOUBTFUL),
-        ("sea",),
-    ),
-    (
-        *("wiring", "unchecked: [pins]"),
-        *("wiring.yaml", "unchecked", faults.NOT_CHECKED, REFUSED),
-        ("pins", "continuity meter"),
-    ),
-    # Files.
-    ("axes_2", "", "axes_2.yaml", "", faults.UNKNOWN_FILE, REFUSED, ("axes.yaml, ",)),
-    *(
-        (name, "x: 5", name, "", faults.LEFT_OVER_FILE, DOUBTFUL, ("is not read",))
-        for name in (*LEFT, *PACKAGED)
-    ),
+    ("height", "reference_voltage_v: 5.0", "reference_voltage_v", "input_voltage", "5 V|MISO"),
+    ("sensors", TWICE, "sensors[1]/field", "sensors", "sensor a"),
+    ("site", "latitude_deg: 0.0\nlongitude_deg: 0.0", "latitude_deg", "site", "sea"),
+    *((name, "x: 5", f"{name} ", "left_over_file", "is not read") for name in (*LEFT, *PACKAGED)),
 ]
+# The programs show all alike: one of each fault is enough.
+SHOWN = {(case in DOUBTS, case[3]): case for case in (*MISTAKES, *DOUBTS)}
 BOTH = {"GPR20_ROBOT": "192.168.1.2", "GPR20_SERVER": "192.168.1.3"}
 
 
@@ -205,6 +177,7 @@ def home(tmp_path, monkeypatch):
     monkeypatch.delenv("GPR20_DATA", raising=False)
     monkeypatch.setattr(place_checks, "free_bytes", lambda _folder: 5e10)
     (tmp_path / "home/surveys").mkdir(parents=True)
+    (tmp_path / "home/src/gpr20/.git").mkdir(parents=True)
 
 
 @pytest.fixture
@@ -219,20 +192,28 @@ def run(monkeypatch, capfd):
     return run
 
 
-@each_case("mistake", MISTAKES)
-def test_a_mistake_is_found_everywhere_with_file_key_value_and_uses(tmp_path, run, mistake):
-    name, text, file, key, fault, refused, shown = mistake
-    folder = tmp_path / str(MISTAKES.index(mistake))
+@each_case("case", [*MISTAKES, *DOUBTS])
+def test_a_mistake_is_found_once_with_file_key_value_and_uses(tmp_path, case):
+    name, text, place, fault, shown = case
+    folder = tmp_path / str([*MISTAKES, *DOUBTS].index(case))
     write(folder, {name: text})
     (one,) = checked(folder)
     text = str(one.message)
-    assert (Path(one.file).name, one.key, one.refuses) == (file, key, refused), text
-    assert one.file in text and all(word in text for word in shown), text
-    assert fault is None or one.message.fault_code == fault.code
-    assert (len(one.uses) > 1) == (fault in (faults.PIN_CONFLICT, faults.PIN_UNUSABLE))
-    assert fault is faults.PIN_UNUSABLE or all(use in text for use in one.uses)
-    assert one.message.remedy is not None
+    file, _space, key = place.rpartition(" ")
+    assert (Path(one.file).name, one.key) == (file or f"{name}.yaml", key), text
+    assert one.refuses == (case in MISTAKES) and one.message.remedy is not None
+    assert one.file in text and all(word in text for word in shown.split("|")), text
+    assert fault in ("", one.message.fault_code.partition(".")[2])
+    assert (len(one.uses) > 1) == (fault in ("pin_conflict", "pin_unusable"))
+    assert fault == "pin_unusable" or all(use in text for use in one.uses)
 
+
+@each_case("case", list(SHOWN.values()))
+def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
+    refused, folder = case in MISTAKES, tmp_path / str([*MISTAKES, *DOUBTS].index(case))
+    write(folder, {case[0]: case[1]})
+    (one,) = checked(folder)
+    text = str(one.message)
     status, printed, _ = run("robot_config", "check", folder)
     assert status == int(refused) and text in printed and str(one.message.remedy) in printed
     status, printed, _ = run("robot_config", "check", "--json", folder)
@@ -240,7 +221,7 @@ def test_a_mistake_is_found_everywhere_with_file_key_value_and_uses(tmp_path, ru
     received = received_message("", json.dumps(record))
     assert status == int(refused)
     assert (received, received.cause) == (one.message, one.message.cause)
-    assert (record["file"], record["key"], tuple(record["uses"])) == (one.file, key, one.uses)
+    assert (record["file"], record["key"], tuple(record["uses"])) == (one.file, one.key, one.uses)
     launch = ("--part", "survey", "--robot", "gpr20", "--config", folder)
     status, configuration, said = run("check_launch", *launch)
     assert status == int(refused) and text in said
@@ -249,11 +230,47 @@ def test_a_mistake_is_found_everywhere_with_file_key_value_and_uses(tmp_path, ru
 
 def test_every_fault_of_the_check_has_an_example():
     known = {one.code for one in vars(faults).values() if hasattr(one, "code")}
-    shown = {mistake[4].code for mistake in MISTAKES if mistake[4] is not None}
+    shown = {f"config.{case[3]}" for case in (*MISTAKES, *DOUBTS)}
     assert {one for one in known if one.startswith("config.")} - shown == {
         *("config.unreadable", "config.no_folder", "config.old_launch", "config.files_exist"),
-        *("config.unusable_extension", "config.unchecked_analyzer"),
+        *("config.old_unread", "config.unchecked_analyzer"),
     }
+
+
+@each_case(
+    "file, text, wrong",
+    [
+        ("axes", "x: {sensor_pn: 7}\ny: {dir_pin: 16}", {"x/sensor_pn"}),
+        ("axes", "x: {contoller: 'a.b:C', dir_pin: 19}", {"x/contoller"}),
+        ("axes", "x: {min_stp: 0.01, step_size: 0.5}", {"x/min_stp"}),
+        ("axes", "x: {max_coord: abc, min_coord: 700, dir_pin: 41}", {"x/max_coord", "x/dir_pin"}),
+        ("axes", LEVELS.replace("high", "hi"), {"y/enable_active"}),
+        ("axes", "z: {sensr_pin: 18, endstop_active: high}", {"z/sensr_pin"}),
+        ("height", "spi_bu: 1\nspi_device: 2", {"spi_bu"}),
+        ("height", "spi_bus: 1\nspi_bus: 0", {""}),
+        ("storage", "daat: /media/x\ndisk_reserve_mb: -1", {"daat", "disk_reserve_mb"}),
+        ("analyzer", "min_frequency: 7.0e+9\nmax_frequency_hz: 8.0e+3", {"min_frequency"}),
+        ("site", "latitude_dg: 4.6\nlongitude_deg: -74.1", {"latitude_dg"}),
+    ],
+)
+def test_no_mistake_follows_from_the_default_of_a_value_that_is_not_known(
+    tmp_path, file, text, wrong
+):
+    folder = tmp_path / f"{file}{len(text)}"
+    write(folder, {file: text})
+    found = checked(folder)
+    assert {one.key for one in found} == wrong and len(found) == len(wrong), found
+
+
+def test_classes_and_types_must_be_installed_where_they_are_used(tmp_path):
+    write(tmp_path / "robot", {"axes": NO_CONTROLLER, "analyzer": NO_CLASS, "sensors": NO_TYPE})
+    axis, server = {"x/controller"}, {"analyzer", "sensors[0]"}
+    for part, real, wrong in (
+        *(("robot", True, axis), ("server", True, server), ("survey", True, axis | server)),
+        *(("survey", False, {"sensors[0]"}), ("robot", False, set())),
+    ):
+        found = checked(tmp_path / "robot", part=part, real=real)
+        assert {one.key for one in found} == wrong, (part, real)
 
 
 def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
@@ -271,12 +288,19 @@ def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
     "files",
     [
         {},
-        {"axes": "x: {enable_pin: 18}\ny: {enable_pin: 18}\nz: {enable_pin: 18}"},
-        {"axes": "x: {controller: 'a.b:C', dir_pin: 19}"},  # it has no pins
+        templates(BUILT.axes),
+        {"axes": "\n".join(f"{axis}: {{enable_pin: 18, enable_active: high}}" for axis in "xyz")},
         {"axes": "y: {sensor_pin: 7}\nz: {dir_pin: 40}\nx: {backend: pigpio}"},
+        {"axes": "x: {dir_pin: 15, step_pin: 13}"},
+        {"axes": "x: {dir_pin: 37}\ny: {dir_pin: 13}"},
+        {"axes": "x: {endstop_active: high, endstop_pull: down}\ny: {endstop_active: high}"},
         {"axes": "x: {max_coord: 600}\nz: {step_size: 0.9}", "site": "site: Bogotá"},
-        {"height": "spi_device: 1", "axes": "x: {sensor_pin: 7}"},
-        {"storage": "data: ~/surveys"},
+        {"height": "spi_device: 1\nreference_voltage_v: 3.31", "axes": "x: {sensor_pin: 7}"},
+        {
+            "storage": "data: ~/surveys\ndata_disk: false",
+            "sensors": f"sensors: [{{name: a, {SENSOR}}}]",
+        },
+        {"site": "robot: GPR-20 Ñandú\nlatitude_deg: 4.6\nlongitude_deg: -74.1"},
         {"analyzer": f"{VNA}settle_s: 1.0e-1", "README.md": "of robot 2", ".hidden": ""},
     ],
 )
@@ -311,7 +335,7 @@ def test_the_data_folder_of_the_launch_counts_and_only_where_surveys_are_stored(
     write(tmp_path / "robot", {"storage": f"data: {tmp_path}/robot/storage.yaml/x"})
     found = checked(tmp_path / "robot")
     assert {(one.key, one.refuses) for one in found} == {("data", True)}
-    assert checked(tmp_path / "robot", stores=False) == ()
+    assert checked(tmp_path / "robot", part="robot") == ()
     write(tmp_path / "robot", {"storage": "data: /etc"})
     assert checked(tmp_path / "robot", data="~/surveys") == ()
     assert [one.refuses for one in checked(tmp_path / "robot", data="/proc/surveys")] == [True]
@@ -319,12 +343,12 @@ def test_the_data_folder_of_the_launch_counts_and_only_where_surveys_are_stored(
 
 def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
     (tmp_path / "file").write_text("")
-    (one,) = checked(tmp_path / "file", stores=False)
+    (one,) = checked(tmp_path / "file", part="robot")
     assert one.message.fault_code == faults.UNREADABLE.code and one.refuses
-    (one,) = checked(tmp_path / "none", stores=False)
+    (one,) = checked(tmp_path / "none", part="robot")
     assert one.message.fault_code == faults.NO_FOLDER.code and not one.refuses
     # A robot that needs no values of its own needs no folder.
-    assert checked(tmp_path / "home/.gpr20/robot", stores=False) == ()
+    assert checked(tmp_path / "home/.gpr20/robot", part="robot") == ()
 
 
 def test_sizes_are_those_of_the_description(tmp_path):
@@ -337,7 +361,7 @@ def test_sizes_are_those_of_the_description(tmp_path):
         broken.write_text(text)
         with pytest.raises(DescriptionError):
             read_frame(broken)
-        (one,) = check_robot(tmp_path / "robot", BuiltRobot(BUILT.axes, broken), {})
+        (one,) = check_robot(Use(tmp_path / "robot", {}), BuiltRobot(BUILT.axes, broken))
         assert not one.refuses and str(broken) in str(one.message)
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from gpr20_common.mid.records import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
+from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
@@ -164,7 +165,7 @@ def test_a_link_that_leads_nowhere_does_not_mean_the_defaults(tmp_path, linked):
 def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, values):
     folder = tmp_path_factory.mktemp("robot")
     (folder / name).write_text(yaml.safe_dump(values))
-    found = check_robot(folder, BuiltRobot(AXES), {}, stores=False)
+    found = check_robot(Use(folder, {}, part="robot"), BuiltRobot(AXES))
     assert all(one.message.remedy is not None for one in found)
     try:
         read_configuration(folder, AXES)

@@ -50,6 +50,15 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
         text = stream.read(max_bytes + 1)
     if len(text) > max_bytes:
         raise YamlFileError(Message("it is larger than {limit} bytes", limit=max_bytes))
+    return parse_yaml(text)
+
+
+def parse_yaml(text: Union[str, bytes]) -> Any:
+    """Return what a text of YAML holds, as `read_yaml` does.
+
+    Raises:
+        YamlFileError: It is not YAML, or nested too deeply.
+    """
     try:
         _check_depth(text)
         return yaml.load(text, Loader=_UniqueKeyLoader)  # noqa: S506 - a SafeLoader
@@ -83,7 +92,7 @@ class _UniqueKeyLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-def _check_depth(text: bytes) -> None:
+def _check_depth(text: Union[str, bytes]) -> None:
     # Before loading, which recurses; the events come one after the other.
     depth = 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):

@@ -19,7 +19,6 @@ import rospkg
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import place_of
@@ -28,12 +27,11 @@ from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
 from gpr20_launch.mid.machine_warnings import ROOT, machine_warnings
+from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
-from gpr20_launch.mid.robot_files import Sections
 from gpr20_launch.mid.running_robot import RunningNode, refusal
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
-from gpr20_survey.plan.sensors import SENSORS, Sensors
 
 NAME = "/check_launch"
 # A node that lives answers within this time [s].
@@ -53,20 +51,12 @@ def main() -> int:
             given.full_screen,
         )
         environment = place_of(os.environ, ROOT)[1]
-        found = check_robot(
-            request.folder,
-            built_robot(),
-            environment,
-            given.data,
-            real=given.robot == REAL,
-            stores=given.part != ROBOT,
-        )
+        use = Use(request.folder, environment, given.data, given.robot == REAL, given.part)
+        found = check_robot(use, built_robot())
         if any(one.refuses for one in found):
             _refuse_mistakes(found)
             return 1
         sections = request.sections(built_axes())
-        if given.part != ROBOT:
-            _check_sensors(sections)
         _refuse_running(request.nodes, given.ns)
     except (Gpr20Error, OSError, RuntimeError) as error:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
@@ -84,9 +74,16 @@ def built_axes() -> Path:
 
 
 def built_robot() -> BuiltRobot:
-    """Return the robot as it is built."""
+    """Return the robot as it is built, and what is installed here."""
     description = Path(rospkg.RosPack().get_path("gpr20_visualization")) / "urdf" / "gpr20.urdf"
-    return BuiltRobot(built_axes(), description)
+    return BuiltRobot(built_axes(), description, _message_field)
+
+
+def _message_field(datatype: str, field: str) -> object:
+    # Imported only with a sensor: a launch without one need not wait for it.
+    from gpr20_common.high.message_field import MessageField
+
+    return MessageField(datatype, field)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -137,15 +134,6 @@ def _number(name: str, text: str) -> float:
                 value=text,
             )
         ) from error
-
-
-def _check_sensors(sections: Sections) -> None:
-    """Refuse sensors whose messages do not have the configured field, before anything starts."""
-    for sensor in record_from(Sensors, sections[SENSORS], SENSORS).sensors:
-        # Imported only with a sensor: a launch without one need not wait for it.
-        from gpr20_main_control.high.sensor_topics import field_of
-
-        field_of(sensor)
 
 
 def _refuse_running(names: Sequence[str], namespace: str) -> None:

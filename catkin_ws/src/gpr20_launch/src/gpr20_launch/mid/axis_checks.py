@@ -11,29 +11,53 @@ from xml.etree import ElementTree
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message
 from gpr20_launch import faults
+from gpr20_launch.mid.hints import with_hint
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
 
-# No positioner of this kind is longer; an axis without room for a row of traces is in metres.
-LONGEST_MM, SHORTEST_MM = 3000.0, 20.0
-LARGEST_TURN_DEG = 360.0
+
+@dataclass(frozen=True)
+class Limits:
+    """What every axis of a kind keeps to; lengths in its unit.
+
+    Attributes:
+        type: LIN or ROT.
+        unit: mm or deg.
+        travel: Shortest and longest travel.
+        step: Finest and coarsest step. With finer ones every move would be too long.
+        fastest: Beyond it nothing of this size stays on its rails, or no stepper motor follows.
+    """
+
+    type: str
+    unit: str
+    travel: Tuple[float, float]
+    step: Tuple[float, float]
+    fastest: float
+
+
+# An axis without room for a row of traces is in metres, no positioner of this kind is longer. Steps
+# of a belt or a screw with microsteps, and of a motor with or without a gear.
+MOVING = Limits(AxisType.LINEAR.value, "mm", (20.0, 3000.0), (0.0005, 1.0), 500.0)
+TURNING = Limits(AxisType.ROTARY.value, "deg", (0.0, 360.0), (0.001, 15.0), 1080.0)
 # The cables of the antennas allow a quarter turn each way.
 FARTHEST_TURN_DEG = 100.0
-# Steps of a belt or a screw, and of a motor without a gear.
-COARSEST_STEP_MM, COARSEST_STEP_DEG = 1.0, 15.0
-# Of a motor with microsteps on a fine screw; with finer ones every move would be too long.
-FINEST_STEP_MM, FINEST_STEP_DEG = 0.0005, 0.001
 # A switch that is broken is pushed that far beyond.
 LONGEST_MARGIN = 50.0
-# Beyond them nothing of this size stays on its rails, or no stepper motor follows.
-FASTEST_MM_S, FASTEST_DEG_S = 500.0, 1080.0
+# Coordinates begin that far from the endstop, so the axis ends that much farther, too.
+LONGEST_BACKOFF = 20.0
 FASTEST_START_HZ = 1000.0
 FASTEST_CHANGE_PER_S2 = 2.0e4
 # Longer than anybody waits for the homing of an axis.
 LONGEST_HOMING_S = 3600.0
+# Of the shortest pause: with more a motor may lose steps.
+LATEST_PULSE = 0.8
 # The antennas turn to these rotations in a survey with both polarizations.
 ROTATIONS_DEG = (0.0, 90.0)
+LARGEST_TURN_ERROR_DEG = 0.25
+SHORTEST_OF_DESCRIBED = 0.5
+# In mm and degrees.
+UNITS = {"cm": 10.0, "inches": 25.4, "radians": math.degrees(1.0)}
 MM_PER_M = 1000.0
 AXES = "xyz"
 
@@ -97,49 +121,46 @@ def impossible_values(file: Path, axis: str, values: Mapping[str, Any]) -> Itera
     Args:
         file: Where the values are.
         axis: The axis.
-        values: All its values, whatever they are.
+        values: Its values, whatever they are; those that are not known are left out.
     """
-    rotary = axis == AxisId.Z.value
-    unit = "deg" if rotary else "mm"
-    wanted = (AxisType.ROTARY if rotary else AxisType.LINEAR).value
-    kinds = [one.value for one in AxisType]
-    if values["type"] in kinds and values["type"] != wanted:
+    limits = TURNING if axis == AxisId.Z.value else MOVING
+    unit = limits.unit
+    kind = values.get("type")
+    if kind in (MOVING.type, TURNING.type) and kind != limits.type:
         reason = Message("x and y move along a line in mm, z turns in degrees")
-        yield problem(faults.TRAVEL, file, f"{axis}/type", values["type"], reason, wanted)
-    low, high, step = (_number(values[key]) for key in ("min_coord", "max_coord", "step_size"))
-    least, most = (0.0, LARGEST_TURN_DEG) if rotary else (SHORTEST_MM, LONGEST_MM)
+        yield problem(faults.WRONG_VALUE, file, f"{axis}/type", kind, reason, limits.type)
+    low, high = (_number(values.get(key)) for key in ("min_coord", "max_coord"))
+    least, most = limits.travel
     # Where the ends are exchanged, the comparison says so.
-    if high > low and not least <= high - low <= most:
-        yield problem(
-            faults.TRAVEL,
-            file,
-            f"{axis}/max_coord" if abs(high) >= abs(low) else f"{axis}/min_coord",
-            f"{high if abs(high) >= abs(low) else low:g} {unit}",
-            Message("a travel of {travel:g} {unit} cannot be", travel=high - low, unit=unit),
-            Message("a travel of {least:g} to {most:g} {unit}", least=least, most=most, unit=unit),
+    if limits is MOVING and high > low and not least <= high - low <= most:
+        key, end = ("max_coord", high) if abs(high) >= abs(low) else ("min_coord", low)
+        reason = Message("a travel of {travel:g} {unit} cannot be", travel=high - low, unit=unit)
+        allowed = Message(
+            "a travel of {least:g} to {most:g} {unit}", least=least, most=most, unit=unit
         )
-    if rotary:
-        yield from _turns(file, axis, low, high)
-    finest, coarsest = (
-        (FINEST_STEP_DEG, COARSEST_STEP_DEG) if rotary else (FINEST_STEP_MM, COARSEST_STEP_MM)
-    )
-    if 0.0 < step < finest or step > coarsest:
-        reason = Message("no motor of this robot has such steps")
-        allowed, shown = f"{finest:g} - {coarsest:g} {unit}", f"{step:g} {unit}"
-        yield problem(faults.MOTION, file, f"{axis}/step_size", shown, reason, allowed)
-    margin = _number(values.get("homing_margin"))
-    if margin > LONGEST_MARGIN:
-        reason = Message("an endstop that is broken would be passed by that much")
-        allowed, shown = f"<= {LONGEST_MARGIN:g} {unit}", f"{margin:g} {unit}"
-        yield problem(faults.MOTION, file, f"{axis}/homing_margin", shown, reason, allowed)
-
-
-def _turns(file: Path, axis: str, low: float, high: float) -> Iterator[Problem]:
-    for key, end in (("min_coord", low), ("max_coord", high)):
-        if FARTHEST_TURN_DEG < abs(end) <= LARGEST_TURN_DEG:
-            reason = Message("the antennas would wind up their cables")
-            allowed = f"-{FARTHEST_TURN_DEG:g} - {FARTHEST_TURN_DEG:g} deg"
-            yield problem(faults.TRAVEL, file, f"{axis}/{key}", f"{end:g} deg", reason, allowed)
+        yield problem(faults.TRAVEL, file, f"{axis}/{key}", f"{end:g} {unit}", reason, allowed)
+    cables = Message("the antennas would wind up their cables")
+    turn = (-FARTHEST_TURN_DEG, FARTHEST_TURN_DEG)
+    ends = [(key, *turn, faults.TRAVEL, cables) for key in ("min_coord", "max_coord")]
+    for key, lower, upper, fault, reason in (
+        *(ends if limits is TURNING else ()),
+        (
+            *("step_size", *limits.step, faults.MOTION),
+            Message("no motor of this robot has such steps"),
+        ),
+        (
+            *("homing_margin", 0.0, LONGEST_MARGIN, faults.WRONG_VALUE),
+            Message("an endstop that is broken would be passed by that much"),
+        ),
+        (
+            *("homing_backoff", 0.0, LONGEST_BACKOFF, faults.WRONG_VALUE),
+            Message("every coordinate would lie that much farther from the endstop"),
+        ),
+    ):
+        value = _number(values.get(key))
+        if value < lower or value > upper:
+            shown, allowed = f"{value:g} {unit}", f"{lower:g} - {upper:g} {unit}"
+            yield problem(fault, file, f"{axis}/{key}", shown, reason, allowed)
 
 
 def _number(value: Any) -> float:
@@ -151,69 +172,99 @@ def check_axes(
     file: Path, axes: Mapping[str, AxisParameters], frame: Optional[Frame]
 ) -> Iterator[Problem]:
     """Find travels, speeds and accelerations that cannot be, or hardly."""
-    for axis, parameters in axes.items():
-        if frame is not None:
-            yield from _check_travel(file, axis, parameters, frame)
-        if axis == AxisId.Z.value and not all(
-            parameters.min_coord <= one <= parameters.max_coord for one in ROTATIONS_DEG
-        ):
-            reason = Message("surveys turn the antennas to 0 and 90 degrees")
-            yield _doubtful(
-                file, faults.TRAVEL, f"{axis}/max_coord", parameters.max_coord, reason, ">= 90"
+    for axis, own in axes.items():
+        if axis == AxisId.Z.value:
+            doubts = _turn_doubts(own)
+        else:
+            doubts = _travel_doubts(axis, own, frame) if frame is not None else iter(())
+        for one in (*doubts, *_motion_doubts(own)):
+            shown = f"{getattr(own, one.key):g} {one.unit}"
+            yield problem(
+                *(one.fault, file, f"{axis}/{one.key}", shown, one.reason, one.allowed),
+                doubtful=one.doubtful,
             )
-        yield from _check_motion(file, axis, parameters)
 
 
-def _doubtful(
-    file: Path, fault: Fault, key: str, value: object, reason: Message, allowed: str
-) -> Problem:
-    return problem(fault, file, key, value, reason, allowed, doubtful=True)
+@dataclass(frozen=True)
+class _Doubt:
+    """Something that cannot be, or hardly."""
+
+    fault: Fault
+    key: str
+    unit: str
+    reason: Message
+    allowed: str
+    doubtful: bool = True
 
 
-def _check_travel(file: Path, axis: str, own: AxisParameters, frame: Frame) -> Iterator[Problem]:
+def _turn_doubts(own: AxisParameters) -> Iterator[_Doubt]:
+    if not all(own.min_coord <= one <= own.max_coord for one in ROTATIONS_DEG):
+        reason = Message("surveys turn the antennas to 0 and 90 degrees")
+        hint = _unit_hint(own.max_coord, ROTATIONS_DEG[1])
+        yield _Doubt(faults.TRAVEL, "max_coord", "deg", with_hint(reason, hint), ">= 90 deg")
+    reached = own.coordinate_of(own.distance_steps(ROTATIONS_DEG[1]))
+    if abs(reached - ROTATIONS_DEG[1]) > LARGEST_TURN_ERROR_DEG:
+        reason = Message("the rotation of 90 deg would be one of {reached:g} deg", reached=reached)
+        yield _Doubt(faults.MOTION, "step_size", "deg", reason, "90 deg / n")
+
+
+def _unit_hint(value: float, usual: float) -> Optional[Message]:
+    for unit, factor in UNITS.items():
+        if 0.9 < value * factor / usual < 1.1:
+            return Message("it seems to be in {unit}", unit=unit)
+    return None
+
+
+def _travel_doubts(axis: str, own: AxisParameters, frame: Frame) -> Iterator[_Doubt]:
     low, high = frame.travel[axis]
     allowed = f"{low:g} - {high:g} {own.unit}"
     travel = own.max_coord - own.min_coord
-    if travel > frame.outer_mm.get(axis, math.inf):
+    if travel > frame.outer_mm[axis]:
         reason = Message(
             "the travel of {travel:g} mm is longer than the frame of the robot's description, "
             "{outer:.0f} mm",
             travel=travel,
             outer=frame.outer_mm[axis],
         )
-        shown = f"{own.max_coord:g} {own.unit}"
-        yield _doubtful(file, faults.TRAVEL, f"{axis}/max_coord", shown, reason, allowed)
+        yield _Doubt(faults.TRAVEL, "max_coord", own.unit, reason, allowed)
         return
+    if travel < SHORTEST_OF_DESCRIBED * (high - low):
+        reason = Message(
+            "the travel of {travel:g} mm is much shorter than in the robot's description (URDF)",
+            travel=travel,
+        )
+        reason = with_hint(reason, _unit_hint(travel, high - low))
+        yield _Doubt(faults.TRAVEL, "max_coord", own.unit, reason, allowed)
     margin = 1.0e-6 * (high - low)
     for end in ("min_coord", "max_coord"):
-        coordinate = getattr(own, end)
-        if not low - margin <= coordinate <= high + margin:
+        if not low - margin <= getattr(own, end) <= high + margin:
             reason = Message("the robot's description (URDF) ends before")
-            shown = f"{coordinate:g} {own.unit}"
-            yield _doubtful(file, faults.TRAVEL, f"{axis}/{end}", shown, reason, allowed)
+            yield _Doubt(faults.TRAVEL, end, own.unit, reason, allowed)
 
 
-def _check_motion(file: Path, axis: str, own: AxisParameters) -> Iterator[Problem]:
-    fastest = FASTEST_MM_S if own.type == AxisType.LINEAR.value else FASTEST_DEG_S
+def _motion_doubts(own: AxisParameters) -> Iterator[_Doubt]:
+    unit = own.unit
+    fastest = (MOVING if own.type == MOVING.type else TURNING).fastest
+    # The largest one is between the last two steps of the ramp.
+    slower = min(own.max_step, own.min_step + own.delta_step)
+    change = own.step_size * (0.5 / own.min_step - 0.5 / slower) / (own.min_step + slower)
     speed = 0.5 * own.step_size / own.min_step
     if speed > fastest:
-        reason = Message("the axis would move at {speed:.0f} {unit}/s", speed=speed, unit=own.unit)
-        allowed, shown = f">= {0.5 * own.step_size / fastest:.3g} s", f"{own.min_step:g} s"
-        yield problem(faults.MOTION, file, f"{axis}/min_step", shown, reason, allowed)
-    start_hz = 0.5 / own.max_step
-    if start_hz > FASTEST_START_HZ:
-        reason = Message("the motor would start with {rate:.0f} steps per second", rate=start_hz)
-        allowed, shown = f">= {0.5 / FASTEST_START_HZ:g} s", f"{own.max_step:g} s"
-        yield _doubtful(file, faults.MOTION, f"{axis}/max_step", shown, reason, allowed)
-    change = _largest_change(own)
-    if change > FASTEST_CHANGE_PER_S2:
+        reason = Message("the axis would move at {speed:.0f} {unit}/s", speed=speed, unit=unit)
+        allowed = f">= {0.5 * own.step_size / fastest:.3g} s"
+        yield _Doubt(faults.MOTION, "min_step", "s", reason, allowed, doubtful=False)
+    elif change > FASTEST_CHANGE_PER_S2:
         reason = Message(
             "the axis would speed up by {change:.0f} {unit}/s in one second",
             change=change,
-            unit=own.unit,
+            unit=unit,
         )
-        allowed, shown = f"<= {FASTEST_CHANGE_PER_S2:.0f} {own.unit}/s2", f"{own.delta_step:g} s"
-        yield _doubtful(file, faults.MOTION, f"{axis}/delta_step", shown, reason, allowed)
+        allowed = f"<= {FASTEST_CHANGE_PER_S2:.0f} {unit}/s2"
+        yield _Doubt(faults.MOTION, "delta_step", "s", reason, allowed)
+    start_hz = 0.5 / own.max_step
+    if start_hz > FASTEST_START_HZ:
+        reason = Message("the motor would start with {rate:.0f} steps per second", rate=start_hz)
+        yield _Doubt(faults.MOTION, "max_step", "s", reason, f">= {0.5 / FASTEST_START_HZ:g} s")
     homing_s = 2.0 * own.max_step * own.travel_steps
     if homing_s > LONGEST_HOMING_S:
         reason = Message(
@@ -221,11 +272,9 @@ def _check_motion(file: Path, axis: str, own: AxisParameters) -> Iterator[Proble
             "move is too long by as much",
             hours=homing_s / 3600.0,
         )
-        allowed, shown = f"<= {LONGEST_HOMING_S / 3600.0:g} h", f"{own.step_size:g} {own.unit}"
-        yield problem(faults.MOTION, file, f"{axis}/step_size", shown, reason, allowed)
-
-
-def _largest_change(own: AxisParameters) -> float:
-    """Return the largest acceleration on the ramp, between its last two steps."""
-    slower = min(own.max_step, own.min_step + own.delta_step)
-    return own.step_size * (0.5 / own.min_step - 0.5 / slower) / (own.min_step + slower)
+        allowed = f"<= {LONGEST_HOMING_S / 3600.0:g} h"
+        yield _Doubt(faults.MOTION, "step_size", unit, reason, allowed, doubtful=False)
+    if own.late_limit_s > LATEST_PULSE * own.min_step:
+        reason = Message("after a late pulse the next one could follow at once, and be lost")
+        allowed = f"<= {LATEST_PULSE * own.min_step:g} s"
+        yield _Doubt(faults.WRONG_VALUE, "late_limit_s", "s", reason, allowed)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Dict, Iterator, Tuple
+from typing import Dict, Tuple
 
-from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -119,10 +117,6 @@ class LaunchRequest:
         for axis_id in AxisId:
             section = f"{axis_id.value}_axis"
             parameters = record_from(AxisParameters, sections[section], section)
-            # Its package is installed where the axes are.
-            if parameters.controller and self.part in (ROBOT, SURVEY):
-                with _refusing(section):
-                    check_controller(parameters)
             if axis_id is AxisId.Z and not parameters.finds_zero:
                 rotation_file = str(Path(ROTATION_FILE).expanduser())
                 sections[section].setdefault("memory_file", rotation_file)
@@ -131,8 +125,13 @@ class LaunchRequest:
         parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
         # Its package is installed where the analyzer's node runs.
         if is_extension(parameters.analyzer) and self.part in (SERVER, SURVEY):
-            with _refusing("vna_acquisition"):
+            try:
                 make_foreign_analyzer(parameters, RequestDeadline(Clock()))
+            except Gpr20Error as error:
+                raise LaunchRefusedError(
+                    Message("analyzer.yaml: {reason}", reason=error.message),
+                    fault=faults.UNUSABLE_EXTENSION,
+                ) from error
 
     @property
     def folder(self) -> Path:
@@ -200,14 +199,3 @@ def storage_parameters(sections: Sections, data: str) -> ProcessingParameters:
     """
     given = {**sections["storage"], **({"data": data} if data.strip() else {})}
     return record_from(ProcessingParameters, given, "storage")
-
-
-@contextmanager
-def _refusing(section: str) -> Iterator[None]:
-    try:
-        yield
-    except Gpr20Error as error:
-        raise LaunchRefusedError(
-            Message("{section}: {reason}", section=section, reason=error.message),
-            fault=faults.UNUSABLE_EXTENSION,
-        ) from error

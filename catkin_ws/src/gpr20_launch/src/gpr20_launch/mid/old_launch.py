@@ -1,31 +1,58 @@
 """The parameters that a ROS 1 launch file sets, read without ROS and without its packages.
 
-Only what sets parameters is followed: args, groups, nodes, includes and rosparam.
+Only what sets parameters is followed: args, groups, nodes, includes and rosparam. What cannot be
+found out here is named; nothing is run.
 """
 
 from __future__ import annotations
 
+import ast
+import operator
 import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional, Union
 from xml.etree import ElementTree
 
-import yaml
-
-from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.yaml_file import parse_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_launch.errors import OldLaunchError
 
 MAX_BYTES = 1 << 20
-# Of groups, nodes and includes in each other, and files in all.
-MAX_DEPTH, MAX_FILES = 32, 64
-_SUBSTITUTION = re.compile(r"\$\(\s*(\w+)\s+([^()]*?)\s*\)")
+# Of groups, nodes and includes in each other; files in all; and parameters in all.
+MAX_DEPTH, MAX_FILES, MAX_VALUES = 32, 64, 10_000
+LONGEST_EXPRESSION = 500
+_SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
+_PRIVATE_ARGUMENT = re.compile(r"_(\w[\w/]*):=(.*)", re.DOTALL)
+# Around the name of a package, whose folder is looked for beside the file that names it.
+_FOUND = "\0"
+_OPERATORS: Mapping[type, Callable[..., Any]] = {
+    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul},
+    **{ast.Div: operator.truediv, ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod},
+    **{ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_},
+    **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Lt: operator.lt, ast.LtE: operator.le},
+    **{ast.Gt: operator.gt, ast.GtE: operator.ge},
+}
 
 
-class _Unresolved(ValueError):
-    """A substitution needs the computer of the original."""
+class _UnreadError(Gpr20Error, ValueError):
+    """An element cannot be understood without the computer of the original."""
+
+
+@dataclass(frozen=True)
+class Unread:
+    """An element that could not be read.
+
+    Attributes:
+        message: File, element and reason.
+        name: Full name of the parameter that it sets, or of its node with a slash behind; empty:
+            it may set any; None: none by itself.
+    """
+
+    message: Message
+    name: Optional[str]
 
 
 @dataclass
@@ -34,13 +61,13 @@ class LaunchParameters:
 
     Attributes:
         values: Value of each parameter, by its full name.
-        unresolved: What could not be found out: the element, and why.
-        files: How many files were read.
+        unread: What could not be found out.
+        files: The files that were read.
     """
 
     values: Dict[str, Any] = field(default_factory=dict)
-    unresolved: List[str] = field(default_factory=list)
-    files: int = 0
+    unread: List[Unread] = field(default_factory=list)
+    files: List[Path] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -67,43 +94,68 @@ def read_launch(path: Path) -> LaunchParameters:
         OldLaunchError: The file cannot be read, or is no launch file.
     """
     found = LaunchParameters()
-    _follow(_root(path), _Scope(path), found)
+    _follow(_root(path, found), _Scope(path), found)
     return found
 
 
-def _root(path: Path) -> ElementTree.Element:
+def _root(path: Path, found: LaunchParameters) -> ElementTree.Element:
+    text = _bytes(path, found)
+    try:
+        root = None if b"<!ENTITY" in text else ElementTree.fromstring(text)
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        raise OldLaunchError(
+            Message("{file} is not a launch file", file=path, details=error)
+        ) from error
+    if root is None or root.tag != "launch":
+        raise OldLaunchError(Message("{file} is not a launch file", file=path))
+    return root
+
+
+def _bytes(path: Path, found: LaunchParameters) -> bytes:
+    found.files.append(path)
+    if len(found.files) > MAX_FILES:
+        raise _UnreadError(Message("there are too many files"))
     try:
         with path.open("rb") as file:
             text = file.read(MAX_BYTES + 1)
-        if len(text) > MAX_BYTES or b"<!ENTITY" in text:
-            raise OldLaunchError(Message("{file} is not a launch file", file=path))
-        root = ElementTree.fromstring(text)
     except OSError as error:
         raise OldLaunchError(
             Message("{file}: {reason}", file=path, reason=os_reason(error))
         ) from error
-    except (ElementTree.ParseError, LookupError, ValueError) as error:
-        if isinstance(error, OldLaunchError):
-            raise
-        raise OldLaunchError(
-            Message("{file} is not a launch file", file=path, details=error)
-        ) from error
-    if root.tag != "launch":
+    if len(text) > MAX_BYTES:
         raise OldLaunchError(Message("{file} is not a launch file", file=path))
-    return root
+    return text
 
 
 def _follow(parent: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
     for element in parent:
         try:
             if scope.depth > MAX_DEPTH:
-                raise _Unresolved("it is nested too deeply")
-            if not _is_used(element, scope):
-                continue
-            _element(element, scope, found)
-        except (_Unresolved, yaml.YAMLError, YamlFileError, OldLaunchError, OSError) as error:
-            name = element.get("name") or element.get("file") or ""
-            found.unresolved.append(f"<{element.tag} {name}>: {error}")
+                raise _UnreadError(Message("it is nested too deeply"))
+            if _is_used(element, scope):
+                _element(element, scope, found)
+        except Gpr20Error as error:
+            attributes = "".join(f' {key}="{value}"' for key, value in element.attrib.items())
+            text = Message(
+                "{file}: {element} could not be read: {reason}",
+                file=scope.file,
+                element=f"<{element.tag}{attributes}>"[:200],
+                reason=error.message.with_fault(None),
+            )
+            found.unread.append(Unread(text, _name_of(element, scope)))
+
+
+def _name_of(element: ElementTree.Element, scope: _Scope) -> Optional[str]:
+    """Return the name of an `Unread`."""
+    try:
+        name, below = _text(element, "name", scope), _text(element, "ns", scope)
+    except _UnreadError:
+        return ""
+    if element.tag == "param" and name:
+        return _join(scope.namespace, name.lstrip("~"))
+    if element.tag == "node" and name:
+        return _join(_join(scope.namespace, below), name) + "/"
+    return None if element.tag == "arg" else ""
 
 
 def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
@@ -111,36 +163,45 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
     inner = replace(scope, namespace=names, depth=scope.depth + 1)
     if element.tag == "arg":
         name = element.get("name", "")
-        value = "value" if "value" in element.attrib else "default"
         # A value that was passed to an include replaces the default.
-        if value in element.attrib and (value == "value" or name not in scope.arguments):
-            scope.arguments[name] = _text(element, value, scope)
+        if "value" in element.attrib:
+            scope.arguments.pop(name, None)
+            scope.arguments[name] = _text(element, "value", scope)
+        elif "default" in element.attrib and name not in scope.arguments:
+            scope.arguments[name] = _text(element, "default", scope)
     elif element.tag == "group":
         # An arg inside of a group does not exist behind it.
         _follow(element, replace(inner, arguments=dict(scope.arguments)), found)
     elif element.tag == "node":
         node = _join(names, _text(element, "name", scope))
         _follow(element, replace(inner, namespace=node), found)
+        for word in _text(element, "args", scope).split():
+            private = _PRIVATE_ARGUMENT.fullmatch(word)
+            if private:
+                found.values[_join(node, private.group(1))] = _plain(private.group(2))
     elif element.tag == "param":
         if "value" not in element.attrib:
-            raise _Unresolved("it has no value")
+            raise _UnreadError(Message("its value comes from a command or another file"))
         name = _join(scope.namespace, _text(element, "name", scope).lstrip("~"))
-        text = _text(element, "value", scope)
+        text = re.sub(f"{_FOUND}(.*?){_FOUND}", r"$(find \1)", _text(element, "value", scope))
         found.values[name] = text if element.get("type") in ("str", "string") else _plain(text)
     elif element.tag == "rosparam" and element.get("command", "load") == "load":
         below = _join(names, _text(element, "param", scope))
+        text = element.text or ""
         if "file" in element.attrib:
-            _load(read_yaml(_file(element, scope)), below, found)
-        else:
-            _load(yaml.safe_load(_substituted(element.text or "", scope)), below, found)
+            text = _bytes(_file(element, scope), found).decode("utf-8", "replace")
+        if element.get("subst_value", "false").lower() in ("true", "1") or "$(" in text:
+            text = _substituted(text, scope)
+        _load(parse_yaml(text), below, found)
+    elif element.tag == "rosparam" and element.get("command") == "delete":
+        raise _UnreadError(Message("it deletes parameters"))
     elif element.tag == "include":
-        found.files += 1
-        if found.files > MAX_FILES:
-            raise _Unresolved("there are too many files")
-        path = _file(element, scope)
-        given = {one.get("name", ""): _text(one, "value", scope) for one in element.findall("arg")}
+        path, used = _file(element, scope), element.findall("arg")
+        used = [one for one in used if _is_used(one, scope)]
+        given = {one.get("name", ""): _text(one, "value", scope) for one in used}
         passed = dict(scope.arguments) if element.get("pass_all_args") == "true" else {}
-        _follow(_root(path), replace(inner, file=path, arguments={**passed, **given}), found)
+        inside = replace(inner, file=path, arguments={**passed, **given})
+        _follow(_root(path, found), inside, found)
 
 
 def _is_used(element: ElementTree.Element, scope: _Scope) -> bool:
@@ -148,10 +209,14 @@ def _is_used(element: ElementTree.Element, scope: _Scope) -> bool:
         if name in element.attrib:
             text = _text(element, name, scope).lower()
             if text not in ("true", "false", "1", "0"):
-                raise _Unresolved(f"{name}={text}")
+                raise _unknown(f"{name}={text}")
             if (text in ("true", "1")) != wanted:
                 return False
     return True
+
+
+def _unknown(text: str) -> _UnreadError:
+    return _UnreadError(Message("{text} is not known here", text=text))
 
 
 def _text(element: ElementTree.Element, name: str, scope: _Scope) -> str:
@@ -159,46 +224,89 @@ def _text(element: ElementTree.Element, name: str, scope: _Scope) -> str:
 
 
 def _substituted(text: str, scope: _Scope) -> str:
+    if text.startswith("$(eval ") and text.endswith(")"):
+        return _evaluated(text, scope)
+
     def value(match: re.Match[str]) -> str:
-        kind, rest = match.group(1), match.group(2)
+        kind, rest = match.group(1), match.group(2) or ""
         if kind == "arg" and rest in scope.arguments:
             return scope.arguments[rest]
-        if kind == "optenv":
-            return rest.partition(" ")[2].strip()
+        if kind == "dirname":
+            return str(scope.file.absolute().parent)
         if kind == "find":
-            return f"{FOUND}{rest}"
+            return f"{_FOUND}{rest}{_FOUND}"
         if kind == "anon":
             return rest
-        raise _Unresolved(match.group(0))
+        # Also optenv: only the original's computer knows whether the variable was set.
+        raise _unknown(match.group(0))
 
     result = _SUBSTITUTION.sub(value, text)
     if "$(" in result:
-        raise _Unresolved(result)
+        raise _unknown(result)
     return result
 
 
-# Stands for the folder of a package, which is looked for beside the file that names it.
-FOUND = "\0"
+def _evaluated(text: str, scope: _Scope) -> str:
+    """Return the value of an expression of numbers, texts and args."""
+    functions: Dict[str, Callable[..., Any]] = {
+        **{"int": int, "float": float, "str": str, "round": round},
+        "arg": lambda name: _plain(scope.arguments[name]),
+    }
+
+    def value(node: ast.AST) -> Any:
+        if isinstance(node, ast.Constant) and isinstance(node.value, (int, float, str)):
+            return node.value
+        if isinstance(node, ast.Name) and node.id in scope.arguments:
+            return _plain(scope.arguments[node.id])
+        if isinstance(node, ast.UnaryOp):
+            return _OPERATORS[type(node.op)](value(node.operand))
+        if isinstance(node, ast.BinOp):
+            sides = value(node.left), value(node.right)
+            if str in map(type, sides) and not isinstance(node.op, ast.Add):
+                raise _unknown(text)  # a text times a number could be of any length
+            return _OPERATORS[type(node.op)](*sides)
+        if isinstance(node, ast.Compare) and len(node.ops) == 1:
+            return _OPERATORS[type(node.ops[0])](value(node.left), value(node.comparators[0]))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+            given = [value(one) for one in node.args]
+            return functions[node.func.id](*given)
+        raise _unknown(text)
+
+    if len(text) > LONGEST_EXPRESSION:
+        raise _unknown(text[:LONGEST_EXPRESSION])
+    try:
+        return str(value(ast.parse(text[len("$(eval ") : -1].strip(), mode="eval").body))
+    except (SyntaxError, MemoryError, RecursionError) as error:
+        raise _unknown(text) from error
+    except (TypeError, ValueError, ArithmeticError, LookupError) as error:
+        raise _unknown(text) from error
 
 
 def _file(element: ElementTree.Element, scope: _Scope) -> Path:
     text = _text(element, "file", scope)
-    if not text.startswith(FOUND):
+    if _FOUND not in text:
         return Path(text)
-    package, _slash, rest = text[len(FOUND) :].partition("/")
-    near = list(scope.file.absolute().parents)[:4]
-    for folder in near:
-        for path in (folder / rest, folder / package / rest, folder / Path(rest).name):
-            if path.is_file():
-                return path
-    raise _Unresolved(f"$(find {package})/{rest}")
+    before, package, rest = text.split(_FOUND, 2)
+    if before or _FOUND in rest:
+        raise _unknown(element.get("file", ""))
+    rest, near = rest.strip("/"), list(scope.file.absolute().parents)[:4]
+    inside = [folder for folder in near if folder.name == package]
+    inside += [folder / package for folder in near]
+    # Also files that were copied without the folders of their package.
+    copied = [folder / Path(rest).name for folder in near] if rest else []
+    for path in (*(folder / rest for folder in (*inside, *near)), *copied):
+        if path.is_file():
+            return path
+    raise _unknown(f"$(find {package})/{rest}")
 
 
 def _load(values: Any, below: str, found: LaunchParameters) -> None:
+    if len(found.values) > MAX_VALUES:
+        raise _UnreadError(Message("it sets too many parameters"))
     if isinstance(values, dict):
         for name, value in values.items():
             _load(value, _join(below, str(name)), found)
-    elif values is not None:
+    else:
         found.values[below] = values
 
 
@@ -208,14 +316,11 @@ def _join(namespace: str, name: Optional[str]) -> str:
     return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
 
 
-def _plain(text: str) -> Any:
+def _plain(text: str) -> Union[int, float, bool, str]:
     """Return a value as roslaunch understands it without a type."""
-    try:
-        return int(text)
-    except ValueError:
-        pass
-    try:
-        return float(text)
-    except ValueError:
-        pass
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
     return {"true": True, "false": False}.get(text.lower(), text)

@@ -15,8 +15,11 @@ from typing import Any, Dict, List, Mapping
 import yaml
 
 from gpr20_common.message import Message
+from gpr20_launch import faults
 from gpr20_launch.errors import OldLaunchError
+from gpr20_launch.mid.hints import UNREAD
 from gpr20_launch.mid.old_launch import LaunchParameters
+from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
 from gpr20_launch.mid.wiring import Unchecked
 from gpr20_survey.axes.axis_parameters import AxisType
@@ -24,6 +27,7 @@ from gpr20_survey.axes.axis_parameters import AxisType
 PINS = ("dir_pin", "step_pin", "sensor_pin")
 NUMBERS = ("step_size", "min_step", "max_step", "delta_step", "min_coord", "max_coord")
 NAMES = (*PINS, *NUMBERS, "type")
+_TYPES = tuple(one.value for one in AxisType)
 VNA_NAMES = ("vna_ip", "ip_addr", "vna_address")
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
@@ -46,12 +50,14 @@ class OldRobot:
         taken: Parameters that mean the same here.
         changed: What is written otherwise, and why.
         left: Parameters that have no counterpart here.
+        problems: What could not be read; a warning if it sets nothing of an axis.
     """
 
     texts: Dict[str, str] = field(default_factory=dict)
     taken: List[str] = field(default_factory=list)
     changed: List[str] = field(default_factory=list)
     left: List[str] = field(default_factory=list)
+    problems: List[Problem] = field(default_factory=list)
 
 
 def old_robot(
@@ -67,18 +73,21 @@ def old_robot(
     Raises:
         OldLaunchError: It sets no parameter of an axis.
     """
-    robot = OldRobot(left=list(parameters.unresolved))
-    axes: Dict[str, Dict[str, Any]] = {}
+    robot = OldRobot()
+    axes: Dict[str, Dict[str, Any]] = {axis: {} for axis in AXIS_SECTIONS}
     for name, value in sorted(parameters.values.items()):
         axis, key = _axis_of(name), name.rsplit("/", 1)[-1]
         if axis and key in NAMES:
-            axes.setdefault(axis, {})[key] = value
+            other = axes[axis].setdefault(key, value)
+            if other != value:
+                axes[axis][key] = f"{UNREAD} {path.name}: {other} and {name} {value}"
         elif key in VNA_NAMES:
             robot.texts[ANALYZER_FILE] = f"# From {path.name}.\naddress: {_written(value)}\n"
             robot.taken.append(f"{name} -> {ANALYZER_FILE} address: {value}")
         else:
             robot.left.append(f"{name}: {value}")
-    if not axes:
+    _mark_unread(parameters, axes, defaults, robot)
+    if not any(axes.values()):
         raise OldLaunchError(
             Message(
                 "{file} sets no parameter of an axis, such as {example}",
@@ -88,7 +97,7 @@ def old_robot(
         )
     lines = [f"# {AXES_FILE}: from {path.name}; a key that is not here has its default."]
     for axis in AXIS_SECTIONS:
-        lines += _axis_lines(axis, axes.get(axis, {}), defaults[axis], robot)
+        lines += _axis_lines(axis, axes[axis], defaults[axis], robot)
     robot.texts[AXES_FILE] = "\n".join([*lines, ""])
     robot.texts[WIRING_FILE] = "\n".join(
         [
@@ -100,6 +109,26 @@ def old_robot(
         ]
     )
     return robot
+
+
+def _mark_unread(
+    parameters: LaunchParameters,
+    axes: Mapping[str, Dict[str, Any]],
+    defaults: Mapping[str, Mapping[str, Any]],
+    robot: OldRobot,
+) -> None:
+    """Give what could not be read a value that no launch accepts, in place of a default."""
+    for one in parameters.unread:
+        name = one.name
+        own = [axis for axis in axes if name is not None and _axis_of(name or f"/{axis}/") == axis]
+        key = "" if name is None else name.rsplit("/", 1)[-1]
+        matters = bool(own) and key in ("", *NAMES)
+        message = one.message.with_fault(faults.OLD_UNREAD)
+        robot.problems.append(Problem(message if matters else message.as_warning()))
+        for axis in own if matters else ():
+            absent = set(defaults[axis]) & set(NAMES) - set(axes[axis])
+            for other in {key} if key else absent:
+                axes[axis][other] = f"{UNREAD} {one.message}"
 
 
 def _axis_of(name: str) -> str:
@@ -121,29 +150,34 @@ def _axis_lines(
     if not old:
         return []
     own = dict(old)
-    kind = own.get("type")
-    if isinstance(kind, str) and kind != kind.strip().upper():
-        own["type"] = kind.strip().upper()
-        robot.changed.append(f"{axis}/type: {kind} -> {own['type']}")
-    if "sensor_pin" in own and own.get("type") == AxisType.ROTARY.value:
-        pin = own.pop("sensor_pin")
+    kind = own.get("type", defaults["type"])
+    if isinstance(kind, str) and "type" in own and kind in map(str.lower, _TYPES):
+        kind = own["type"] = kind.upper()
+        robot.changed.append(f"{axis}/type: {old['type']} -> {kind}")
+    pin = own.get("sensor_pin")
+    if "sensor_pin" in own and kind == AxisType.ROTARY.value:
+        del own["sensor_pin"]
         robot.changed.append(
             f"{axis}/sensor_pin: {pin} -> left out: an axis that turns has no endstop, also before"
         )
         robot.changed.append(
             f"{axis}: its homing called the place where it was min_coord; here a person sets 0"
         )
+    elif isinstance(pin, int) and pin < 0:
+        own["sensor_pin"] = None
+        robot.changed.append(f"{axis}/sensor_pin: {pin} -> null: no endstop")
     robot.changed.append(
         f"{axis}/invert_direction: true, because DIR was low for increasing coordinates"
     )
-    if "sensor_pin" in own:
+    if own.get("sensor_pin") is not None:
         robot.changed.append(
             f"{axis}/endstop_pull: up, so that a broken wire has a level; before there was none"
         )
     lines = [f"{axis}:"]
     for key in NAMES:
         if key in own:
-            robot.taken.append(f"{axis}/{key}: {own[key]}{_unit(axis, key)}")
+            if not str(own[key]).startswith(UNREAD):
+                robot.taken.append(f"{axis}/{key}: {own[key]}{_unit(axis, key)}")
             lines.append(f"  {key}: {_written(own[key])}")
     return [*lines, "  invert_direction: true  # DIR was low for increasing coordinates"]
 

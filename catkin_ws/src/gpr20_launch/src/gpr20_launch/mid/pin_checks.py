@@ -43,14 +43,15 @@ class PinUse:
 
 def check_pins(reading: Reading) -> Iterator[Problem]:
     """Find pins with two purposes, and pins that something beside this software uses."""
-    uses = [*_axis_uses(reading), *_spi_uses(reading)]
+    spi = reading.knows(HEIGHT_FILE, "spi_bus", "spi_device")
+    uses = [*_axis_uses(reading), *(_spi_uses(reading) if spi else ())]
     yield from _shared(uses)
     for use in uses:
         yield from _reserved(use)
     axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
     for axis, parameters in axes.items():
         yield from _pull(reading.folder / AXES_FILE, axis, parameters)
-    yield from _spi(reading)
+    yield from _spi(reading) if spi else ()
     yield from _wave_transmitter(reading.folder / AXES_FILE, axes)
 
 
@@ -61,11 +62,12 @@ def is_pin(key: str, value: Any) -> bool:
 
 def _axis_uses(reading: Reading) -> Iterator[PinUse]:
     for axis, values in reading.raw_axes.items():
-        if values.get("controller"):
+        if values.get("controller") or not reading.knows(AXES_FILE, f"{axis}/controller"):
             continue  # that has no pins
         level = values.get("enable_active", Level.LOW.value)
+        known = reading.knows(AXES_FILE, f"{axis}/enable_active")
         for name, pin in values.items():
-            if is_pin(name, pin):
+            if is_pin(name, pin) and (known or name != SHARED):
                 key = f"{axis}/{name}"
                 default = "" if (AXES_FILE, key) in reading.given else " (default)"
                 shared = f"{name} {level}" if name == SHARED else ""
@@ -185,7 +187,7 @@ def _spi(reading: Reading) -> Iterator[Problem]:
     else:
         return
     file = reading.folder / HEIGHT_FILE
-    yield problem(faults.PIN_UNUSABLE, file, key, value, reason, allowed)
+    yield problem(faults.WRONG_VALUE, file, key, value, reason, allowed)
 
 
 def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:

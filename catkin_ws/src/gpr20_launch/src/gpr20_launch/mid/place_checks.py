@@ -12,20 +12,20 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
-from gpr20_common.mid.records import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
+from gpr20_launch.mid.launch_request import ROBOT, SURVEY, storage_parameters
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_launch.mid.robot_files import AXES_FILE, Reading
-from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Wiring
+from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.files.file_system import IN_MEMORY, existing_folder, file_system_of
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
-from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.plan.site import Site
-from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
+from gpr20_survey.plan.sensors import SENSORS
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB
 
@@ -42,6 +42,9 @@ LEFT_OVER = re.compile(
 # Folders of the system, and those that it empties.
 OF_SYSTEM = ("/bin", "/boot", "/dev", "/etc", "/lib", "/proc", "/sbin", "/sys", "/usr")
 EMPTIED = ("/tmp", "/var/tmp", "/var/cache")
+OF_MEDIA = ("/media", "/mnt", "/run/media")
+# Smaller, they are a slip of the unit, or none was meant.
+LEAST_RESERVE_MB, SHORTEST_SETTLING_S = 50.0, 0.05
 # Resistors and noise aside, 3.3 V.
 HIGHEST_INPUT_V = 3.6
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
@@ -56,14 +59,19 @@ class Use:
         environment: The environment variables, with those of the services.
         data: Folder of the surveys that a launch is given; empty: as configured.
         real: Whether the robot is the real one.
-        stores: Whether surveys are stored on this computer.
+        part: What runs on this computer: robot, server, or survey for both.
     """
 
     folder: Path
     environment: Mapping[str, str]
     data: str = ""
     real: bool = True
-    stores: bool = True
+    part: str = SURVEY
+
+    @property
+    def stores(self) -> bool:
+        """Whether surveys are stored on this computer."""
+        return self.part != ROBOT
 
 
 def check_place(reading: Reading, use: Use) -> Iterator[Problem]:
@@ -71,9 +79,8 @@ def check_place(reading: Reading, use: Use) -> Iterator[Problem]:
     yield from _left_over(use.folder)
     yield from _data(reading, use)
     yield from _sensors(reading)
-    yield from _site(reading)
+    yield from _values(reading, use)
     if use.real:
-        yield from _voltage(reading)
         yield from _addresses(reading, use)
         yield from _unchecked(reading)
 
@@ -92,6 +99,8 @@ def _left_over(folder: Path) -> Iterator[Problem]:
 
 def _data(reading: Reading, use: Use) -> Iterator[Problem]:
     given = use.data.strip()
+    if not (given or reading.knows(STORAGE_FILE, "data", "data_disk")):
+        return
     configured = str(reading.sections["storage"].get("data", "")).strip()
     where = ("data:=", "data") if given else (str(use.folder / STORAGE_FILE), "data")
     reason = _no_path(given or configured)
@@ -101,9 +110,8 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
         example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
         yield problem(faults.DATA_FOLDER, *where, given or configured, reason, example)
     elif use.stores:
-        own = {**reading.sections["storage"], "data": given or configured}
-        parameters = record_from(ProcessingParameters, own, "storage")
-        yield from _suitable(parameters.data_folder(), bool(parameters.data), where, use)
+        parameters = storage_parameters(reading.sections, given)
+        yield from _suitable(parameters, where, use)
         yield from _disk(parameters, where, use.folder / STORAGE_FILE)
 
 
@@ -118,28 +126,40 @@ def _no_path(text: str) -> Optional[Message]:
 
 
 def _suitable(
-    folder: Path, configured: bool, where: Tuple[str, str], use: Use
+    parameters: ProcessingParameters, where: Tuple[str, str], use: Use
 ) -> Iterator[Problem]:
-    example = Message("a folder of its own on a disk, such as {example}", example="~/gpr20_data")
+    folder = parameters.data_folder()
+    allowed = Message("a folder of its own on a disk, such as {example}", example="~/gpr20_data")
     inside = [str(one) for one in (folder, *folder.parents)]
-    reason, doubtful = None, False
+    checkout = next((one for one in inside if (Path(one) / ".git").exists()), None)
+    home, mounted = map(str, Path.home().parents), file_system_of(existing_folder(folder))
+    reason, doubtful = None, True
     if folder in (Path("/"), Path.home()) or set(inside) & set(OF_SYSTEM):
-        reason = Message("this folder belongs to the system")
+        reason, doubtful = Message("this folder belongs to the system"), False
     elif str(use.folder) in inside:
-        reason = Message("this folder holds the configuration")
-    elif configured and set(inside) & set(EMPTIED) - set(map(str, Path.home().parents)):
-        reason, doubtful = Message("the system empties this folder"), True
-    elif use.real and file_system_of(existing_folder(folder)).kind in IN_MEMORY:
+        reason, doubtful = Message("this folder holds the configuration"), False
+    elif use.real and mounted.kind in IN_MEMORY:
         reason = Message("this folder is in memory: surveys are lost when the robot is off")
-    elif configured and not folder.exists():
-        mounted = file_system_of(existing_folder(folder)).mount_point
+        doubtful = False
+    elif not parameters.data:
+        return
+    elif set(inside) & set(EMPTIED) - set(home):
+        reason = Message("the system empties this folder")
+    elif set(inside) & set(OF_MEDIA) and not parameters.data_disk:
+        reason = Message("without its medium, surveys would be stored on the disk of the system")
+        allowed = Message("such a folder with data_disk: true in {file}", file=STORAGE_FILE)
+    elif checkout is not None:
+        reason = Message(
+            "it is inside of the repository {folder}, which people clean and replace",
+            folder=printable(checkout),
+        )
+    elif not folder.exists():
         reason = Message(
             "it does not exist; a launch makes it on the file system of {mount_point}",
-            mount_point=printable(mounted),
+            mount_point=printable(mounted.mount_point),
         )
-        doubtful = True
     if reason is not None:
-        yield problem(faults.DATA_FOLDER, *where, folder, reason, example, doubtful=doubtful)
+        yield problem(faults.DATA_FOLDER, *where, folder, reason, allowed, doubtful=doubtful)
 
 
 def _disk(
@@ -165,59 +185,74 @@ def _disk(
 
 def _sensors(reading: Reading) -> Iterator[Problem]:
     seen: Dict[Tuple[str, str], str] = {}
-    for number, one in enumerate(record_from(Sensors, reading.sections[SENSORS], "").sensors):
+    file, allowed = reading.folder / "sensors.yaml", Message("a field of its own for each")
+    for number, one in enumerate(reading.record(SENSORS).sensors):
         first = seen.setdefault((one.topic, one.field), one.name)
         if first != one.name:
             reason = Message(
                 "sensor {sensor} has this topic and field too, so both have one value", sensor=first
             )
-            value = f"{one.topic} {one.field}"
-            key = f"{SENSORS}[{number}]/field"
-            allowed = Message("a field of its own for each")
-            yield problem(
-                faults.SENSORS,
-                reading.folder / "sensors.yaml",
-                key,
-                value,
-                reason,
-                allowed,
-                doubtful=True,
-            )
+            key, value = f"{SENSORS}[{number}]/field", f"{one.topic} {one.field}"
+            yield problem(faults.SENSORS, file, key, value, reason, allowed, doubtful=True)
 
 
-def _site(reading: Reading) -> Iterator[Problem]:
-    site = record_from(Site, reading.sections["site"], "")
-    if site.latitude_deg == site.longitude_deg == 0.0:
-        reason = Message("0, 0 is in the sea; without a position leave both keys out")
-        allowed = "-90 - 90"
-        file = reading.folder / "site.yaml"
-        yield problem(faults.SITE, file, "latitude_deg", 0, reason, allowed, doubtful=True)
-
-
-def _voltage(reading: Reading) -> Iterator[Problem]:
-    reference_v = reading.sections["height_sensor"].get("reference_voltage_v", 0.0)
-    if reference_v > HIGHEST_INPUT_V:
-        reason = Message("a converter with this supply puts it on the MISO pin, too")
-        yield problem(
-            faults.INPUT_VOLTAGE,
-            reading.folder / HEIGHT_FILE,
-            "reference_voltage_v",
-            f"{reference_v:g} V",
-            reason,
+def _values(reading: Reading, use: Use) -> Iterator[Problem]:
+    """Find values that are allowed, but hardly meant."""
+    vna, storage, site = map(reading.record, ("vna_acquisition", "storage", "site"))
+    height, survey = map(reading.record, ("height_sensor", "survey"))
+    uncalibrated = CalibrationStatus.NONE in vna.accepted_calibrations
+    sea = site.latitude_deg == site.longitude_deg == 0.0
+    for doubtful, fault, file, key, value, reason, allowed in (
+        (
+            *(sea, faults.SITE, "site.yaml", "latitude_deg", 0),
+            Message("0, 0 is in the sea; without a position leave both keys out"),
+            "-90 - 90",
+        ),
+        (
+            *(uncalibrated, faults.WRONG_VALUE, ANALYZER_FILE, "accepted_calibrations", 0),
+            Message("surveys would be measured without a calibration"),
+            "1 - 5",
+        ),
+        (
+            not storage.recorded_topics,
+            *(faults.WRONG_VALUE, STORAGE_FILE, "recorded_topics", "[]"),
+            Message("neither motion nor states would be recorded beside the traces"),
+            Message("leave it out; extra_recorded_topics adds others"),
+        ),
+        (
+            storage.disk_reserve_mb < LEAST_RESERVE_MB,
+            *(faults.WRONG_VALUE, STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb),
+            Message("the disk could be full before the end of a survey"),
+            f">= {LEAST_RESERVE_MB:g} MB",
+        ),
+        (
+            survey.settle_s < SHORTEST_SETTLING_S,
+            *(faults.WRONG_VALUE, "survey.yaml", "settle_s", survey.settle_s),
+            Message("the antennas would still swing while a trace is measured"),
+            f">= {SHORTEST_SETTLING_S:g} s",
+        ),
+        (
+            use.real and height.reference_voltage_v > HIGHEST_INPUT_V,
+            *(faults.INPUT_VOLTAGE, HEIGHT_FILE, "reference_voltage_v"),
+            f"{height.reference_voltage_v:g} V",
+            Message("a converter with this supply puts it on the MISO pin, too"),
             f"0.25 - {HIGHEST_INPUT_V:g} V",
-            doubtful=True,
-        )
+        ),
+    ):
+        if doubtful:
+            path = reading.folder / file
+            yield problem(fault, path, key, value, reason, allowed, doubtful=True)
 
 
 def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
-    analyzer = record_from(VnaParameters, reading.sections["vna_acquisition"], "")
+    analyzer = reading.record("vna_acquisition")
     known: List[Tuple[str, str, str]] = [
         ("environment", name, use.environment[name])
         for name in ADDRESS_NAMES
         if use.environment.get(name)
     ]
     # Without an address the window asks for it.
-    given = (ANALYZER_FILE, "address") in reading.given
+    given = (ANALYZER_FILE, "address") in reading.given and reading.knows(ANALYZER_FILE, "address")
     if use.stores and given and analyzer.analyzer == MS2026C:
         known.append((str(use.folder / ANALYZER_FILE), "address", analyzer.address))
     seen: Dict[str, str] = {}
@@ -258,7 +293,7 @@ def _not_of_device(address: str, key: str) -> Optional[Message]:
 def _unchecked(reading: Reading) -> Iterator[Problem]:
     if not (reading.folder / WIRING_FILE).exists():
         yield from _unlisted(reading.folder)
-    for one in record_from(Wiring, reading.sections["wiring"], "").unchecked:
+    for one in reading.record("wiring").unchecked:
         reason = Message("nobody has checked it: {task}", task=TASKS[one])
         allowed = Message("nothing in the list, once a person has checked it")
         yield problem(

@@ -4,61 +4,60 @@ from __future__ import annotations
 
 import errno
 import os
+import sys
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterator, List, Mapping, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
-from gpr20_common.message import Message
+from gpr20_axis_driver.mid.controllers import check_controller
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Fault, Message
+from gpr20_common.mid.extension import is_extension
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
 from gpr20_launch.mid.axis_checks import DescriptionError, Frame, check_axes, read_frame
+from gpr20_launch.mid.launch_request import ROBOT, SERVER
 from gpr20_launch.mid.pin_checks import check_pins, is_pin
-from gpr20_launch.mid.place_checks import Use, check_place
+from gpr20_launch.mid.place_checks import ANALYZER_FILE, Use, check_place
 from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, read_files
+from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, Reading, read_files
+from gpr20_survey.plan.sensors import SENSORS
+from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
 
 
 @dataclass(frozen=True)
 class BuiltRobot:
-    """The robot as it is built.
+    """The robot as it is built, and the computer.
 
     Attributes:
         axes: File with its axes.
         urdf: Its description; None: not known.
+        message_field: Finds a field of the messages of a type that is installed here, such as
+            data of std_msgs/Float64, and raises InvalidValueError if there is none.
     """
 
     axes: Path
     urdf: Optional[Path] = None
+    message_field: Callable[[str, str], object] = lambda _type, _field: None
 
 
-def check_robot(
-    folder: Path,
-    built: BuiltRobot,
-    environment: Mapping[str, str],
-    data: str = "",
-    real: bool = True,
-    stores: bool = True,
-) -> Tuple[Problem, ...]:
+def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
     """Return what is wrong with the configuration of a robot, and what is doubtful, gravest first.
 
     Nothing is started, and nothing written.
 
     Args:
-        folder: Folder of the configuration; files that are not there mean the defaults.
+        use: Where it is, and how it is used; files that are not there mean the defaults.
         built: The robot as it is built.
-        environment: The environment variables, with those of the services.
-        data: Folder of the surveys that a launch is given; empty: as configured.
-        real: Whether the real robot is to use it.
-        stores: Whether surveys are stored on this computer.
     """
-    use = Use(folder, environment, data, real, stores)
     found: List[Problem] = []
     try:
         found.extend(_check(use, built))
     except OSError as error:
-        text = Message("{file}: {reason}", file=printable(folder), reason=os_reason(error))
-        found.append(Problem(text.with_fault(faults.UNREADABLE), str(folder)))
+        text = Message("{file}: {reason}", file=printable(use.folder), reason=os_reason(error))
+        found.append(Problem(text.with_fault(faults.UNREADABLE), str(use.folder)))
     return tuple(sorted(found, key=lambda one: not one.refuses))
 
 
@@ -86,3 +85,36 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
     yield from pins
     yield from check_axes(use.folder / AXES_FILE, reading.axes(), frame)
     yield from check_place(reading, use)
+    # What a class of others prints when it is imported is no part of this answer.
+    with redirect_stdout(sys.stderr):
+        yield from tuple(_extensions(reading, use, built))
+
+
+def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Problem]:
+    """Find classes and message types that are not installed on the computer that needs them."""
+
+    def missing(
+        fault: Fault, name: str, key: str, check: Callable[..., object], *given: object
+    ) -> Iterator[Problem]:
+        file = reading.folder / name
+        try:
+            check(*given)
+        except Gpr20Error as error:
+            reason = error.message.with_fault(None)
+            text = Message(
+                "{file}, {place}: {reason}", file=printable(file), place=key, reason=reason
+            )
+            yield Problem(text.with_fault(fault), str(file), key)
+
+    unusable = faults.UNUSABLE_EXTENSION
+    for axis, own in reading.axes().items():
+        if own.controller and use.real and use.part != SERVER:
+            yield from missing(unusable, AXES_FILE, f"{axis}/controller", check_controller, own)
+    if use.part == ROBOT:
+        return
+    vna = reading.record("vna_acquisition")
+    if use.real and is_extension(vna.analyzer):
+        yield from missing(unusable, ANALYZER_FILE, "analyzer", load_analyzer, vna)
+    for number, one in enumerate(reading.record(SENSORS).sensors):
+        key, field = f"{SENSORS}[{number}]", (one.message, one.field)
+        yield from missing(faults.SENSORS, "sensors.yaml", key, built.message_field, *field)

@@ -7,7 +7,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Dict, FrozenSet, List, Mapping, Set, Tuple, Type
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Fault, Message
 from gpr20_common.mid.records import record_from
@@ -16,14 +15,18 @@ from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.axis_checks import impossible_values
-from gpr20_launch.mid.culprits import TOGETHER, culprit, refusal
-from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.typing_hints import (
+from gpr20_launch.mid.hints import (
+    TOGETHER,
+    culprit,
+    follows,
     hint_for_key,
     hint_for_text,
     hint_for_value,
+    nearest,
+    refusal,
     with_hint,
 )
+from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.wiring import Wiring
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
@@ -85,6 +88,8 @@ class Reading:
         sections: Every section, without the values that are not allowed.
         problems: These values, and files that cannot be read.
         given: The keys that the files name, such as axes.yaml x/dir_pin.
+        unsure: Keys whose value was refused or misspelt, so that the default says nothing about
+            the robot; without a key: all of the file.
         raw_axes: The values of each axis with the defaults, also those that are not allowed.
     """
 
@@ -92,16 +97,26 @@ class Reading:
     sections: Sections
     problems: Tuple[Problem, ...]
     given: FrozenSet[Tuple[str, str]]
+    unsure: FrozenSet[Tuple[str, str]]
     raw_axes: Mapping[str, Mapping[str, Any]]
 
+    def record(self, section: str) -> Any:
+        """Return the parameters of a section."""
+        kinds = dict(one for file in FILES.values() for one in file.sections)
+        return record_from(kinds.get(section, AxisParameters), self.sections[section], section)
+
+    def knows(self, file: str, *keys: str) -> bool:
+        """Return whether the robot has the values of these keys, or the defaults."""
+        wanted = {"", *keys, *(key.partition("/")[0] for key in keys)}
+        return not self.unsure & {(file, key) for key in wanted}
+
     def axes(self) -> Dict[str, AxisParameters]:
-        """Return the axes whose values are allowed."""
+        """Return the axes whose values, but for the pins, are known."""
         found = {}
         for axis, section in AXIS_SECTIONS.items():
-            try:
-                found[axis] = record_from(AxisParameters, self.sections[section], section)
-            except InvalidValueError:
-                continue  # it is one of the problems
+            keys = [f"{axis}/{one.name}" for one in fields(AxisParameters)]
+            if self.knows(AXES_FILE, *(key for key in keys if not key.endswith("_pin"))):
+                found[axis] = self.record(section)
         return found
 
 
@@ -138,7 +153,12 @@ def read_files(folder: Path, built_axes: Path) -> Reading:
         reader.read_sections(folder / name, file)
     reader.read_axes(folder / AXES_FILE, built_axes)
     return Reading(
-        folder, reader.sections, tuple(reader.problems), frozenset(reader.given), reader.raw
+        folder,
+        reader.sections,
+        tuple(reader.problems),
+        frozenset(reader.given),
+        frozenset(reader.unsure),
+        reader.raw,
     )
 
 
@@ -149,6 +169,7 @@ class _Reader:
         self.sections: Sections = {}
         self.problems: List[Problem] = []
         self.given: Set[Tuple[str, str]] = set()
+        self.unsure: Set[Tuple[str, str]] = set()
         self.raw: Dict[str, Mapping[str, Any]] = {}
 
     def refuse_unknown_files(self, folder: Path) -> None:
@@ -192,9 +213,14 @@ class _Reader:
             own = dict(own)
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
             base = defaults[axis]
-            self.raw[axis] = {**base, **own}
+            self.raw[axis] = {
+                key: value
+                for key, value in {**base, **own}.items()
+                if not {(path.name, one) for one in ("", axis, f"{axis}/{key}")} & self.unsure
+            }
             for one in impossible_values(path, axis, self.raw[axis]):
                 self.problems.append(one)
+                self.unsure.add((path.name, one.key))
                 own.pop(one.key.partition("/")[2], None)
             self.sections[section] = {
                 **base,
@@ -231,6 +257,9 @@ class _Reader:
             place = f"{below}{key}" if below else repr(key)
             reason = with_hint(_unknown(place, known), hint_for_key(key, known))
             self._wrong(path, reason, f"{below}{key}", value, ", ".join(sorted(known)))
+            meant = nearest(key, known)
+            if meant is not None and meant not in values:
+                self.unsure.add((path.name, f"{below}{meant}"))
         self.given.update((path.name, f"{below}{key}") for key in values)
 
     def _refuse_comma(self, path: Path, values: Dict[Any, Any], key: Any, below: str) -> None:
@@ -242,7 +271,7 @@ class _Reader:
             del values[key]
             place = f"{below}{before}"
             reason = Message("{place} is {value}", place=place, value=repr(number))
-            self._wrong(path, with_hint(reason, hint_for_value("", number)), place, number)
+            self._wrong(path, with_hint(reason, hint_for_value("", number, reason)), place, number)
 
     def _allowed(
         self,
@@ -254,19 +283,28 @@ class _Reader:
     ) -> Dict[str, Any]:
         """Return the values without those that are not allowed, alone or together."""
         below = f"{place}/" if place else ""
+        names = [one.name for one in fields(kind)]
         while True:
+            unsure = [one for one in names if (path.name, f"{below}{one}") in self.unsure]
+            # What is only wrong without them is no mistake of its own.
+            for one in {two for key in unsure for two in TOGETHER.get(key, ())} & set(own):
+                del own[one]
             error = refusal(kind, {**base, **own}, place)
             if error is None:
                 return own
             key = culprit(kind, own, place, base, error)
             value = own.get(key)
-            reason = with_hint(error, hint_for_value(key, value))
-            self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
+            alone = {key: value} if key else {}
+            if not any(follows(kind, one, place, base, unsure) for one in (own, alone)):
+                reason = with_hint(error, hint_for_value(key, value, error))
+                other = error.values.get("name")
+                if key and other in names and other not in own:
+                    default = Message("{name} has its default: change both", name=other)
+                    reason = with_hint(reason, default)
+                self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
             if not key:
                 return {}
-            # What is only wrong without it is no mistake of its own.
-            for one in (key, *TOGETHER.get(key, ())):
-                own.pop(one, None)
+            del own[key]
 
     def _wrong(
         self,
@@ -283,6 +321,7 @@ class _Reader:
         else:
             text = Message("{file}: {reason}", file=path, reason=reason)
         shown = "" if value is None else repr(value)
+        self.unsure.add((path.name, key))
         self.problems.append(Problem(text.with_fault(fault), str(path), key, shown, allowed))
 
 
