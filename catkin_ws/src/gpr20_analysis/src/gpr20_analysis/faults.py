@@ -179,6 +179,7 @@ OUTPUT = Fault("analysis.output", Message("Choose another place or name for the 
 FORMAT = Fault(
     "analysis.format",
     Message("Choose a format that can hold the data, or change the data as the message says."),
+    replaces=True,
 )
 NO_POSITION = Fault(
     "analysis.no_position",

@@ -6,8 +6,9 @@ A folder over time also has a file `time` with the times, which the names round.
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
-from typing import Iterable, List, Optional
+from typing import List, Optional
 
 import numpy as np
 import orjson
@@ -15,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
+from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.formats.common import even_step, on_grid
 from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions, files_of
 from gpr20_analysis.formats.provenance import Facts, is_simulated
@@ -23,8 +24,10 @@ from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_decisions
 from gpr20_common.message import Message
+from gpr20_foreign_formats.group_files import CheckedTraces, files_of_samples
 from gpr20_foreign_formats.group_letters import DECIDED, DEGREES, PHASE_DECIDED, letters
 from gpr20_foreign_formats.group_names import (
+    EXAMPLES,
     HZ_PER_MHZ,
     TIME,
     US_PER_S,
@@ -39,6 +42,7 @@ from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 from gpr20_survey.files.regular_file import open_regular, read_regular
 
 HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}
+NAMES = re.compile(r"(VNA|TIME)_.*\.csv", re.IGNORECASE | re.DOTALL)
 UNITS = {
     VNA: Message(
         "in the file names X, Y and H are mm and frequencies are MHz, in even steps from the first "
@@ -104,7 +108,7 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_pr
 
 def holds_group_csv(folder: Path) -> bool:
     """Return whether a folder has files with the group's first words."""
-    return any(True for kind in HEADERS for _ in folder.glob(f"{kind}_*.csv"))
+    return any(NAMES.fullmatch(one.name) for one in folder.iterdir())
 
 
 def read_group_csv(
@@ -121,16 +125,8 @@ def read_group_csv(
         AnalysisError: There is none.
         UnreadableFileError: A file is damaged, two have the same position, or frequencies differ.
     """
-    found = {kind: _in_order(folder.glob(f"{kind}_*.csv")) for kind in HEADERS}
-    if not any(found.values()):
-        raise AnalysisError(
-            Message(
-                "{folder} contains no files {pattern}",
-                folder=folder,
-                pattern="VNA_X..._Y..._Or....csv, TIME_X..._Y..._Or....csv",
-            ),
-            fault=faults.NO_INPUT,
-        )
+    paths, decisions = files_of_samples(folder, NAMES, ".csv", EXAMPLES[VNA], TIMES_FILE)
+    found = {kind: [one for one in paths if one.name.startswith(kind)] for kind in HEADERS}
     if all(found.values()):
         raise UnreadableFileError(
             Message(
@@ -156,13 +152,17 @@ def read_group_csv(
         )
     start, stop, points = sweeps.pop()
     notes = [Message("heights and positions are rounded as in the file names")]
-    read = (_read(path, points, HEADERS[kind]) for path in progress(list(names), len(names)))
+    traces = CheckedTraces()
+    read = (
+        traces.take(path.name, _read(path, points, HEADERS[kind]))
+        for path in progress(list(names), len(names))
+    )
     frequency_hz = delay_s = None
     if kind == VNA:
         frequency_hz = np.linspace(start * HZ_PER_MHZ, stop * HZ_PER_MHZ, points)
     else:
         delay_s = _times(folder, start, stop, points, notes)
-    return on_grid(
+    data = on_grid(
         folder.name,
         np.array([(DEGREES[one.letter], one.y_mm, one.x_mm) for one in names.values()]),
         read,
@@ -173,10 +173,7 @@ def read_group_csv(
         facts=facts,
         delay_s=delay_s,
     )
-
-
-def _in_order(paths: Iterable[Path]) -> List[Path]:
-    return sorted(paths, key=lambda path: path.name)  # faster than the order of paths
+    return with_decisions(data, *decisions, *traces.decisions())
 
 
 def _times(
@@ -199,9 +196,7 @@ def _times(
         header, *lines = read_regular(path).decode("ascii").split()
         times_s = np.array(lines, dtype=np.float64)
     except ValueError as error:
-        raise UnreadableFileError(
-            Message("{file} is damaged", file=TIMES_FILE, details=error)
-        ) from error
+        raise UnreadableFileError(Message("{file} is damaged", file=TIMES_FILE)) from error
     # The group's program names the first time 0, whatever it is.
     off_s = np.abs(times_s[-1:] - named_s[-1:])
     step_s = named_s[1] - named_s[0] if points > 1 else 0.0
@@ -224,7 +219,7 @@ def _times(
 
 def _read(path: Path, points: int, expected: str) -> np.ndarray:
     with open(open_regular(path, follow_link=True), "rb") as stream:
-        header = stream.readline().decode("ascii", "replace").strip()
+        header = stream.readline().decode("utf-8-sig", "replace").strip()
         if header != expected:
             raise UnreadableFileError(
                 Message(
@@ -280,7 +275,7 @@ def _csv_numbers(path: Path, content: bytes) -> np.ndarray:
         ).to_numpy()
     except ValueError as error:
         raise UnreadableFileError(
-            Message("{file} is damaged", file=path.name, details=error)
+            Message("{file} holds lines that are not two numbers", file=path.name)
         ) from error
     return found
 
@@ -294,9 +289,8 @@ def _imported(path: Path, _: ImportOptions, progress: Progress) -> xr.Dataset:
 def _whole(path: Path) -> Optional[Path]:
     if path.is_dir():
         return path if holds_group_csv(path) else None
-    is_one = path.suffix == ".csv" and path.name.startswith(tuple(f"{kind}_" for kind in HEADERS))
     # One file is no survey; its folder is.
-    return path.parent if is_one and path.is_file() else None
+    return path.parent if NAMES.fullmatch(path.name) and path.is_file() else None
 
 
 IMPORT = ImportFormat(_imported, _whole, ("band",))

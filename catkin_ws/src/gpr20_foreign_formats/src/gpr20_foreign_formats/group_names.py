@@ -16,14 +16,18 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_analysis.formats.provenance import SIMULATED
 from gpr20_common.message import Message
+from gpr20_foreign_formats.group_files import FARTHEST_MM, MOST_POINTS, check_sweep
+from gpr20_foreign_formats.header import Header
 
 VNA, TIME = "VNA", "TIME"
 HZ_PER_MHZ, US_PER_S = 1e6, 1e6
+MOST = 1e6  # MHz or us
 NUMBER = r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)"
+CSV = r"\.(?i:csv)"
 PLACE = rf"(_{SIMULATED})?_X{NUMBER}_Y{NUMBER}_Or([XY])"
 PATTERNS = {
-    VNA: re.compile(rf"VNA{PLACE}_Fs{NUMBER}M_Fe{NUMBER}M_Qf(\d+)_H{NUMBER}\.csv"),
-    TIME: re.compile(rf"TIME{PLACE}_Ts{NUMBER}u_Te{NUMBER}u_Qt(\d+)_H{NUMBER}\.csv"),
+    VNA: re.compile(rf"VNA{PLACE}_Fs{NUMBER}M_Fe{NUMBER}M_Qf(\d+)_H{NUMBER}{CSV}"),
+    TIME: re.compile(rf"TIME{PLACE}_Ts{NUMBER}u_Te{NUMBER}u_Qt(\d+)_H{NUMBER}{CSV}"),
 }
 EXAMPLES = {
     VNA: "VNA_X155_Y310_OrX_Fs600M_Fe6000M_Qf501_H248.csv",
@@ -75,14 +79,18 @@ def parsed(name: str, kind: str) -> GroupName:
             fault=faults.FILE_CONTENT,
         )
     simulated, x_mm, y_mm, letter, start, stop, points, height = found.groups()
+    texts = {"X [mm]": x_mm, "Y [mm]": y_mm, "H [mm]": height, "points": points}
+    values = Header(name, {**texts, "first": start, "last": stop})
+    if kind == VNA:
+        check_sweep(name, float(start) * HZ_PER_MHZ, float(stop) * HZ_PER_MHZ)
     return GroupName(
-        float(x_mm),
-        float(y_mm),
+        values.number("X [mm]", -FARTHEST_MM, FARTHEST_MM),
+        values.number("Y [mm]", -FARTHEST_MM, FARTHEST_MM),
         letter,
-        float(start),
-        float(stop),
-        int(points),
-        float(height),
+        values.number("first", -MOST, MOST),
+        values.number("last", -MOST, MOST),
+        values.count("points", 2, MOST_POINTS),
+        values.number("H [mm]", 0.0, FARTHEST_MM),
         simulated is not None,
     )
 

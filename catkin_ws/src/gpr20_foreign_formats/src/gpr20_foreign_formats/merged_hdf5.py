@@ -12,12 +12,21 @@ import xarray as xr
 from gpr20_analysis import dataset, faults, lazy
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.checksums import add_checksum, has_checksum
-from gpr20_analysis.formats.common import Imported, as_dataset, even_step
+from gpr20_analysis.formats.common import HIGHEST_M, Imported, as_dataset, even_step
 from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import SIMULATED, SIMULATED_KEY, kept, marked, restored
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
+from gpr20_foreign_formats.group_files import (
+    FARTHEST_MM,
+    HIGHEST_HZ,
+    MOST_POINTS,
+    CheckedTraces,
+    check_sweep,
+    number,
+)
 from gpr20_foreign_formats.group_letters import DECIDED, DEGREES, PHASE_DECIDED, letters
+from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 
 COMPRESSION: Dict[str, Any] = {"compression": "gzip", "compression_opts": 4}
@@ -35,6 +44,7 @@ ORDER_DECIDED = Message(
     "places and heights are in metres; x changes slowest from scan to scan, as the group's program "
     "sorts them"
 )
+FARTHEST_M = FARTHEST_MM / 1000.0
 LARGEST_MHZ = 1e6  # a lower start frequency is in MHz, as in the guide
 
 
@@ -95,15 +105,22 @@ def read_merged(path: Path) -> xr.Dataset:
     # On damaged files HDF5 and numpy raise exceptions of many kinds.
     except Exception as error:
         raise UnreadableFileError(
-            Message("{file} is damaged or is not a merged HDF5 file", file=path.name, details=error)
+            Message("{file} is damaged or is not a merged HDF5 file", file=path.name)
         ) from error
 
 
 def _read(file: Any, name: str) -> xr.Dataset:
     kind = dataset.S21 if "Frequency" in file else dataset.A_SCAN
+    parts = (GROUP[kind], "Position", "A-Scan")
+    missing = [one for one in parts if not isinstance(file.get(one), h5py.Group)]
+    if missing:
+        raise UnreadableFileError(
+            Message("{file} has no group {names}", file=name, names=", ".join(missing)),
+            fault=faults.FILE_CONTENT,
+        )
     notes: List[Message] = []
     decisions = [ORDER_DECIDED, DECIDED]
-    axis = _axis(file, kind, decisions)
+    axis = _axis(file, name, kind, decisions)
     x_m, y_m = _places(file, name, "x"), _places(file, name, "y")
     turns = [one for one in DEGREES if _scan(one, "Re", kind) in file["A-Scan"]]
     if not turns:
@@ -118,9 +135,10 @@ def _read(file: Any, name: str) -> xr.Dataset:
         )
     shape = (len(turns), len(x_m), len(y_m))
     _check_amount(file, name, int(np.prod(shape)))
+    lazy.require_bytes(2.0 * len(axis) * np.prod(shape) * 16, Message("{file}", file=name))
     ordered = np.empty((len(turns), len(y_m), len(x_m), len(axis)), np.complex128)
     values = ordered.swapaxes(1, 2)  # in the order of the scans
-    height_m = np.full(shape, np.nan)
+    height_m, traces = np.full(shape, np.nan), CheckedTraces()
     for turn, letter in enumerate(turns):
         real = _scans(file, _scan(letter, "Re", kind), name, shape[1:], len(axis))
         values[turn].real = real
@@ -130,7 +148,10 @@ def _read(file: Any, name: str) -> xr.Dataset:
         else:
             values[turn].imag = 0.0
             notes.append(Message("{scan} does not exist, so the A-scans are real", scan=imaginary))
-        height_m[turn] = _heights(file, letter, shape[1:])
+        height_m[turn] = _heights(file, name, letter, shape[1:])
+        for column, row in np.ndindex(shape[1:]):
+            place = f"{name} x {x_m[column]:g} m, y {y_m[row]:g} m, {letter}"
+            values[turn, column, row] = traces.take(place, values[turn, column, row])
     data = as_dataset(
         Imported(
             ordered,
@@ -142,7 +163,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
             frequency_hz=axis if kind == dataset.S21 else None,
             delay_s=axis if kind == dataset.A_SCAN else None,
             notes=[*notes, Message("this format stores single precision, about seven digits")],
-            decisions=decisions,
+            decisions=[*traces.decisions(), *decisions],
         )
     )
     found = dict(file.attrs)
@@ -152,34 +173,36 @@ def _read(file: Any, name: str) -> xr.Dataset:
 
 
 def _check_amount(file: Any, name: str, found: int) -> None:
-    recorded = file.attrs.get(AMOUNT)
-    if recorded is not None and int(recorded) != found:
-        raise UnreadableFileError(
-            Message(
-                "{file} records {recorded} A-scans, but its positions and polarizations give "
-                "{found}",
-                file=name,
-                recorded=int(recorded),
-                found=found,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
+    if AMOUNT in file.attrs:
+        recorded = number(Header(name, file.attrs), AMOUNT, 1, found * 1e6)
+        if recorded != found:
+            raise UnreadableFileError(
+                Message(
+                    "{file} records {recorded:g} A-scans, but its positions and polarizations give "
+                    "{found}",
+                    file=name,
+                    recorded=recorded,
+                    found=found,
+                ),
+                fault=faults.FILE_CONTENT,
+            )
 
 
 def _scan(letter: str, word: str, kind: str) -> str:
     return f"{word}{{{QUANTITY[kind]} {letter.lower()}-pol}}"
 
 
-def _axis(file: Any, kind: str, decisions: List[Message]) -> np.ndarray:
-    described = file[GROUP[kind]].attrs
-    start, stop, step = (float(described[one]) for one in RANGE[kind])
-    count = int(described["q"])
+def _axis(file: Any, name: str, kind: str, decisions: List[Message]) -> np.ndarray:
+    described = Header(name, file[GROUP[kind]].attrs)
+    start, stop, step = (number(described, one, -HIGHEST_HZ, HIGHEST_HZ) for one in RANGE[kind])
+    count = int(number(described, "q", 1, MOST_POINTS))
     # The guide divides by the number of points where its program divides by one less.
     if not (count > 1 and step > 0.0 and abs(start + (count - 1) * step - stop) <= 1.01 * step):
         raise UnreadableFileError(
             Message(
-                "the merged HDF5 file has {count} points from {start:g} to {stop:g}, which does "
-                "not fit its step of {step:g}",
+                "{file} has {count} points from {start:g} to {stop:g}, which does not fit its step "
+                "of {step:g}",
+                file=name,
                 count=count,
                 start=start,
                 stop=stop,
@@ -192,13 +215,15 @@ def _axis(file: Any, kind: str, decisions: List[Message]) -> np.ndarray:
     if kind == dataset.S21 and start < LARGEST_MHZ:
         decisions.append(Message("the frequencies were read as MHz"))
         start, stop = start * HZ_PER_MHZ, stop * HZ_PER_MHZ
+    if kind == dataset.S21:
+        check_sweep(name, start, stop)
     return np.linspace(start, stop, count)
 
 
 def _places(file: Any, name: str, axis: str) -> np.ndarray:
-    position = file["Position"].attrs
-    start, stop = float(position[f"{axis}0"]), float(position[f"{axis}f"])
-    step = float(position.get(f"d{axis}", 0.0))
+    position = Header(name, {f"d{axis}": 0.0, **file["Position"].attrs})
+    keys = (f"{axis}0", f"{axis}f", f"d{axis}")
+    start, stop, step = (number(position, one, -FARTHEST_M, FARTHEST_M) for one in keys)
     if step == 0.0 and start != stop:
         raise UnreadableFileError(
             Message(
@@ -209,7 +234,7 @@ def _places(file: Any, name: str, axis: str) -> np.ndarray:
             fault=faults.FILE_CONTENT,
         )
     count = 1 if step == 0.0 else round((stop - start) / step) + 1
-    if count < 1 or abs(start + (count - 1) * step - stop) > 0.01 * abs(step):
+    if not 1 <= count <= MOST_POINTS or abs(start + (count - 1) * step - stop) > 0.01 * abs(step):
         raise UnreadableFileError(
             Message(
                 "{file}: {axis} from {start:g} to {stop:g} m does not fit its step of {step:g} m",
@@ -225,7 +250,7 @@ def _places(file: Any, name: str, axis: str) -> np.ndarray:
 
 
 def _scans(file: Any, scan: str, name: str, shape: Tuple[int, ...], points: int) -> np.ndarray:
-    found = file["A-Scan"][scan][()]
+    found = _numbers(file, name, f"A-Scan/{scan}")
     if found.shape == (points, shape[0] * shape[1]) and found.shape[0] != found.shape[1]:
         found = found.T  # as MATLAB stores it
     if found.shape != (shape[0] * shape[1], points):
@@ -244,13 +269,26 @@ def _scans(file: Any, scan: str, name: str, shape: Tuple[int, ...], points: int)
     return found.reshape(*shape, points)
 
 
-def _heights(file: Any, letter: str, shape: Tuple[int, ...]) -> Any:
+def _heights(file: Any, name: str, letter: str, shape: Tuple[int, ...]) -> Any:
     position = file["Position"]
     own = f"h {letter.lower()}-pol"
     if own in position:
-        return np.asarray(position[own][()], np.float64).reshape(shape)
+        found = _numbers(file, name, f"Position/{own}")
+        if found.size != np.prod(shape):
+            raise Header(name, {own: found.size}).refused(own, Message("one of each A-scan"))
+        return found.astype(np.float64).reshape(shape)
     height_m = position.attrs.get("h")
-    return np.nan if height_m is None or isinstance(height_m, str) else float(height_m)
+    if height_m is None or isinstance(height_m, str):
+        return np.nan
+    return number(Header(name, position.attrs), "h", 0.0, HIGHEST_M)
+
+
+def _numbers(file: Any, name: str, path: str) -> np.ndarray:
+    found = file.get(path)
+    if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf":
+        kind = {path: getattr(found, "dtype", None) or "-"}
+        raise Header(name, kind).refused(path, Message("an array of numbers"))
+    return np.asarray(found[()])
 
 
 def _imported(path: Path, _: ImportOptions, __: Progress) -> xr.Dataset:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 import math
 import re
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 import numpy as np
 import orjson
@@ -15,17 +16,27 @@ import pandas as pd
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.formats.common import on_grid, usable_samples
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.formats.common import HIGHEST_M, on_grid, usable_samples
 from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions, files_of
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
 from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import with_decisions
 from gpr20_common.message import Message
+from gpr20_foreign_formats.group_files import (
+    FARTHEST_MM,
+    HIGHEST_HZ,
+    CheckedTraces,
+    check_sweep,
+    files_of_samples,
+    number,
+)
 from gpr20_foreign_formats.group_letters import PHASE_DECIDED
+from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.trace import utc_time
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
@@ -49,7 +60,11 @@ HEIGHT_DECIDED = Message(
     "measurement; it was left out",
     constant_m=CONSTANT_M,
 )
-NAME = re.compile(r"X-?\d+\.\d+_Y-?\d+\.\d+_Z-?\d+\.\d+\.json")
+PLACE = ("x_coord", "y_coord", "z_coord")
+ROUNDED_MM = 0.00501
+"""Rounding of coordinates in names [mm or deg]."""
+NAME = re.compile(r"X(-?\d+\.\d+)_Y(-?\d+\.\d+)_Z(-?\d+\.\d+)\.json", re.ASCII | re.IGNORECASE)
+EXAMPLE = "X000.00_Y000.00_Z000.00.json"
 
 
 def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
@@ -93,7 +108,7 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_pro
 
 def holds_original(folder: Path) -> bool:
     """Return whether a folder has files with names of the original project."""
-    return any(NAME.fullmatch(path.name) for path in folder.glob("X*.json"))
+    return any(NAME.fullmatch(path.name) for path in folder.iterdir())
 
 
 def read_original(
@@ -114,16 +129,7 @@ def read_original(
         AnalysisError: There is none.
         UnreadableFileError: One is damaged or contradicts another.
     """
-    paths = sorted(path for path in folder.glob("X*.json") if NAME.fullmatch(path.name))
-    if not paths:
-        raise AnalysisError(
-            Message(
-                "{folder} contains no files {pattern}",
-                folder=folder,
-                pattern="X000.00_Y000.00_Z000.00.json",
-            ),
-            fault=faults.NO_INPUT,
-        )
+    paths, decisions = files_of_samples(folder, NAME, ".json", EXAMPLE)
     samples = [_read(path) for path in progress(paths, len(paths))]
     frequency_hz = samples[0].pop("frequency_hz")
     for path, sample in zip(paths[1:], samples[1:]):
@@ -148,9 +154,23 @@ def read_original(
             ),
             fault=faults.FILE_CONTENT,
         )
-    decisions = list(DECIDED)
+    traces = CheckedTraces()
+    spectra = [traces.take(path.name, one["s21"]) for path, one in zip(paths, samples)]
+    decisions += traces.decisions()
     times = [sample["time"] for sample in samples]
-    if not np.isnat(times).all():
+    wrong = [path.name for path, time in zip(paths, times) if not _may_be_right(time)]
+    if wrong:
+        decisions.append(
+            Message(
+                "{count} samples have a time before 2020 or far ahead, such as {file}; the times "
+                "of all were left out",
+                count=len(wrong),
+                file=wrong[0],
+            )
+        )
+        times = []
+    decisions += DECIDED
+    if any(times):
         decisions.append(TIMES_DECIDED)
     heights_m = np.array([sample["height_m"] for sample in samples])
     if (heights_m == CONSTANT_M).all():
@@ -165,13 +185,13 @@ def read_original(
     data = on_grid(
         folder.name,
         np.array([sample["position"] for sample in samples]),
-        [sample["s21"] for sample in samples],
+        spectra,
         heights_m.tolist(),
         frequency_hz,
         [],
         simulated=True if any(sample["simulated"] for sample in samples) else None,
         facts=facts,
-        times=times,
+        times=[np.datetime64(one or "NaT", "ns") for one in times] or None,
     )
     if surveys[0]:
         data = data.assign_attrs({"survey_id": surveys[0], **data.attrs})
@@ -179,26 +199,96 @@ def read_original(
 
 
 def _read(path: Path) -> Dict[str, Any]:
+    content = read_regular(path)
     try:
-        sample = orjson.loads(read_regular(path))
-        rows = np.array([[row[key] for key in VALUES] for row in sample["data"]], np.float64)
-        if rows.ndim != 2 or not np.isfinite(rows).all() or not (np.diff(rows[:, 0]) > 0).all():
-            raise ValueError("frequencies not ascending, or NaN")
-        height, stamp = sample["antennae_height"], sample.get("timestamp")
-        moment = datetime.strptime(stamp, TIME) if stamp else None
-        return {
-            "time": np.datetime64("NaT") if moment is None else np.datetime64(moment, "ns"),
-            "survey_id": str(sample.get("survey_id", "")),
-            "position": [float(sample[key]) for key in ("z_coord", "y_coord", "x_coord")],
-            "height_m": math.nan if height is None else float(height),
-            "frequency_hz": rows[:, 0],
-            "simulated": sample.get(SIMULATED_KEY) is True,
-            "s21": rows[:, 1] + 1j * rows[:, 2],
-        }
-    except (KeyError, TypeError, ValueError) as error:
+        sample = orjson.loads(content[3:] if content.startswith(codecs.BOM_UTF8) else content)
+    except orjson.JSONDecodeError as error:
         raise UnreadableFileError(
-            Message("{file} is not a valid sample", file=path.name, details=repr(error))
+            Message(
+                "{file} is not JSON in UTF-8: see line {line}, character {column}",
+                file=path.name,
+                line=error.lineno,
+                column=error.colno,
+            )
         ) from error
+    if not isinstance(sample, dict):
+        raise UnreadableFileError(Message("{file} is not a valid sample", file=path.name))
+    header = Header(path.name, sample)
+    place = [number(header, key, -FARTHEST_MM, FARTHEST_MM) for key in PLACE]
+    _check_name(path.name, place)
+    unknown = sample.get("antennae_height") is None and "antennae_height" in sample
+    for key, kind, allowed in (
+        ("survey_id", (str, type(None)), Message("a text")),
+        (SIMULATED_KEY, bool, Message("true or false")),
+    ):
+        if key in sample and not isinstance(sample[key], kind):
+            raise header.refused(key, allowed)
+    rows = _rows(header)
+    return {
+        "time": _time(header),
+        "survey_id": sample.get("survey_id") or "",
+        "position": place[::-1],
+        "height_m": math.nan if unknown else number(header, "antennae_height", 0.0, HIGHEST_M),
+        "frequency_hz": rows[:, 0],
+        "simulated": sample.get(SIMULATED_KEY, False),
+        "s21": rows[:, 1] + 1j * rows[:, 2],
+    }
+
+
+def _check_name(name: str, place: List[float]) -> None:
+    """Refuse a sample whose name says another place than its content."""
+    form = NAME.fullmatch(name)
+    named = list(map(float, form.groups())) if form else place
+    if any(abs(one - other) > ROUNDED_MM for one, other in zip(named, place)):
+        raise UnreadableFileError(
+            Message(
+                "{file} holds a sample at x {x_mm:.12g} mm, y {y_mm:.12g} mm, {z_deg:.12g} deg; by "
+                "its name it would be at {named}. Find out which is right, and correct the other",
+                file=name,
+                x_mm=place[0],
+                y_mm=place[1],
+                z_deg=place[2],
+                named=", ".join(f"{one:g}" for one in named),
+            ),
+            fault=faults.FILE_CONTENT,
+        )
+
+
+def _rows(header: Header) -> np.ndarray:
+    """Return the rows of numbers: frequency [Hz], real and imaginary part."""
+    rows = header.entries.get("data")
+    if not isinstance(rows, list) or len(rows) < 2:
+        raise header.refused("data", Message("a list of two rows or more"))
+    found = [row.get(key) if isinstance(row, dict) else None for row in rows for key in VALUES]
+    if not {int, float}.issuperset(map(type, found)):
+        at = next(place for place, one in enumerate(found) if type(one) not in (int, float))
+        key = f"{VALUES[at % 3]} {at // 3 + 1}"
+        number(Header(header.file, {key: found[at]}), key, -HIGHEST_HZ, HIGHEST_HZ)
+    numbers = np.array(found, np.float64).reshape(-1, 3)
+    frequency_hz = numbers[:, 0]
+    falls = np.flatnonzero(np.diff(frequency_hz) <= 0.0)
+    if falls.size:
+        key = f"{VALUES[0]} {falls[0] + 2}"
+        found_hz = {key: frequency_hz[falls[0] + 1]}
+        raise Header(header.file, found_hz).refused(key, Message("above the one before"))
+    check_sweep(header.file, *frequency_hz[[0, -1]])
+    return numbers
+
+
+def _time(header: Header) -> Optional[datetime]:
+    stamp = header.entries.get("timestamp")
+    if stamp in (None, ""):
+        return None
+    try:
+        if re.fullmatch("[0-9]{14}", stamp):
+            return datetime.strptime(stamp, TIME)
+    except (TypeError, ValueError):
+        pass
+    raise header.refused("timestamp", Message("a text such as 20211015083000, or nothing"))
+
+
+def _may_be_right(time: Optional[datetime]) -> bool:
+    return time is None or utc_time.is_plausible(int(np.datetime64(time, "us").astype(np.int64)))
 
 
 def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
