@@ -1,26 +1,28 @@
 #!/usr/bin/env bash
 # Install what is missing, then run the tests: one run of pytest, side by side.
-#   scripts/test.sh                  everything
+#   scripts/test.sh                  everything but the tests of a release
 #   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, pythons, or test files
+#   scripts/test.sh release          what takes minutes and scripts/release.sh runs too
 # The last line counts the tests that passed, failed, were skipped (why) or were repeated.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 paths=()
-other_pythons=no coverage=()
+other_pythons=no options=()
 [ $# -gt 0 ] || other_pythons=yes
 for argument in "$@"; do
     case "$argument" in
         lint) paths+=("$GPR20_ROOT/scripts/test/test_lint.py") ;;
-        unit) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/unit) coverage=(--cov --cov-report=) ;;
+        unit) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/unit) options+=(--cov --cov-report=) ;;
         ros) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/ros) ;;
         commands) paths+=("$GPR20_ROOT/scripts/test") other_pythons=yes ;;
         pythons) paths+=("$GPR20_ROOT/scripts/test/test_other_pythons.py") other_pythons=yes ;;
+        release) options+=(-m release) other_pythons=yes ;;
         *)
             if [ ! -e "${argument%%::*}" ]; then
                 echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros," \
-                    "commands, pythons" >&2
+                    "commands, pythons, release" >&2
                 exit 2
             fi
             paths+=("$(realpath -s "${argument%%::*}")${argument#"${argument%%::*}"}") ;;
@@ -65,4 +67,4 @@ for installation in "${installations[@]}"; do wait "$installation"; done
 # Many tests wait for the robot more than they compute.
 # A file's tests share its fixtures. The workers get the files in the order of the tests.
 exec "$GPR20_VENV/bin/python" -m pytest --numprocesses $(($(nproc) + 2)) --dist loadfile \
-    --no-loadscope-reorder --max-worker-restart 0 --durations 20 "${coverage[@]}" "${paths[@]}"
+    --no-loadscope-reorder --max-worker-restart 0 --durations 20 "${options[@]}" "${paths[@]}"

@@ -109,7 +109,7 @@ def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends
 
 def test_ctrl_c_in_a_survey_ends_it_sealed_resumable_and_without_errors(robot):
     robot.start()
-    client = robot.client("--x-points", "10", "--y-points", "10", stdout=subprocess.DEVNULL)
+    client = robot.client("--x-points", "6", "--y-points", "6", stdout=subprocess.DEVNULL)
     wait_for(lambda: len(list(robot.data.glob("*/traces/*.json"))) >= 3, "third trace")
     robot.stop()
     assert client.wait(LIMIT_S) != 0

@@ -142,7 +142,11 @@ def chosen_tests(package: str) -> List[str]:
 
 
 @pytest.mark.real_time
-@pytest.mark.parametrize("python", PYTHONS, ids=lambda python: python.version)
+@pytest.mark.parametrize(
+    "python",
+    [PYTHONS[0], *(pytest.param(one, marks=pytest.mark.release) for one in PYTHONS[1:])],
+    ids=lambda python: python.version,
+)
 def test_the_unit_tests_pass_under(python, request, record_property):
     if not python.program.exists():
         pytest.skip(f"no Python {python.version} here ({python.venv})")

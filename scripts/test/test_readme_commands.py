@@ -69,20 +69,18 @@ def test_help_of_the_first_command_explains_its_options_and_runs_nothing(tmp_pat
 
 
 @pytest.fixture(scope="module")
-def clean_survey(tmp_path_factory):
-    """A survey made by the first command in a clean clone: (what was printed, its folder)."""
+def whole_survey(tmp_path_factory):
+    """A survey made by the first command: (what was printed, its folder).
+
+    In a clean clone, on a bare machine, scripts/bare_debian.sh runs it.
+    """
     temporary = tmp_path_factory.mktemp("temporary")
-    clone = tmp_path_factory.mktemp("clone") / "gpr20"
     data = tmp_path_factory.mktemp("data")
-    subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
-    command = fenced_lines((clone / "README.md").read_text())[0]
+    command = fenced_lines((ROOT / "README.md").read_text())[0]
     ended = subprocess.run(
         [command],
-        cwd=clone,
-        # The messages of C++, Lisp and JavaScript, which nothing here uses, take long to build.
-        env=user_environment(
-            data, TMPDIR=str(temporary), ROS_LANG_DISABLE="gencpp:geneus:genlisp:gennodejs"
-        ),
+        cwd=ROOT,
+        env=user_environment(data, TMPDIR=str(temporary)),
         capture_output=True,
         text=True,
         timeout=LIMIT_S,
@@ -94,8 +92,8 @@ def clean_survey(tmp_path_factory):
     return ended.stdout, folder
 
 
-def test_the_first_command_runs_a_survey_to_its_end_in_a_clean_clone(clean_survey):
-    printed, folder = clean_survey
+def test_the_first_command_runs_a_survey_to_its_end(whole_survey):
+    printed, folder = whole_survey
     assert len(list((folder / "traces").glob("*.json"))) == TRACES
     metadata = json.loads((folder / "survey.json").read_text())
     assert (metadata["outcome"], metadata["stored_traces"]) == ("finished", TRACES)
@@ -105,8 +103,8 @@ def test_the_first_command_runs_a_survey_to_its_end_in_a_clean_clone(clean_surve
     assert f"rosbag play --prefix=/replay {folder}/survey.bag" in printed
 
 
-def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
-    _printed, folder = clean_survey
+def test_its_bag_and_its_mcap_each_hold_every_trace(whole_survey):
+    _printed, folder = whole_survey
     with AnyReader([folder / "survey.bag"]) as reader:
         assert reader.topics["/trace"].msgcount == TRACES
     with (folder / "survey.mcap").open("rb") as file:
@@ -115,8 +113,8 @@ def test_its_bag_and_its_mcap_each_hold_every_trace(clean_survey):
         assert sum(1 for _ in reader.iter_messages(topics=["/trace"])) == TRACES
 
 
-def test_every_message_of_it_comes_to_ros2_equal(clean_survey, tmp_path):
-    _printed, folder = clean_survey
+def test_every_message_of_it_comes_to_ros2_equal(whole_survey, tmp_path):
+    _printed, folder = whole_survey
     command = [str(ROOT / ".venv/bin/gpr20"), "export", str(folder), "bag", "--format", "ros2"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=LIMIT_S)
     assert differences(folder / "survey.mcap", tmp_path / "bag") == []
@@ -127,8 +125,8 @@ def printed_lines(printed, begin, end):
     return [line.strip() for line in printed.split(begin)[1].split(end)[0].splitlines()[1:]]
 
 
-def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, tmp_path):
-    printed, _folder = clean_survey
+def test_what_it_says_of_replaying_and_checking_works_as_printed(whole_survey, tmp_path):
+    printed, _folder = whole_survey
     # Somebody else may use the master of this computer.
     own_master = f"export ROS_MASTER_URI=http://localhost:{free_port()}"
     lines = [own_master, *printed_lines(printed, "Replay it", "or with ROS's own")]
@@ -152,8 +150,8 @@ def test_what_it_says_of_replaying_and_checking_works_as_printed(clean_survey, t
         assert ended.returncode == 0, ended.stderr
 
 
-def test_its_image_shows_the_targets_of_the_scene_where_they_are(clean_survey):
-    printed, _folder = clean_survey
+def test_its_image_shows_the_targets_of_the_scene_where_they_are(whole_survey):
+    printed, _folder = whole_survey
     found = re.findall(rf"^  (.*\S) +{PLACE} +{PLACE}$", printed, re.MULTILINE)
     assert [name for name, *_numbers in found] == ["metallic sphere", "plastic disc"]
     for _name, *numbers in found:
@@ -162,8 +160,8 @@ def test_its_image_shows_the_targets_of_the_scene_where_they_are(clean_survey):
         assert buried[2] == pytest.approx(shown[2], abs=NEAR_DEPTH_MM)
 
 
-def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(clean_survey):
-    printed, folder = clean_survey
+def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(whole_survey):
+    printed, folder = whole_survey
     report = folder.with_name(f"{folder.name}.html")
     assert f"file://{report}" in printed.split("Check it")[1]
     text = report.read_text(encoding="utf-8")
@@ -172,13 +170,13 @@ def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(clean
     assert "Maximum projections at 0 deg" in text
 
 
-def test_its_progress_is_a_few_lines_where_there_is_no_terminal(clean_survey):
-    printed, _folder = clean_survey
+def test_its_progress_is_a_few_lines_where_there_is_no_terminal(whole_survey):
+    printed, _folder = whole_survey
     assert len(re.findall(r"\d+/\d+ traces", printed)) <= 12
 
 
-def test_nothing_keeps_running_after_it(clean_survey):
-    _printed, folder = clean_survey
+def test_nothing_keeps_running_after_it(whole_survey):
+    _printed, folder = whole_survey
     assert processes_about(str(folder.parent)) == []
 
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "catkin_ws/src"
 SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
-VENVS = [".venv38", ".venv313"]
+VENVS = [".venv313", pytest.param(".venv38", marks=pytest.mark.release)]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
 FORMATS, VIEWER = "gpr20_foreign_formats", "gpr20_viewer"
 LIMIT_S = 300
