@@ -16,7 +16,6 @@ def message_field(datatype, field):
 PACKAGES = Path(__file__).resolve().parents[3]
 BUILT = BuiltRobot(
     PACKAGES / "gpr20_launch/config/axes.yaml",
-    PACKAGES / "gpr20_visualization/urdf/gpr20.urdf",
     message_field,
 )
 PROFILES = PACKAGES / "gpr20_launch/config/profiles"

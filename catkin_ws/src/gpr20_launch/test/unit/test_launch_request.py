@@ -175,22 +175,3 @@ def test_a_data_disk_that_is_not_there_refuses_the_launch(home):
 def test_the_robot_part_does_not_need_the_data_folder(home):
     (home / "surveys").write_text("")
     assert "data" not in request("robot", data=str(home / "surveys")).sections(AXES)["storage"]
-
-
-OPTIONS_REFUSED = """
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import verbatim
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
-
-class Vna(Analyzer):
-    def __init__(self, parameters, deadline, port):
-        raise InvalidValueError(verbatim(f"port is {port}"))
-"""
-
-
-def test_a_class_of_analyzer_checks_its_options_before_the_launch(home, monkeypatch):
-    (home / "own_vna.py").write_text(OPTIONS_REFUSED)
-    (home / "analyzer.yaml").write_text("analyzer: own_vna:Vna\nanalyzer_options: {port: -1}")
-    monkeypatch.syspath_prepend(str(home))
-    with raises_fault(faults.UNUSABLE_EXTENSION, "analyzer.yaml", "port is -1"):
-        request("server", "gpr20", str(home)).sections(AXES)

@@ -22,7 +22,7 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 
 PACKAGES = Path(__file__).resolve().parents[3]
 AXES = PACKAGES / "gpr20_launch" / "config" / "axes.yaml"
-BUILT = BuiltRobot(AXES, PACKAGES / "gpr20_visualization" / "urdf" / "gpr20.urdf")
+BUILT = BuiltRobot(AXES)
 
 # The header as the board shows it: odd pins left, even pins right, a row a line.
 HEADER = """

@@ -11,10 +11,7 @@ from robot_check_examples import BUILT, PROFILES, VNA, checked, write
 from gpr20_common.sent_message import received_message
 from gpr20_launch import faults
 from gpr20_launch.mid import place_checks
-from gpr20_launch.mid.axis_checks import DescriptionError, read_frame
 from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES
-from gpr20_launch.mid.place_checks import Use
-from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.templates import templates
 from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Unchecked
 
@@ -129,16 +126,16 @@ DOUBTS = [
     ("axes", "x: {step_pin: 8}", "x/step_pin", "pin_unusable", "console"),
     ("axes", "x: {dir_pin: 3}", "x/dir_pin", "pin_unusable", "1.8 kOhm"),
     ("axes", "y: {max_coord: 880}", "y/max_coord", "travel", "880 mm|URDF|0 - 800 mm"),
-    ("axes", "x: {max_coord: 1200}", "x/max_coord", "travel", "frame|880 mm"),
-    ("axes", "x: {max_coord: 65}", "x/max_coord", "travel", "much shorter|in cm"),
+    ("axes", "x: {max_coord: 1200}", "x/max_coord", "travel", "1200 mm|URDF"),
+    ("axes", "x: {max_coord: 65}", "x/max_coord", "travel", "much longer|in cm"),
     ("axes", "z: {max_coord: 45}", "z/max_coord", "travel", "0 and 90"),
     ("axes", "z: {min_coord: -1.57, max_coord: 1.57}", "z/max_coord", "travel", "in radians"),
-    ("axes", "z: {step_size: 7}", "z/step_size", "motion", "one of 91 deg"),
+    ("axes", "z: {step_size: 7}", "z/step_size", "motion", "turn to 91"),
     (
         *("axes", "x: {min_step: 0.0004, max_step: 0.0004, late_limit_s: 0.0003}"),
         *("x/max_step", "motion", "1250 steps per second"),
     ),
-    ("axes", "z: {min_step: 0.0009, delta_step: 0.02}", "z/delta_step", "motion", "deg/s"),
+    ("axes", "z: {min_step: 0.0009, delta_step: 0.02}", "z/delta_step", "motion", "deg/s2"),
     ("axes", "x: {late_limit_s: 0.0015}", "x/late_limit_s", "wrong_value", "<= 0.0012 s"),
     ("storage", "data: ~/no_such_disk/surveys", "data", "data_folder", "does not exist"),
     ("storage", "data: /media/usb/surveys", "data", "data_folder", "data_disk: true"),
@@ -262,6 +259,27 @@ def test_no_mistake_follows_from_the_default_of_a_value_that_is_not_known(
     assert {one.key for one in found} == wrong and len(found) == len(wrong), found
 
 
+OPTIONS_REFUSED = """
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import verbatim
+from gpr20_vna_acquisition.mid.analyzer import Analyzer
+
+class Vna(Analyzer):
+    def __init__(self, parameters, deadline, port):
+        raise InvalidValueError(verbatim(f"port is {port}"))
+"""
+
+
+def test_a_class_of_analyzer_checks_its_options(tmp_path, monkeypatch):
+    (tmp_path / "own_vna.py").write_text("print('noise')" + OPTIONS_REFUSED)
+    text = f"{VNA}analyzer: own_vna:Vna\nanalyzer_options: {{port: -1}}"
+    write(tmp_path / "robot", {"analyzer": text})
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (one,) = checked(tmp_path / "robot", part="server")
+    assert one.message.fault_code == faults.UNUSABLE_EXTENSION.code
+    assert "port is -1" in str(one.message)
+
+
 def test_classes_and_types_must_be_installed_where_they_are_used(tmp_path):
     write(tmp_path / "robot", {"axes": NO_CONTROLLER, "analyzer": NO_CLASS, "sensors": NO_TYPE})
     axis, server = {"x/controller"}, {"analyzer", "sensors[0]"}
@@ -349,20 +367,6 @@ def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
     assert one.message.fault_code == faults.NO_FOLDER.code and not one.refuses
     # A robot that needs no values of its own needs no folder.
     assert checked(tmp_path / "home/.gpr20/robot", part="robot") == ()
-
-
-def test_sizes_are_those_of_the_description(tmp_path):
-    frame = read_frame(BUILT.urdf)
-    assert frame.travel["y"] == (0.0, 800.0) and frame.travel["z"][1] == pytest.approx(90.0)
-    assert frame.outer_mm == pytest.approx({"x": 880.0, "y": 1030.0}, abs=0.1)
-    write(tmp_path / "robot", {})
-    for text in ("<robot/>", "<robot", BUILT.urdf.read_text().replace("<box", "<sphere")):
-        broken = tmp_path / "gpr20.urdf"
-        broken.write_text(text)
-        with pytest.raises(DescriptionError):
-            read_frame(broken)
-        (one,) = check_robot(Use(tmp_path / "robot", {}), BuiltRobot(BUILT.axes, broken))
-        assert not one.refuses and str(broken) in str(one.message)
 
 
 def test_the_header_has_forty_pins_and_every_bus_its_own_lines():

@@ -75,8 +75,7 @@ def built_axes() -> Path:
 
 def built_robot() -> BuiltRobot:
     """Return the robot as it is built, and what is installed here."""
-    description = Path(rospkg.RosPack().get_path("gpr20_visualization")) / "urdf" / "gpr20.urdf"
-    return BuiltRobot(built_axes(), description, _message_field)
+    return BuiltRobot(built_axes(), _message_field)
 
 
 def _message_field(datatype: str, field: str) -> object:

@@ -9,7 +9,6 @@ from typing import Dict, Tuple
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.records import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
@@ -20,9 +19,7 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.folder.data_folder import DataFolder
-from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
+from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 SIMULATED, REAL = "simulated", "gpr20"
@@ -107,7 +104,6 @@ class LaunchRequest:
             self._simulate(sections)
         else:
             self._complete_axes(sections)
-            self._check_analyzer(sections)
         if self.part in (SERVER, SURVEY):
             sections["storage"]["data"] = str(self._data_folder(sections))
             sections["imaging"] = {"data": sections["storage"]["data"]}
@@ -120,18 +116,6 @@ class LaunchRequest:
             if axis_id is AxisId.Z and not parameters.finds_zero:
                 rotation_file = str(Path(ROTATION_FILE).expanduser())
                 sections[section].setdefault("memory_file", rotation_file)
-
-    def _check_analyzer(self, sections: Sections) -> None:
-        parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
-        # Its package is installed where the analyzer's node runs.
-        if is_extension(parameters.analyzer) and self.part in (SERVER, SURVEY):
-            try:
-                make_foreign_analyzer(parameters, RequestDeadline(Clock()))
-            except Gpr20Error as error:
-                raise LaunchRefusedError(
-                    Message("analyzer.yaml: {reason}", reason=error.message),
-                    fault=faults.UNUSABLE_EXTENSION,
-                ) from error
 
     @property
     def folder(self) -> Path:

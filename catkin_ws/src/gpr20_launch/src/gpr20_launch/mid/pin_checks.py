@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Tuple
 
 from gpr20_common.message import Message
 from gpr20_launch import faults
@@ -18,6 +18,15 @@ HEIGHT_FILE = "height.yaml"
 SHARED = "enable_pin"
 # A switch to ground works with the resistors of I2C.
 ENDSTOP = "sensor_pin"
+_EEPROM = Message("at every start the Raspberry Pi sends pulses to this pin, looking for an EEPROM")
+_CONSOLE = Message("this is the serial port, whose console Linux prints on unless it is off")
+_CE1 = Message("this is CE1 of SPI0, which Linux drives unless only one chip select is set up")
+RESERVED: Mapping[int, Message] = {
+    **dict.fromkeys(EEPROM, _EEPROM),
+    **dict.fromkeys(UART, _CONSOLE),
+    **dict.fromkeys(I2C, Message("this is I2C, with a resistor of 1.8 kOhm to 3.3 V")),
+    SPI_BUSES[0].pins(1)["CE1"]: _CE1,
+}
 
 
 @dataclass(frozen=True)
@@ -43,15 +52,15 @@ class PinUse:
 
 def check_pins(reading: Reading) -> Iterator[Problem]:
     """Find pins with two purposes, and pins that something beside this software uses."""
-    spi = reading.knows(HEIGHT_FILE, "spi_bus", "spi_device")
-    uses = [*_axis_uses(reading), *(_spi_uses(reading) if spi else ())]
+    lines, without = _spi(reading)
+    uses = [*_axis_uses(reading), *lines]
     yield from _shared(uses)
     for use in uses:
         yield from _reserved(use)
     axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
     for axis, parameters in axes.items():
         yield from _pull(reading.folder / AXES_FILE, axis, parameters)
-    yield from _spi(reading) if spi else ()
+    yield from without
     yield from _wave_transmitter(reading.folder / AXES_FILE, axes)
 
 
@@ -76,22 +85,26 @@ def _axis_uses(reading: Reading) -> Iterator[PinUse]:
                 )
 
 
-def _spi_uses(reading: Reading) -> Iterator[PinUse]:
-    bus, device = _spi_numbers(reading)
+def _spi(reading: Reading) -> Tuple[List[PinUse], List[Problem]]:
+    """Return the lines of the height sensor, or that there are none."""
+    if not reading.knows(HEIGHT_FILE, "spi_bus", "spi_device"):
+        return [], []
+    sensor, file = reading.record("height_sensor"), reading.folder / HEIGHT_FILE
+    bus, device = sensor.spi_bus, sensor.spi_device
     lines = SPI_BUSES.get(bus)
-    if lines is None or device >= len(lines.selects):
-        return
+    if lines is None:
+        reason = Message("the header of a Raspberry Pi 4 has no such bus")
+        allowed = ", ".join(map(str, SPI_BUSES))
+        return [], [problem(faults.WRONG_VALUE, file, "spi_bus", bus, reason, allowed)]
+    if device >= len(lines.selects):
+        reason = Message("SPI bus {bus} has no such chip select", bus=bus)
+        allowed = f"0 - {len(lines.selects) - 1}"
+        return [], [problem(faults.WRONG_VALUE, file, "spi_device", device, reason, allowed)]
+    uses = []
     for name, pin in lines.pins(device).items():
-        key = "spi_device" if name.startswith("CE") else "spi_bus"
-        text = f"{HEIGHT_FILE} {key}: SPI{bus} {name}"
-        yield PinUse(
-            pin, reading.folder / HEIGHT_FILE, key, text, device if key == "spi_device" else bus
-        )
-
-
-def _spi_numbers(reading: Reading) -> Tuple[int, int]:
-    section = reading.sections["height_sensor"]
-    return section.get("spi_bus", 0), section.get("spi_device", 0)
+        key, value = ("spi_device", device) if name.startswith("CE") else ("spi_bus", bus)
+        uses.append(PinUse(pin, file, key, f"{HEIGHT_FILE} {key}: SPI{bus} {name}", value))
+    return uses, []
 
 
 def _shared(uses: List[PinUse]) -> Iterator[Problem]:
@@ -125,29 +138,11 @@ def _shared(uses: List[PinUse]) -> Iterator[Problem]:
 
 
 def _reserved(use: PinUse) -> Iterator[Problem]:
-    if use.file.name != AXES_FILE:
+    reason = RESERVED.get(use.pin)
+    of_axis = use.file.name == AXES_FILE
+    if reason is None or not of_axis or (use.pin in I2C and use.key.endswith(ENDSTOP)):
         return
-    if use.pin in EEPROM:
-        reason = Message(
-            "at every start the Raspberry Pi sends pulses to pin {pin}, looking for an EEPROM",
-            pin=use.pin,
-        )
-    elif use.pin in UART:
-        reason = Message(
-            "pin {pin} is the serial port, on which Linux prints at its start unless its console "
-            "is switched off",
-            pin=use.pin,
-        )
-    elif use.pin in I2C and not use.key.endswith(ENDSTOP):
-        reason = Message("pin {pin} is I2C, with a resistor of 1.8 kOhm to 3.3 V", pin=use.pin)
-    elif use.pin == SPI_BUSES[0].pins(1)["CE1"]:
-        reason = Message(
-            "pin {pin} is CE1 of SPI0, which Linux drives unless only one chip select is set up",
-            pin=use.pin,
-        )
-    else:
-        return
-    free = sorted(set(GPIO_OF_BOARD) - {*EEPROM, *UART, *I2C, 19, 21, 23, 24, 26})
+    free = sorted(set(GPIO_OF_BOARD) - {*RESERVED, 19, 21, 23, 24})
     yield problem(
         faults.PIN_UNUSABLE,
         use.file,
@@ -173,21 +168,6 @@ def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem
             ),
             Pull.UP.value,
         )
-
-
-def _spi(reading: Reading) -> Iterator[Problem]:
-    bus, device = _spi_numbers(reading)
-    lines = SPI_BUSES.get(bus)
-    if lines is None:
-        key, value, allowed = "spi_bus", bus, ", ".join(map(str, SPI_BUSES))
-        reason = Message("the header of a Raspberry Pi 4 has no such bus")
-    elif device >= len(lines.selects):
-        key, value, allowed = "spi_device", device, f"0 - {len(lines.selects) - 1}"
-        reason = Message("SPI bus {bus} has no such chip select", bus=bus)
-    else:
-        return
-    file = reading.folder / HEIGHT_FILE
-    yield problem(faults.WRONG_VALUE, file, key, value, reason, allowed)
 
 
 def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:

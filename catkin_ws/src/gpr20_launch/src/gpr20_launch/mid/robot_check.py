@@ -8,23 +8,25 @@ import sys
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Iterator, List, Optional, Tuple
+from typing import Callable, Iterator, List, Tuple
 
 from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
-from gpr20_launch.mid.axis_checks import DescriptionError, Frame, check_axes, read_frame
+from gpr20_launch.mid.axis_checks import check_axes
 from gpr20_launch.mid.launch_request import ROBOT, SERVER
 from gpr20_launch.mid.pin_checks import check_pins, is_pin
 from gpr20_launch.mid.place_checks import ANALYZER_FILE, Use, check_place
 from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, Reading, read_files
+from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, Reading
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
+from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
 
 @dataclass(frozen=True)
@@ -32,14 +34,12 @@ class BuiltRobot:
     """The robot as it is built, and the computer.
 
     Attributes:
-        axes: File with its axes.
-        urdf: Its description; None: not known.
+        axes: File with its axes, whose travel is that of its description (URDF).
         message_field: Finds a field of the messages of a type that is installed here, such as
             data of std_msgs/Float64, and raises InvalidValueError if there is none.
     """
 
     axes: Path
-    urdf: Optional[Path] = None
     message_field: Callable[[str, str], object] = lambda _type, _field: None
 
 
@@ -62,12 +62,6 @@ def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
 
 
 def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
-    frame: Optional[Frame] = None
-    if built.urdf is not None:
-        try:
-            frame = read_frame(built.urdf)
-        except DescriptionError as error:
-            yield Problem(error.message.as_warning(), str(built.urdf))
     if use.folder.exists() and not use.folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
     if not use.folder.exists() and use.folder != Path(DEFAULT_FOLDER).expanduser():
@@ -75,7 +69,7 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
             "the folder {folder} does not exist: the defaults are used", folder=use.folder
         )
         yield Problem(text.with_fault(faults.NO_FOLDER).as_warning(), str(use.folder))
-    reading = read_files(use.folder, built.axes)
+    reading = Reading(use.folder, built.axes)
     pins = tuple(check_pins(reading))
     for one in reading.problems:
         # A pin that exists is refused for a second use in its axis, which has a problem of its own.
@@ -83,7 +77,7 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
         if not is_pin(key, reading.raw_axes.get(axis, {}).get(key)):
             yield one
     yield from pins
-    yield from check_axes(use.folder / AXES_FILE, reading.axes(), frame)
+    yield from check_axes(use.folder / AXES_FILE, reading.axes(), reading.built)
     yield from check_place(reading, use)
     # What a class of others prints when it is imported is no part of this answer.
     with redirect_stdout(sys.stderr):
@@ -114,7 +108,10 @@ def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Probl
         return
     vna = reading.record("vna_acquisition")
     if use.real and is_extension(vna.analyzer):
-        yield from missing(unusable, ANALYZER_FILE, "analyzer", load_analyzer, vna)
+        deadline = RequestDeadline(Clock())
+        yield from missing(
+            unusable, ANALYZER_FILE, "analyzer", make_foreign_analyzer, vna, deadline
+        )
     for number, one in enumerate(reading.record(SENSORS).sensors):
         key, field = f"{SENSORS}[{number}]", (one.message, one.field)
         yield from missing(faults.SENSORS, "sensors.yaml", key, built.message_field, *field)

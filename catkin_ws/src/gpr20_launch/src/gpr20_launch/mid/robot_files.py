@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Dict, FrozenSet, List, Mapping, Set, Tuple, Type
+from typing import Any, Dict, List, Mapping, Set, Tuple, Type
 
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Fault, Message
@@ -79,12 +79,12 @@ FILES: Mapping[str, RobotFile] = {
 AXIS_SECTIONS = {axis_id.value: f"{axis_id.value}_axis" for axis_id in AxisId}
 
 
-@dataclass(frozen=True)
 class Reading:
     """What the files of a configuration hold, and what is wrong with them.
 
     Attributes:
         folder: Their folder.
+        built: The axes of the robot as it is built: the defaults.
         sections: Every section, without the values that are not allowed.
         problems: These values, and files that cannot be read.
         given: The keys that the files name, such as axes.yaml x/dir_pin.
@@ -93,12 +93,27 @@ class Reading:
         raw_axes: The values of each axis with the defaults, also those that are not allowed.
     """
 
-    folder: Path
-    sections: Sections
-    problems: Tuple[Problem, ...]
-    given: FrozenSet[Tuple[str, str]]
-    unsure: FrozenSet[Tuple[str, str]]
-    raw_axes: Mapping[str, Mapping[str, Any]]
+    def __init__(self, folder: Path, built_axes: Path) -> None:
+        """Read the files.
+
+        Args:
+            folder: The configuration's folder; files that do not exist are left out.
+            built_axes: File with the axes of the robot as it is built.
+
+        Raises:
+            OSError: The folder cannot be read.
+        """
+        self.folder = folder
+        self.built: Mapping[str, Mapping[str, Any]] = read_yaml(built_axes)
+        self.sections: Sections = {}
+        self.problems: List[Problem] = []
+        self.given: Set[Tuple[str, str]] = set()
+        self.unsure: Set[Tuple[str, str]] = set()
+        self.raw_axes: Dict[str, Mapping[str, Any]] = {}
+        self._refuse_unknown_files()
+        for name, file in FILES.items():
+            self._read_sections(folder / name, file)
+        self._read_axes(folder / AXES_FILE)
 
     def record(self, section: str) -> Any:
         """Return the parameters of a section."""
@@ -119,77 +134,22 @@ class Reading:
                 found[axis] = self.record(section)
         return found
 
-
-def read_configuration(folder: Path, built_axes: Path) -> Sections:
-    """Return every section of a configuration; what a file leaves out has its default.
-
-    Args:
-        folder: The configuration's folder; files that do not exist are left out.
-        built_axes: File with the axes of the robot as it is built.
-
-    Raises:
-        ConfigurationError: A file cannot be read, or has an unknown key or a value that is not
-            allowed; the message names file, key, value and what is allowed.
-    """
-    found = read_files(folder, built_axes)
-    if found.problems:
-        raise ConfigurationError(found.problems[0].message)
-    return found.sections
-
-
-def read_files(folder: Path, built_axes: Path) -> Reading:
-    """Return what the files hold, with everything that is wrong with them.
-
-    Args:
-        folder: The configuration's folder; files that do not exist are left out.
-        built_axes: File with the axes of the robot as it is built.
-
-    Raises:
-        OSError: The folder cannot be read.
-    """
-    reader = _Reader()
-    reader.refuse_unknown_files(folder)
-    for name, file in FILES.items():
-        reader.read_sections(folder / name, file)
-    reader.read_axes(folder / AXES_FILE, built_axes)
-    return Reading(
-        folder,
-        reader.sections,
-        tuple(reader.problems),
-        frozenset(reader.given),
-        frozenset(reader.unsure),
-        reader.raw,
-    )
-
-
-class _Reader:
-    """Collects sections, and what is wrong."""
-
-    def __init__(self) -> None:
-        self.sections: Sections = {}
-        self.problems: List[Problem] = []
-        self.given: Set[Tuple[str, str]] = set()
-        self.unsure: Set[Tuple[str, str]] = set()
-        self.raw: Dict[str, Mapping[str, Any]] = {}
-
-    def refuse_unknown_files(self, folder: Path) -> None:
-        known = {AXES_FILE, *FILES}
-        for path in sorted(folder.glob("*")):
+    def _refuse_unknown_files(self) -> None:
+        known = ", ".join(sorted({AXES_FILE, *FILES}))
+        for path in sorted(self.folder.glob("*")):
             # Editors and file managers leave hidden files.
             is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
-            if is_yaml and path.name not in known:
-                self._unknown_file(path, ", ".join(sorted(known)))
+            if is_yaml and path.name not in {AXES_FILE, *FILES}:
+                text = Message(
+                    "{file} is not a file of a robot's configuration, and would not be read; "
+                    "allowed: {known}",
+                    file=path,
+                    known=known,
+                )
+                unknown = text.with_fault(faults.UNKNOWN_FILE)
+                self.problems.append(Problem(unknown, str(path), allowed=known))
 
-    def _unknown_file(self, path: Path, known: str) -> None:
-        text = Message(
-            "{file} is not a file of a robot's configuration, and would not be read; "
-            "allowed: {known}",
-            file=path,
-            known=known,
-        ).with_fault(faults.UNKNOWN_FILE)
-        self.problems.append(Problem(text, str(path), allowed=known))
-
-    def read_sections(self, path: Path, file: RobotFile) -> None:
+    def _read_sections(self, path: Path, file: RobotFile) -> None:
         values = self._content(path)
         names = {section: {one.name for one in fields(kind)} for section, kind in file.sections}
         self._refuse_unknown_keys(path, values, set().union(*names.values()))
@@ -197,8 +157,8 @@ class _Reader:
             own = {key: value for key, value in values.items() if key in names[section]}
             self.sections[section] = self._allowed(path, kind, own)
 
-    def read_axes(self, path: Path, built: Path) -> None:
-        values, defaults = self._content(path), read_yaml(built)
+    def _read_axes(self, path: Path) -> None:
+        values = self._content(path)
         self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
         names = {one.name for one in fields(AxisParameters)}
         for axis, section in AXIS_SECTIONS.items():
@@ -212,13 +172,13 @@ class _Reader:
                 own = {}
             own = dict(own)
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
-            base = defaults[axis]
-            self.raw[axis] = {
+            base = self.built[axis]
+            self.raw_axes[axis] = {
                 key: value
                 for key, value in {**base, **own}.items()
                 if not {(path.name, one) for one in ("", axis, f"{axis}/{key}")} & self.unsure
             }
-            for one in impossible_values(path, axis, self.raw[axis]):
+            for one in impossible_values(path, axis, self.raw_axes[axis]):
                 self.problems.append(one)
                 self.unsure.add((path.name, one.key))
                 own.pop(one.key.partition("/")[2], None)
@@ -323,6 +283,23 @@ class _Reader:
         shown = "" if value is None else repr(value)
         self.unsure.add((path.name, key))
         self.problems.append(Problem(text.with_fault(fault), str(path), key, shown, allowed))
+
+
+def read_configuration(folder: Path, built_axes: Path) -> Sections:
+    """Return every section of a configuration; what a file leaves out has its default.
+
+    Args:
+        folder: The configuration's folder; files that do not exist are left out.
+        built_axes: File with the axes of the robot as it is built.
+
+    Raises:
+        ConfigurationError: A file cannot be read, or has an unknown key or a value that is not
+            allowed; the message names file, key, value and what is allowed.
+    """
+    found = Reading(folder, built_axes)
+    if found.problems:
+        raise ConfigurationError(found.problems[0].message)
+    return found.sections
 
 
 def _unknown(key: str, known: Set[str]) -> Message:
