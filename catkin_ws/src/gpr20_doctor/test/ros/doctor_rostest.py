@@ -15,6 +15,7 @@ import unittest
 import zipfile
 from contextlib import contextmanager
 
+import rosgraph
 import rospkg
 import rospy
 import rostest
@@ -78,12 +79,16 @@ def master_at(port, delay_s=0):
             os.killpg(core.pid, signal.SIGKILL)
 
 
-def process_of(node):
+def answers(probe):
     """Return the process of a node; 0: it does not answer."""
     try:
-        return NodeProbe(MASTER, "/test", rospy.resolve_name(node), 2.0).process()
+        return probe.process()
     except NodeSilentError:
         return 0
+
+
+def process_of(node):
+    return answers(NodeProbe(MASTER, "/test", rospy.resolve_name(node), 2.0))
 
 
 def wait_until(condition):
@@ -250,15 +255,51 @@ class DoctorTest(unittest.TestCase):
         axes = os.path.join(self.config, "axes.yaml")
         with open(axes, "w", encoding="utf-8") as file:
             file.write("x: {dir_pin: 11}\nz: {dir_pin: 11}\n")
-        _status, found, _took_s = doctor()
+        _status, found, _took_s = doctor("--quick")
         wrong = found["config_files"]
         self.assertEqual((wrong["level"], wrong["fault_code"]), ("FAULT", "config.pin_conflict"))
         for words in (axes, "x/dir_pin", "z/dir_pin", "pin 11"):
             self.assertIn(words, wrong["text"])
         self.assertIn("pin of its own", wrong["remedy"])
         os.unlink(axes)
-        _status, found, _took_s = doctor()
+        _status, found, _took_s = doctor("--quick")
         self.assertNotEqual(found["config_files"]["fault_code"], "config.pin_conflict")
+
+    def test_d_a_configuration_that_is_named_is_judged_as_that_of_a_real_robot(self):
+        analyzer = os.path.join(self.config, "analyzer.yaml")
+        with open(analyzer, "w", encoding="utf-8") as file:
+            file.write("address: 224.0.0.1\n")
+        nobody = {"ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}
+        named = ("--quick", "--config", self.config)
+        for more, environment in (named, {}), (named, nobody), (("--quick",), nobody):
+            _status, found, _took_s = doctor(*more, **environment)
+            self.assertEqual(found["config_files"]["fault_code"], "config.address")
+        _status, found, _took_s = doctor(*named, "--robot", "simulated", **nobody)
+        self.assertEqual(found["config_files"]["level"], "OK")
+        self.assertIn("robot:=simulated", found["config_files"]["text"])
+        os.unlink(analyzer)
+
+    def test_e_parts_whose_launch_has_died_are_found_and_the_advice_ends_them(self):
+        port = free_port()
+        master = f"http://127.0.0.1:{port}"
+        with tempfile.NamedTemporaryFile("w", suffix=".launch") as file:
+            file.write('<launch><node pkg="rosout" type="rosout" name="part"/></launch>')
+            file.flush()
+            launch = subprocess.Popen(["roslaunch", "-p", str(port), file.name])
+            probe = NodeProbe(master, "/test", "/part", 2.0)
+            wait_until(lambda: answers(probe))
+            _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+            self.assertNotIn("launch", found)
+            launch.kill()
+            launch.wait()
+        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        self.assertEqual(found["launch"]["fault_code"], "doctor.left_over")
+        command = re.search(r"Run: (kill [0-9 ]+)\.", found["launch"]["remedy"]).group(1)
+        subprocess.run(["sh", "-ec", command], check=True)
+        wait_until(lambda: not answers(probe))
+        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        self.assertNotIn("launch", found)
+        os.kill(rosgraph.Master("/test", master).getPid(), signal.SIGTERM)
 
     def test_b_a_bundle_holds_what_the_parts_report(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -21,6 +21,7 @@ from gpr20_doctor.mid.node_health import (
 from gpr20_doctor.mid.place import ROBOT, SERVER
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 
+WAIT = Message("Wait until all parts of the robot have started.")
 # The part itself says why it is silent.
 SILENT = (NodeState.HANGS, NodeState.GONE)
 
@@ -33,10 +34,10 @@ def check_contact(facts: RobotFacts) -> Iterator[Finding]:
     if not facts.master_alive:
         yield Finding.of_fault("master", _no_master(facts.master, facts.evidence))
     elif facts.control_alive:
-        yield Finding("master", Level.OK, Message("Contact with the robot"))
+        yield Finding.of("master", Message("Contact with the robot"))
     if not facts.control_alive and facts.evidence.nodes.get(MAIN_CONTROL) not in SILENT:
         text = Message("There is no contact with the main control.")
-        yield Finding.of_fault("control", text.with_fault(NODE_SILENT))
+        yield Finding.of("control", text, NODE_SILENT)
 
 
 def _why_unheard(master: str, evidence: Evidence) -> Message:
@@ -120,14 +121,13 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
     missing = [one.name for one in facts.nodes if one.name in expected]
     if not software:
         text = Message("The software of the parts is not known yet.")
-        wait = Message("Wait until all parts of the robot have started.")
-        yield Finding("versions", Level.UNKNOWN, text, wait)
+        yield Finding("versions", Level.UNKNOWN, text, WAIT)
     elif difference is not None:
         hosts = [_on(host, software) for host in sorted({one.host for one in software.values()})]
         mixed = next((nodes for nodes in hosts if software_difference(nodes)), {})
         text = Message("Versions: {difference}", difference=difference, service=service_of(mixed))
         fault = faults.NOT_RESTARTED if mixed else SOFTWARE_DIFFERS
-        yield Finding.of_fault("versions", text.with_fault(fault))
+        yield Finding.of("versions", text, fault)
     elif silent is not None:
         text = Message("{part} does not say which software it runs.", part=node_title(silent))
         yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)
@@ -137,7 +137,7 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
     else:
         name = next(iter(software.values())).name
         text = Message("Software {software} on every part", software=name)
-        yield Finding("versions", Level.OK, text)
+        yield Finding.of("versions", text)
 
 
 def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Finding]:
@@ -154,7 +154,7 @@ def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Find
             service=service_of(here),
         )
         fault = faults.NOT_RESTARTED if here else SOFTWARE_DIFFERS
-        yield Finding.of_fault("installed", text.with_fault(fault))
+        yield Finding.of("installed", text, fault)
 
 
 def _on(host: str, software: Mapping[str, NodeSoftware]) -> Mapping[str, NodeSoftware]:

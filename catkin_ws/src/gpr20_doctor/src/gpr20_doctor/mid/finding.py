@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import Optional
 
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
 from gpr20_common.remedies import first_step
 
 
@@ -51,6 +51,23 @@ class Finding:
     level: Level
     text: Message
     remedy: Optional[Message] = None
+
+    @classmethod
+    def of(
+        cls, check: str, text: Message, fault: Optional[Fault] = None, mild: bool = False
+    ) -> Finding:
+        """Return the finding of a sentence: good, unless it reports a fault.
+
+        Args:
+            check: Short name of the check.
+            text: What was found.
+            fault: Says level and remedy; None: it is good.
+            mild: Whether the fault is a warning here.
+        """
+        if fault is None:
+            return cls(check, Level.OK, text)
+        found = text.with_fault(fault)
+        return cls.of_fault(check, found.as_warning() if mild else found)
 
     @classmethod
     def of_fault(cls, check: str, text: Message, remedy: Optional[Message] = None) -> Finding:

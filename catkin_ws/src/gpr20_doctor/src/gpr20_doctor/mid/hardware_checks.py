@@ -49,15 +49,12 @@ def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
         yield not_known("groups", Message("the user's groups"), groups)
         return
     if groups.is_root:
-        yield Finding("groups", Level.OK, Message("Groups: not needed by the user root"))
+        yield Finding.of("groups", Message("Groups: not needed by the user root"))
         return
     missing = [one for one in needed if one not in groups.member]
     if not missing:
-        yield Finding(
-            "groups",
-            Level.OK,
-            Message("Groups of {user}: {groups}", user=groups.user, groups=", ".join(needed)),
-        )
+        values = {"user": groups.user, "groups": ", ".join(needed)}
+        yield Finding.of("groups", Message("Groups of {user}: {groups}", **values))
     for name in missing:
         yield _missing_group(groups, name)
 
@@ -65,49 +62,52 @@ def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
 def _missing_group(groups: Groups, name: str) -> Finding:
     values = {"user": groups.user, "group": name}
     if name not in groups.existing:
-        text = Message("This computer has no group {group}.", **values)
-        return Finding.of_fault("groups", text.with_fault(faults.GROUP_MISSING))
-    if name in groups.listed:
+        text, fault = Message("This computer has no group {group}.", **values), faults.GROUP_MISSING
+    elif name in groups.listed:
         text = Message("{user} is in the group {group} from the next login on.", **values)
-        return Finding.of_fault("groups", text.with_fault(faults.GROUP_AT_NEXT_LOGIN))
-    text = Message("{user} is not in the group {group}.", **values)
-    return Finding.of_fault("groups", text.with_fault(faults.NOT_IN_GROUP))
+        fault = faults.GROUP_AT_NEXT_LOGIN
+    else:
+        text = Message("{user} is not in the group {group}.", **values)
+        fault = faults.NOT_IN_GROUP
+    return Finding.of("groups", text, fault)
 
 
 def _spi(device: object) -> Finding:
     if not isinstance(device, DeviceFile):
         return not_known("spi", Message("the SPI bus"), device)
-    path = str(device.path)
+    path, fault = str(device.path), None
     if not device.exists:
         text = Message("The SPI bus is off: there is no {path}.", path=path)
-        return Finding.of_fault("spi", text.with_fault(faults.SPI_OFF))
-    if not device.usable:
+        fault = faults.SPI_OFF
+    elif not device.usable:
         text = Message("The SPI bus {path} cannot be read and written.", path=path)
-        return Finding.of_fault("spi", text.with_fault(faults.SPI_NO_ACCESS))
-    return Finding("spi", Level.OK, Message("SPI bus {path}", path=path))
+        fault = faults.SPI_NO_ACCESS
+    else:
+        text = Message("SPI bus {path}", path=path)
+    return Finding.of("spi", text, fault)
 
 
 def _gpio(gpio: object) -> Finding:
     if not isinstance(gpio, Pins):
         return not_known("gpio", Message("access to the pins"), gpio)
-    wanted = gpio.wanted
+    wanted, fault = gpio.wanted, None
+    usable = [str(one.path) for one in gpio.devices if one.usable]
     if not gpio.libraries or (wanted and wanted not in gpio.libraries):
         text = Message(
             "The library {library} for the pins is not installed.",
             library=PIN_MODULES.get(wanted, "RPi.GPIO"),
         )
-        return Finding.of_fault("gpio", text.with_fault(faults.PIN_LIBRARY_MISSING))
-    if wanted == PIGPIO:
-        if gpio.daemon:
-            return Finding("gpio", Level.OK, Message("Pins: the pigpio daemon answers"))
-        text = Message("The pigpio daemon does not answer.")
-        return Finding.of_fault("gpio", text.with_fault(faults.PIGPIO_SILENT))
-    usable = [one for one in gpio.devices if one.usable]
-    if usable:
-        path = str(usable[0].path)
-        return Finding("gpio", Level.OK, Message("Pins: {path} can be used", path=path))
-    text = Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip.")
-    return Finding.of_fault("gpio", text.with_fault(faults.PINS_NO_ACCESS))
+        fault = faults.PIN_LIBRARY_MISSING
+    elif wanted == PIGPIO and gpio.daemon:
+        text = Message("Pins: the pigpio daemon answers")
+    elif wanted == PIGPIO:
+        text, fault = Message("The pigpio daemon does not answer."), faults.PIGPIO_SILENT
+    elif usable:
+        text = Message("Pins: {path} can be used", path=usable[0])
+    else:
+        text = Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip.")
+        fault = faults.PINS_NO_ACCESS
+    return Finding.of("gpio", text, fault)
 
 
 def _realtime(limits: object) -> Finding:
@@ -119,11 +119,11 @@ def _realtime(limits: object) -> Finding:
             needed=PULSE_PRIORITY,
             allowed=limits.priority,
         )
-        return Finding.of_fault("realtime", text.with_fault(faults.REALTIME_LIMITED))
-    if limits.locked_bytes is not None and limits.locked_bytes < LOCKED_BYTES:
+    elif limits.locked_bytes is not None and limits.locked_bytes < LOCKED_BYTES:
         text = Message(
             "Only {locked_mb:.0f} MB of memory can be locked. Pulses can be late.",
             locked_mb=limits.locked_bytes / 1e6,
         )
-        return Finding.of_fault("realtime", text.with_fault(faults.REALTIME_LIMITED))
-    return Finding("realtime", Level.OK, Message("Real-time priority and locked memory"))
+    else:
+        return Finding.of("realtime", Message("Real-time priority and locked memory"))
+    return Finding.of("realtime", text, faults.REALTIME_LIMITED)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import replace
-from typing import Dict, Iterable, List, Mapping, Optional
+from typing import Any, Dict, Iterable, List, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
@@ -38,46 +38,40 @@ class Listener:
             master: Address of the master.
         """
         self._clock = clock
-        self._master = master
         self._begun_s = clock.now_s()
         self._lock = threading.Lock()
+        self._known = unheard(master, Evidence(MasterState.ANSWERS))
         self._nodes: Dict[str, NodeHealth] = {}
-        self._offsets_s: Dict[str, float] = {}
-        self._endstops: Dict[AxisId, EndstopSeen] = {}
-        self._axes: Dict[AxisId, AxisPosition] = {}
-        self._height_m = math.nan
-        self._descriptions: Mapping[str, NodeDescription] = {}
-        self._configured = False
         self._reports: Dict[str, int] = {}
-        self._simulated = False
-        self._problem: Optional[Message] = None
-        self._surveying: Optional[bool] = None
+        self._descriptions: Mapping[str, NodeDescription] = {}
 
     def note_node(self, health: NodeHealth, offset_s: float) -> None:
         """Take a node's report, and how far its clock is behind this one [s]."""
+        name = health.name
         with self._lock:
-            if health.name in EXPECTED_NODES or self._is_listed(health.name):
-                self._nodes[health.name] = health
-                self._reports[health.name] = self._reports.get(health.name, 0) + 1
-                known_s = self._offsets_s.get(health.name, math.inf)
-                self._offsets_s[health.name] = min(known_s, offset_s, key=abs)
+            if name in EXPECTED_NODES or self._is_listed(name):
+                self._nodes[name] = health
+                self._reports[name] = self._reports.get(name, 0) + 1
+                offsets_s = self._known.clock_offsets_s
+                least_s = min(offsets_s.get(name, math.inf), offset_s, key=abs)
+                self._note(clock_offsets_s={**offsets_s, name: least_s})
 
     def note_endstop(self, axis: AxisId, pressed: bool) -> None:
         """Take the state of an endstop."""
         with self._lock:
-            seen = self._endstops.get(axis, EndstopSeen(pressed))
-            changed = int(seen.pressed != pressed)
-            self._endstops[axis] = EndstopSeen(pressed, seen.changes + changed)
+            seen = self._known.endstops.get(axis, EndstopSeen(pressed))
+            now = EndstopSeen(pressed, seen.changes + int(seen.pressed != pressed))
+            self._note(endstops={**self._known.endstops, axis: now})
 
     def note_axis(self, axis: AxisId, position: AxisPosition) -> None:
         """Take the state of an axis."""
         with self._lock:
-            self._axes[axis] = position
+            self._note(axes={**self._known.axes, axis: position})
 
     def note_height(self, height_m: float) -> None:
         """Take a height of the antennas [m]; not finite: it could not be measured."""
         with self._lock:
-            self._height_m = height_m
+            self._note(height_m=height_m)
 
     def note_configuration(
         self, problem: Optional[Message], simulated: bool, nodes: Mapping[str, NodeDescription]
@@ -90,13 +84,21 @@ class Listener:
             nodes: What each node says.
         """
         with self._lock:
-            self._configured = problem is None
-            self._problem, self._simulated, self._descriptions = problem, simulated, nodes
+            self._descriptions = nodes
+            self._note(
+                configured=problem is None,
+                configuration_problem=problem,
+                simulated=simulated,
+                software={name: one.software for name, one in nodes.items()},
+            )
 
     def note_status(self, surveying: bool) -> None:
         """Take whether a survey is running or paused."""
         with self._lock:
-            self._surveying = surveying
+            self._note(control_alive=True, surveying=surveying)
+
+    def _note(self, **changes: Any) -> None:
+        self._known = replace(self._known, **changes)
 
     @property
     def descriptions(self) -> Mapping[str, NodeDescription]:
@@ -131,22 +133,8 @@ class Listener:
             further = sorted(name for name in self._nodes if name not in EXPECTED_NODES)
             names: List[str] = [*EXPECTED_NODES, *further]
             silent = NodeHealth("", HealthLevel.STALE, verbatim(""), {})
-            return RobotFacts(
-                master_alive=True,
-                control_alive=self._surveying is not None,
-                configured=self._configured,
-                simulated=self._simulated,
-                surveying=bool(self._surveying),
-                nodes=tuple(self._nodes.get(name, replace(silent, name=name)) for name in names),
-                master=self._master,
-                configuration_problem=self._problem,
-                clock_offsets_s=dict(self._offsets_s),
-                software={name: one.software for name, one in self._descriptions.items()},
-                endstops=dict(self._endstops),
-                axes=dict(self._axes),
-                height_m=self._height_m,
-                analyzer=analyzer,
-            )
+            nodes = tuple(self._nodes.get(name, replace(silent, name=name)) for name in names)
+            return replace(self._known, nodes=nodes, analyzer=analyzer)
 
     def silent(self) -> List[str]:
         """Return the names of the nodes that should have reported and have not."""
@@ -162,7 +150,7 @@ class Listener:
         with self._lock:
             watched = self._clock.now_s() - self._begun_s >= WATCH_S
             reported = all(name in self._nodes for name in EXPECTED_NODES)
-            return watched and reported and self._configured and self._surveying is not None
+            return watched and reported and self._known.configured and self._known.control_alive
 
 
 def unheard(master: str, evidence: Evidence) -> RobotFacts:

@@ -55,7 +55,7 @@ def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
             "they cannot be reached.",
             addresses=", ".join(gone),
         )
-        yield Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_GONE))
+        yield Finding.of("addresses", text, faults.ADDRESS_GONE)
 
 
 def check_launch(facts: MachineFacts) -> Iterator[Finding]:
@@ -67,7 +67,7 @@ def check_launch(facts: MachineFacts) -> Iterator[Finding]:
             count=len(facts.left_over),
             numbers=" ".join(map(str, sorted(facts.left_over))),
         )
-        yield Finding.of_fault("launch", text.with_fault(faults.LEFT_OVER))
+        yield Finding.of("launch", text, faults.LEFT_OVER)
 
 
 def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
@@ -81,11 +81,8 @@ def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("temperature", Message("the processor's temperature"), temperature_c)
         return
     text = Message("Temperature of the processor: {celsius:.0f} °C", celsius=temperature_c)
-    if temperature_c < WARM_C:
-        yield Finding("temperature", Level.OK, text)
-        return
-    hot = text.with_fault(faults.COMPUTER_HOT)
-    yield Finding.of_fault("temperature", hot if temperature_c >= HOT_C else hot.as_warning())
+    fault = faults.COMPUTER_HOT if temperature_c >= WARM_C else None
+    yield Finding.of("temperature", text, fault, mild=temperature_c < HOT_C)
 
 
 def check_power(facts: MachineFacts) -> Iterator[Finding]:
@@ -97,15 +94,15 @@ def check_power(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("power", Message("the supply voltage"), power)
     elif power.low_now:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
-        yield Finding.of_fault("power", text.with_fault(faults.VOLTAGE_LOW))
+        yield Finding.of("power", text, faults.VOLTAGE_LOW)
     elif power.low_before:
         text = Message(
             "The supply voltage of the Raspberry Pi was too low since its start, or it was "
             "slowed down."
         )
-        yield Finding.of_fault("power", text.with_fault(faults.VOLTAGE_LOW).as_warning())
+        yield Finding.of("power", text, faults.VOLTAGE_LOW, mild=True)
     else:
-        yield Finding("power", Level.OK, Message("Supply voltage of the Raspberry Pi"))
+        yield Finding.of("power", Message("Supply voltage of the Raspberry Pi"))
 
 
 def check_disk(facts: MachineFacts) -> Iterator[Finding]:
@@ -136,13 +133,13 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("clock", Message("the offset of the clock"), clock, remedy)
     elif not clock.synchronized:
         text = Message("chrony does not follow the other computer's clock.")
-        yield Finding.of_fault("clock", text.with_fault(faults.CLOCK_NOT_FOLLOWED))
+        yield Finding.of("clock", text, faults.CLOCK_NOT_FOLLOWED)
     elif abs(clock.offset_s) > CLOCK_LIMIT_S:
         text = Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s)
-        yield Finding.of_fault("clock", text.with_fault(faults.CLOCK_OFF))
+        yield Finding.of("clock", text, faults.CLOCK_OFF)
     else:
         text = Message("Clock: off by {offset_ms:.2f} ms", offset_ms=1e3 * clock.offset_s)
-        yield Finding("clock", Level.OK, text)
+        yield Finding.of("clock", text)
 
 
 def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
@@ -162,28 +159,28 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
             reason=vna.failure,
             details=f"TCP port {vna.port}",
         )
-        yield Finding.of_fault("vna_port", text.with_fault(faults.VNA_UNREACHABLE))
+        yield Finding.of("vna_port", text, faults.VNA_UNREACHABLE)
     else:
         text = Message("The VNA at {address} can be reached.", address=vna.address)
-        yield Finding("vna_port", Level.OK, text)
+        yield Finding.of("vna_port", text)
 
 
 def _one_machine(addresses: AddressFacts) -> Finding:
     address = addresses.ros_address
     if address == "localhost" or address.startswith("127."):
-        return Finding("addresses", Level.OK, Message("One computer: ROS listens on loopback."))
+        return Finding.of("addresses", Message("One computer: ROS listens on loopback."))
     if address in addresses.foreign:
         text = Message(
             "ROS_IP or ROS_HOSTNAME is {address}, which is no address of this computer: what is "
             "started here cannot be reached.",
             address=address,
         )
-        return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_WRONG))
+        return Finding.of("addresses", text, faults.ADDRESS_WRONG)
     text = Message(
         "ROS listens on {address}: everybody in the network can move the robot.",
         address=address or "*",
     )
-    return Finding.of_fault("addresses", text.with_fault(faults.NETWORK_OPEN))
+    return Finding.of("addresses", text, faults.NETWORK_OPEN)
 
 
 def _two_machines(addresses: AddressFacts) -> Finding:
@@ -192,16 +189,16 @@ def _two_machines(addresses: AddressFacts) -> Finding:
         text = Message(
             "This computer has none of the addresses {configured}.", configured=configured
         )
-        return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_MISSING))
+        return Finding.of("addresses", text, faults.ADDRESS_MISSING)
     if addresses.ros_address not in addresses.own:
         text = Message(
             "ROS listens on {address}, but this computer is {own}.",
             address=addresses.ros_address or "*",
             own=addresses.own[0],
         )
-        return Finding.of_fault("addresses", text.with_fault(faults.ADDRESS_WRONG))
+        return Finding.of("addresses", text, faults.ADDRESS_WRONG)
     text = Message("Two computers: this one is {own}.", own=addresses.own[0])
-    return Finding("addresses", Level.OK, text)
+    return Finding.of("addresses", text)
 
 
 def _data_folder(disk: DiskFacts) -> Finding:
@@ -216,7 +213,7 @@ def _data_folder(disk: DiskFacts) -> Finding:
         text = Message(
             "Data folder {folder}, identity {identity}", folder=folder, identity=known.identity
         )
-        return Finding("data_folder", Level.OK, text)
+        return Finding.of("data_folder", text)
     text = Message(
         "Data folder {folder}, identity {identity}; this user has not stored a survey in it.",
         folder=folder,
@@ -230,15 +227,14 @@ def _disk_speed(trace_s: object) -> Finding:
         return not_known("disk_speed", Message("the speed of the disk"), trace_s)
     if math.isinf(trace_s):
         text = Message("The disk did not store a large trace in time.")
-        return Finding.of_fault("disk_speed", text.with_fault(faults.DISK_TOO_SLOW))
+        return Finding.of("disk_speed", text, faults.DISK_TOO_SLOW)
     text = Message(
         "Disk: a large trace is stored in {trace_s:.2f} s; a survey needs {limit_s:g} s or less",
         trace_s=trace_s,
         limit_s=TRACE_LIMIT_S,
     )
-    if trace_s <= TRACE_LIMIT_S:
-        return Finding("disk_speed", Level.OK, text)
-    return Finding.of_fault("disk_speed", text.with_fault(faults.DISK_TOO_SLOW).as_warning())
+    fault = faults.DISK_TOO_SLOW if trace_s > TRACE_LIMIT_S else None
+    return Finding.of("disk_speed", text, fault, mild=True)
 
 
 CHECKS: Tuple[Check, ...] = (

@@ -14,6 +14,7 @@ from gpr20_common.remedies import first_step
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import NodeState
 from gpr20_doctor.mid.contact_checks import (
+    WAIT,
     check_contact,
     check_unheard,
     check_versions,
@@ -47,7 +48,7 @@ def check_analyzer(facts: RobotFacts) -> Iterator[Finding]:
     test = facts.analyzer
     if test is not None and test.failure is not None:
         text = Message("Test of the VNA: {reason}", reason=test.failure)
-        yield Finding.of_fault("vna", text.with_fault(faults.VNA_TEST_FAILED))
+        yield Finding.of("vna", text, faults.VNA_TEST_FAILED)
     known = facts.reported(ANALYZER) if test is None else test
     identity, calibration = ("", "") if known is None else (known.identity, known.calibration)
     if identity:
@@ -64,22 +65,18 @@ def _calibration(name: str) -> Finding:
     state = verbatim(name) if status is None else status.meaning
     text = Message("Calibration of the VNA: {state}", state=state)
     if status is None:
-        remedy = faults.CALIBRATION_UNKNOWN.remedy
-        return Finding("calibration", Level.UNKNOWN, text, remedy)
-    fault = CALIBRATION_FAULTS.get(status)
-    if fault is None:
-        return Finding("calibration", Level.OK, text)
-    return Finding.of_fault("calibration", text.with_fault(fault))
+        return Finding("calibration", Level.UNKNOWN, text, faults.CALIBRATION_UNKNOWN.remedy)
+    return Finding.of("calibration", text, CALIBRATION_FAULTS.get(status))
 
 
 def _identity(identity: str, simulated: bool) -> Finding:
     if is_simulated_identity(identity) == simulated:
-        return Finding("identity", Level.OK, Message("VNA: {identity}", identity=identity))
+        return Finding.of("identity", Message("VNA: {identity}", identity=identity))
     text = Message(
         "The VNA {identity} and the robot are not both simulated or both real.",
         identity=identity,
     )
-    return Finding.of_fault("identity", text.with_fault(faults.IDENTITY_WRONG))
+    return Finding.of("identity", text, faults.IDENTITY_WRONG)
 
 
 # A node reports once a second; who has just begun to listen has not heard all of them [s].
@@ -102,23 +99,16 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
     if facts.configuration_problem is not None:
         reason = facts.configuration_problem
         text = Message("No survey can start: {reason}", reason=reason)
-        yield Finding.of_fault("configuration", text.with_fault(faults.CONFIGURATION_REFUSED))
+        yield Finding.of("configuration", text, faults.CONFIGURATION_REFUSED)
     elif not facts.configured:
-        yield Finding(
-            "configuration",
-            Level.UNKNOWN,
-            Message("The robot's configuration is not known yet."),
-            Message("Wait until all parts of the robot have started."),
-        )
+        text = Message("The robot's configuration is not known yet.")
+        yield Finding("configuration", Level.UNKNOWN, text, WAIT)
     else:
-        yield Finding("configuration", Level.OK, Message("Configuration of the robot"))
+        yield Finding.of("configuration", Message("Configuration of the robot"))
     if facts.simulated:
-        yield Finding(
-            "simulated",
-            Level.NOTE,
-            Message("The robot is simulated: its data show no real ground."),
-            Message("For the real robot launch with robot:=gpr20."),
-        )
+        text = Message("The robot is simulated: its data show no real ground.")
+        real = Message("For the real robot launch with robot:=gpr20.")
+        yield Finding("simulated", Level.NOTE, text, real)
 
 
 def check_parts(facts: RobotFacts) -> Iterator[Finding]:
@@ -128,7 +118,7 @@ def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     if missing:
         parts = tuple(map(node_title, missing))
         text = Message("Not running: {parts}", parts=parts, service=service_of(missing))
-        yield Finding.of_fault("missing", text.with_fault(faults.PARTS_MISSING))
+        yield Finding.of("missing", text, faults.PARTS_MISSING)
     for node in facts.nodes:
         if node.name not in missing:
             yield _part(node, facts.listening_s, known.get(node.name))
@@ -139,12 +129,9 @@ def check_disk(facts: RobotFacts) -> Iterator[Finding]:
     reported = facts.reported(STORAGE)
     free_mb = None if reported is None else reported.free_disk_mb
     if free_mb is None:
-        yield Finding(
-            "disk",
-            Level.UNKNOWN,
-            Message("The free disk space is not known."),
-            Message("It is known when the storage reports."),
-        )
+        text = Message("The free disk space is not known.")
+        wait = Message("It is known when the storage reports.")
+        yield Finding("disk", Level.UNKNOWN, text, wait)
     else:
         yield disk_space("disk", free_mb / MEGABYTES_PER_GIGABYTE)
 
@@ -152,10 +139,8 @@ def check_disk(facts: RobotFacts) -> Iterator[Finding]:
 def disk_space(check: str, free_gb: float) -> Finding:
     """Judge the space on the disk of the surveys [GB]."""
     text = Message("Disk: {free_gb:.1f} GB free", free_gb=free_gb)
-    if free_gb >= LOW_DISK_GB:
-        return Finding(check, Level.OK, text)
-    full = text.with_fault(DISK_FULL)
-    return Finding.of_fault(check, full if free_gb < FULL_DISK_GB else full.as_warning())
+    fault = DISK_FULL if free_gb < LOW_DISK_GB else None
+    return Finding.of(check, text, fault, mild=free_gb >= FULL_DISK_GB)
 
 
 def check_height(facts: RobotFacts) -> Iterator[Finding]:
@@ -163,29 +148,22 @@ def check_height(facts: RobotFacts) -> Iterator[Finding]:
     node, height_m = facts.node(HEIGHT_SENSOR), facts.height_m
     if node is None or node.level is HealthLevel.ERROR:
         return  # the part itself says why
-    if not math.isfinite(height_m):
-        yield Finding(
-            "height",
-            Level.UNKNOWN,
-            Message("The height of the antennas has not been measured yet."),
-            HEIGHT_NOT_MEASURED.remedy,
-        )
-        return
     lowest_m, highest_m = USUAL_HEIGHT_M
-    if lowest_m <= height_m <= highest_m:
-        yield Finding(
-            "height",
-            Level.OK,
-            Message("Height of the antennas: {height_m:.3f} m", height_m=height_m),
+    if not math.isfinite(height_m):
+        text = Message("The height of the antennas has not been measured yet.")
+        yield Finding("height", Level.UNKNOWN, text, HEIGHT_NOT_MEASURED.remedy)
+    elif lowest_m <= height_m <= highest_m:
+        text = Message("Height of the antennas: {height_m:.3f} m", height_m=height_m)
+        yield Finding.of("height", text)
+    else:
+        text = Message(
+            "The height of the antennas is {height_m:.3f} m; expected {lowest_m:g} to "
+            "{highest_m:g} m.",
+            height_m=height_m,
+            lowest_m=lowest_m,
+            highest_m=highest_m,
         )
-        return
-    text = Message(
-        "The height of the antennas is {height_m:.3f} m; expected {lowest_m:g} to {highest_m:g} m.",
-        height_m=height_m,
-        lowest_m=lowest_m,
-        highest_m=highest_m,
-    )
-    yield Finding.of_fault("height", text.with_fault(faults.HEIGHT_UNUSUAL))
+        yield Finding.of("height", text, faults.HEIGHT_UNUSUAL)
 
 
 def check_endstops(facts: RobotFacts) -> Iterator[Finding]:
@@ -203,7 +181,7 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
         return
     node, offset_s = worst
     if abs(offset_s) <= CLOCK_OFFSET_LIMIT_S:
-        yield Finding("clocks", Level.OK, Message("Clocks of the computers"))
+        yield Finding.of("clocks", Message("Clocks of the computers"))
         return
     text = Message(
         "The clock of {node} differs from this computer's by {offset_s:.1f} s.",
@@ -211,52 +189,50 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
         offset_s=abs(offset_s),
         details=facts.software[node].host if node in facts.software else "",
     )
-    yield Finding.of_fault("clocks", text.with_fault(faults.CLOCKS_DIFFER))
+    yield Finding.of("clocks", text, faults.CLOCKS_DIFFER)
 
 
 def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Finding:
-    check, axis = f"endstop_{axis_id.value}", axis_id.value.upper()
-    coordinate_mm, homed = position.coordinate, position.homed
-    if seen.pressed and homed and coordinate_mm > ENDSTOP_REACH_MM:
+    axis, fault = axis_id.value.upper(), None
+    if seen.pressed and position.homed and position.coordinate > ENDSTOP_REACH_MM:
         text = Message(
             "The endstop of the {axis} axis is closed at {coordinate_mm:.0f} mm.",
             axis=axis,
-            coordinate_mm=coordinate_mm,
+            coordinate_mm=position.coordinate,
         )
-        return Finding.of_fault(check, text.with_fault(faults.ENDSTOP_CLOSED))
-    if seen.changes:
+        fault = faults.ENDSTOP_CLOSED
+    elif seen.changes:
         text = Message("The endstop of the {axis} axis works: its state has changed.", axis=axis)
-        return Finding(check, Level.OK, text)
-    if not seen.pressed:
+    elif not seen.pressed:
         text = Message("The endstop of the {axis} axis is open.", axis=axis)
-        return Finding(check, Level.OK, text)
-    if homed:
+    elif position.homed:
         text = Message("The endstop of the {axis} axis is closed, at its zero.", axis=axis)
-        return Finding(check, Level.OK, text)
-    text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
-    return Finding.of_fault(check, text.with_fault(faults.ENDSTOP_DOUBTFUL))
+    else:
+        text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
+        fault = faults.ENDSTOP_DOUBTFUL
+    return Finding.of(f"endstop_{axis_id.value}", text, fault)
 
 
 def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> Finding:
     name = node_title(node.name)
     if state is NodeState.HANGS:
         text = Message("{name} hangs: it runs, but does not answer.", name=name)
-        return Finding.of_fault(node.name, text.with_fault(faults.NODE_HANGS))
+        return Finding.of(node.name, text, faults.NODE_HANGS)
     if node.level is HealthLevel.OK:
-        return Finding(node.name, Level.OK, name)
+        return Finding.of(node.name, name)
     if node.level is HealthLevel.STALE:
         text = Message("{name} does not report.", name=name)
         if listening_s > STARTING_S:
-            return Finding.of_fault(node.name, text.with_fault(NODE_SILENT))
+            return Finding.of(node.name, text, NODE_SILENT)
         return Finding(node.name, Level.UNKNOWN, text, NODE_SILENT.remedy)
     cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
-        known = first_step(node.message)
-        return Finding.of_fault(node.name, text.with_fault(faults.PART_FAILED), known)
+        failed = text.with_fault(faults.PART_FAILED)
+        return Finding.of_fault(node.name, failed, first_step(node.message))
     if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
         return Finding(node.name, Level.NOTE, text, cause.remedy or faults.PART_WARNS.remedy)
-    return Finding.of_fault(node.name, text.with_fault(faults.PART_WARNS).as_warning())
+    return Finding.of(node.name, text, faults.PART_WARNS, mild=True)
 
 
 UNHEARD: Tuple[Check, ...] = (check_contact, check_unheard)

@@ -23,6 +23,7 @@ FEW_FILES = 2000
 # A clock that starts at the last date that it knows is days behind; a time zone is not.
 BEHIND_LIMIT_S = 86400.0
 LISTED = 4
+CHECK = "rosrun gpr20_launch robot_config check"
 AS_ROOT = 'sudo -E env "PATH=$PATH" rosrun gpr20_doctor doctor'
 
 
@@ -34,13 +35,13 @@ def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
     folder = printable(facts.place.config)
     if not isinstance(found, tuple):
         subject = Message("whether the configuration in {folder} is correct", folder=folder)
-        command = Message("Run: {command}", command=_check_command(facts))
+        own = "gpr20-run config check" if facts.place.settings else f"{CHECK} {folder}"
+        command = Message("Run: {command}", command=own)
         yield not_known("config_files", subject, found, command)
     elif not found:
-        text = Message(
-            "Configuration in {folder}, for robot:={robot}", folder=folder, robot=facts.files
-        )
-        yield Finding("config_files", Level.OK, text)
+        values = {"folder": folder, "robot": facts.files}
+        text = Message("Configuration in {folder}, for robot:={robot}", **values)
+        yield Finding.of("config_files", text)
     else:
         for reason in found:
             # Each problem has its own fault; one without has that of a value.
@@ -49,17 +50,14 @@ def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
             yield Finding.of_fault("config_files", known)
 
 
-def _check_command(facts: MachineFacts) -> str:
-    if facts.place.settings is not None:
-        return "gpr20-run config check"
-    return f"rosrun gpr20_launch robot_config check {printable(facts.place.config)}"
-
-
 def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
     """Judge what a computer with a foreign address reaches here."""
     outside = facts.outside
-    if outside is None:
-        yield _nothing_open(facts.closed)
+    if outside is None and facts.closed:
+        text = Message("Firewall: not needed, nothing of ROS is open to other computers.")
+        yield Finding("firewall", Level.NOTE, text)
+    elif outside is None:
+        yield not_known("firewall", Message("where ROS listens"), None)
     elif not isinstance(outside, OutsideFacts):
         subject = Message("whether a foreign computer reaches the robot's ports")
         as_root = "sudo gpr20-run doctor" if facts.place.settings else AS_ROOT
@@ -67,7 +65,7 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("firewall", subject, outside, command)
     elif not outside.reached:
         text = Message("Foreign computers are kept out: {tried} ports tried", tried=outside.tried)
-        yield Finding("firewall", Level.OK, text)
+        yield Finding.of("firewall", text)
     else:
         text = Message(
             "A computer with a foreign address reaches ports of this one ({ports}): everybody in "
@@ -76,14 +74,7 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
         )
         off = outside.switched_off
         fault = faults.FIREWALL_OFF if off else faults.FIREWALL_OPEN
-        yield Finding.of_fault("firewall", text.with_fault(fault))
-
-
-def _nothing_open(closed: bool) -> Finding:
-    if closed:
-        text = Message("Firewall: not needed, nothing of ROS is open to other computers.")
-        return Finding("firewall", Level.NOTE, text)
-    return not_known("firewall", Message("where ROS listens"), None)
+        yield Finding.of("firewall", text, fault)
 
 
 def check_memory(facts: MachineFacts) -> Iterator[Finding]:
@@ -96,17 +87,14 @@ def check_memory(facts: MachineFacts) -> Iterator[Finding]:
         return
     free = memory.available_bytes
     text = Message("Memory: {free_mb:.0f} MB free", free_mb=free / MB)
-    if free < LOW_MEMORY:
-        low = text.with_fault(faults.MEMORY_LOW)
-        yield Finding.of_fault("memory", low if free < NO_MEMORY else low.as_warning())
-    elif memory.ended_programs:
-        ended = Message(
+    fault = faults.MEMORY_LOW if free < LOW_MEMORY else None
+    if fault is None and memory.ended_programs:
+        text = Message(
             "Linux has ended {count} programs for lack of memory since the start.",
             count=memory.ended_programs,
         )
-        yield Finding.of_fault("memory", ended.with_fault(faults.MEMORY_RAN_OUT))
-    else:
-        yield Finding("memory", Level.OK, text)
+        fault = faults.MEMORY_RAN_OUT
+    yield Finding.of("memory", text, fault, mild=free >= NO_MEMORY)
 
 
 def check_volumes(facts: MachineFacts) -> Iterator[Finding]:
@@ -122,30 +110,30 @@ def check_volumes(facts: MachineFacts) -> Iterator[Finding]:
     if not bad:
         points = ", ".join(printable(one.mount_point) for one in volumes)
         text = Message("File systems that can be written: {points}", points=points)
-        yield Finding("volumes", Level.OK, text)
+        yield Finding.of("volumes", text)
 
 
 def _volume(volume: VolumeFacts) -> Iterator[Finding]:
     names = {"point": printable(volume.mount_point), "folder": printable(volume.folder)}
     if volume.read_only:
         text = Message("The file system {point} is read-only; {folder} is on it.", **names)
-        yield Finding.of_fault("volumes", text.with_fault(faults.VOLUME_READ_ONLY))
+        yield Finding.of("volumes", text, faults.VOLUME_READ_ONLY)
         return
     if volume.free_bytes < LOW_SPACE:
         text = Message(
             "The file system {point} has {free_mb:.0f} MB left; {folder} is on it.",
             free_mb=volume.free_bytes / MB,
             **names,
-        ).with_fault(faults.VOLUME_FULL)
-        full = volume.free_bytes < NO_SPACE
-        yield Finding.of_fault("volumes", text if full else text.as_warning())
+        )
+        mild = volume.free_bytes >= NO_SPACE
+        yield Finding.of("volumes", text, faults.VOLUME_FULL, mild)
     if volume.free_files is not None and volume.free_files < FEW_FILES:
         text = Message(
             "The file system {point} can hold only {count} more files; {folder} is on it.",
             count=volume.free_files,
             **names,
         )
-        yield Finding.of_fault("volumes", text.with_fault(faults.VOLUME_FULL))
+        yield Finding.of("volumes", text, faults.VOLUME_FULL)
 
 
 def check_date(facts: MachineFacts) -> Iterator[Finding]:
@@ -155,4 +143,4 @@ def check_date(facts: MachineFacts) -> Iterator[Finding]:
             "This computer's clock is {days:.0f} days before the date of the installed software.",
             days=facts.behind_s / 86400.0,
         )
-        yield Finding.of_fault("date", text.with_fault(faults.CLOCK_BEHIND))
+        yield Finding.of("date", text, faults.CLOCK_BEHIND)
