@@ -138,6 +138,31 @@ def test_a_kill_at_any_event_of_the_return_still_ends_in_the_old_version(first, 
     assert last >= 8
 
 
+@pytest.mark.parametrize("name", ["lock", "lock-frontend"])
+def test_what_another_program_installs_ends_before_anything_returns(world, name):
+    world.update(world.bundle("2.0"), kill_at=6, status=-9)
+    assert "installing version 2.0; finish it" in world.update("--status")
+    before = {one: one.read_bytes() for one in (world.root / "var").rglob("*") if one.is_file()}
+    hold = f"import fcntl; f = open({str(world.root / 'var/lib/dpkg' / name)!r}, 'ab'); "
+    hold += "fcntl.lockf(f, fcntl.LOCK_EX); print(flush=True); input()"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", hold], **pipes) as other:
+        other.stdout.readline()
+        said = world.update("--continue", status=2, lock_limit_s=0.3)
+        assert "another program has installed packages" in said
+        assert not world.services_run()
+        now = {one: one.read_bytes() for one in (world.root / "var").rglob("*") if one.is_file()}
+        assert now == before
+        with world.begin("--continue") as resumed:
+            assert "returning" in resumed.stdout.readline()
+            assert "waiting" in resumed.stdout.readline()
+            other.communicate(b"\n")
+            resumed.communicate()
+        assert resumed.returncode == 0
+    assert world.version() == "1.0"
+    assert world.services_run()
+
+
 @pytest.mark.parametrize("code", [4, 5, None])
 def test_a_survey_refuses_update_return_and_restore(world, code):
     (world.root / "code").write_text("no answer" if code is None else f"{code}\n---\n")

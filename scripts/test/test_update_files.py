@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import os
 import shutil
 import tarfile
 
@@ -152,6 +153,21 @@ def test_a_restore_brings_everything_back_but_keys_and_signers(world, tmp_path):
     first_of_two = min((world.root / "var/lib/gpr20-update/backups").iterdir())
     world.update("--restore", first_of_two)
     assert world.data() == changed
+
+
+def test_links_and_pipes_refuse_a_backup_and_an_update_leaves_them_alone(world):
+    robot = world.root / "etc/gpr20/robot"
+    (robot / "more").symlink_to("/srv/robot")
+    os.mkfifo(robot / "pipe")
+    said = world.update("--backup", world.root / "b.tar.gz", status=2)
+    assert str(robot / "more") in said
+    assert str(robot / "pipe") in said
+    assert not (world.root / "b.tar.gz").exists()
+    world.doctor("2.0", "axes")
+    said = world.update(world.bundle("2.0"), status=1)
+    assert f"not kept, and not changed, as no files: {robot}/more, {robot}/pipe" in said
+    assert os.readlink(robot / "more") == "/srv/robot"
+    assert (robot / "pipe").is_fifo()
 
 
 def test_a_killed_restore_is_finished_at_boot(first, tmp_path):

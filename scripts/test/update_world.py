@@ -47,6 +47,7 @@ PROGRAMS = {
 }
 MAIN = """import os, signal, subprocess
 from gpr20_update.high.command import main
+from gpr20_update.mid import packages
 
 events, last, begun = 0, int(os.environ.get("KILL_AT", "0")), False
 
@@ -64,6 +65,7 @@ def counted(function, path_of):
 
 os.replace = counted(os.replace, lambda arguments: arguments[1])
 subprocess.Popen = counted(subprocess.Popen, lambda arguments: "")
+packages.LOCK_LIMIT_S = float(os.environ["LOCK_LIMIT_S"])
 try:
     main(os.environ["ROOT"])
 finally:
@@ -90,13 +92,23 @@ class World:
         path = f"{self.root}/programs:/usr/sbin:/usr/bin:/sbin:/bin"
         return {"PATH": path, "ROOT": str(self.root)}
 
-    def update(self, *arguments, status=0, kill_at=0):
+    def begin(self, *arguments, kill_at=0, lock_limit_s=60.0):
+        """Begin gpr20-update; return the process."""
+        limits = {"KILL_AT": str(kill_at), "LOCK_LIMIT_S": str(lock_limit_s)}
+        return subprocess.Popen(
+            ["/usr/bin/python3", "-I", str(self.program), *map(str, arguments)],
+            env={**self.environment, **limits},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+    def update(self, *arguments, status=0, **limits):
         """Run gpr20-update; return what it printed, "Killed" if it was; None: any status."""
-        environment = {**self.environment, "KILL_AT": str(kill_at)}
-        command = ["/usr/bin/python3", "-I", str(self.program), *map(str, arguments)]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        assert status in (None, done.returncode), done.stdout + done.stderr
-        return done.stdout + done.stderr + ("Killed" if done.returncode < 0 else "")
+        with self.begin(*arguments, **limits) as process:
+            said = process.communicate()[0]
+        assert status in (None, process.returncode), said
+        return said + ("Killed" if process.returncode < 0 else "")
 
     def dpkg(self, *arguments, status=0):
         """Run dpkg; return what it printed."""

@@ -69,7 +69,7 @@ class Updater:
         faults = self._robot.faults()
         if faults is None:
             self._say("the doctor cannot judge now; after the update every FAULT counts as new")
-        kept = backup.keep(self._paths, before)
+        kept = self._keep(before)
         self._keep_program()
         # Minutes have passed.
         self._robot.refuse_during_survey(no_survey)
@@ -85,7 +85,8 @@ class Updater:
         return self._install(record, bundle)
 
     def _install(self, record: Record, bundle: Bundle) -> bool:
-        self._journal.write(record)
+        with self._packages.alone(self._wait):
+            self._journal.write(record)
         self._say(f"installing version {record.after}; do not switch off")
         try:
             self._robot.stop()
@@ -125,7 +126,7 @@ class Updater:
         newer = self._packages.is_newer
         chosen = next(one for one in older if not any(newer(other, one) for other in older))
         self._former(chosen)
-        self._say(f"the configuration is kept in {backup.keep(self._paths, now)}")
+        self._keep(now)
         self._keep_program()
         services = tuple(self._robot.active())
         record = Record(Step.RETURNING, chosen, now, tuple(sorted(installed)), services)
@@ -151,41 +152,46 @@ class Updater:
     def _return(self, record: Record, why: str) -> None:
         """Make everything as it was before; may be repeated at any point."""
         self._say(f"returning to version {record.before}" + (f": {shown(why)}" if why else ""))
-        try:
-            self._journal.write(dataclasses.replace(record, step=Step.RETURNING, outcome=why))
-            self._robot.stop()
-            # At once: whatever the rest meets, a whole release and its configuration are used.
-            self._packages.use_slot(record.before)
-            if record.backup:
-                backup.apply(backup.read(Path(record.backup)), self._paths)
-            begun = sorted((self._paths.kept / record.after).glob("*.deb"))
-            self._packages.put_back(self._kept(record.before), list(record.packages), begun)
-        finally:
-            self._robot.start(record.services)
+        with self._packages.alone(self._wait):
+            try:
+                self._journal.write(dataclasses.replace(record, step=Step.RETURNING, outcome=why))
+                self._robot.stop()
+                # At once: whatever the rest meets, a whole release and its configuration are used.
+                self._packages.use_slot(record.before)
+                if record.backup:
+                    backup.apply(backup.read(Path(record.backup)), self._paths)
+                begun = sorted((self._paths.kept / record.after).glob("*.deb"))
+                self._packages.put_back(self._kept(record.before), list(record.packages), begun)
+            finally:
+                self._robot.start(record.services)
         ended = f"version {record.before} is installed again"
         self._end(record, f"{ended}; {record.after} did not stay: {why}" if why else ended)
 
     def status(self) -> None:
         """Say what is installed, what is kept and how the last update ended."""
-        record = self._journal.read()
-        used = self._packages.slot_version()
         for name, (state, version) in self._packages.states().items():
-            self._say(f"{name} {version} {state}")
-        self._say(f"release in use: {used}")
+            self._say(f"{name} {version}: {state}")
+        self._say(f"version in use: {self._packages.slot_version()}")
         kept = ", ".join(sorted(one.name for one in self._paths.kept.glob("*")))
-        self._say(f"kept packages: {kept or 'none'}")
+        self._say(f"versions whose packages are kept: {kept or 'none'}")
+        record = self._journal.read()
         if record is None:
-            self._say("there was no update")
+            self._say("last update, return or restore: none")
         elif record.step is Step.DONE:
-            self._say(f"the last one: {shown(record.outcome)}")
+            self._say(f"last update, return or restore: {shown(record.outcome)}")
         else:
-            self._say(f"UNFINISHED, {record.step.value} {record.after}: gpr20-update --continue")
+            self._say(f"UNFINISHED: {record.what}; finish it with gpr20-update --continue")
 
     def backup(self, path: Path) -> None:
         """Write a backup into a file that must not exist."""
         if path.exists():
             raise UpdateError(f"{shown(path)} exists; name another file")
         taken = backup.take(self._paths, self._packages.slot_version())
+        if taken.left_out:
+            raise UpdateError(
+                f"a backup holds files, and these are none: {shown(', '.join(taken.left_out))}. "
+                "Replace a link by the file or folder that it names; move pipes and sockets away"
+            )
         backup.write(taken, path.absolute())
         self._say(f"{shown(path)}: {len(taken.files)} files, without private keys")
 
@@ -198,8 +204,7 @@ class Updater:
         self._refuse_unfinished()
         self._robot.refuse_during_survey(no_survey)
         wanted = backup.read(path)
-        was = backup.keep(self._paths, self._packages.slot_version())
-        self._say(f"what was there before is kept in {was}")
+        self._keep(self._packages.slot_version())
         copy = self._paths.state / "restore.tar.gz"
         backup.write(wanted, copy)
         self._keep_program()
@@ -225,8 +230,8 @@ class Updater:
         record = self._journal.unfinished()
         if record is not None:
             raise UpdateError(
-                f"something was interrupted ({record.step.value}); between surveys finish it with "
-                "gpr20-update --continue, or restart this computer"
+                f"{record.what} was interrupted; between surveys finish it with gpr20-update "
+                "--continue, or restart this computer"
             )
 
     def _kept(self, version: str) -> Bundle:
@@ -241,6 +246,16 @@ class Updater:
                 "which keeps them and installs nothing"
             )
         self._kept(version).check_files()
+
+    def _wait(self) -> None:
+        self._say("waiting: another program installs packages")
+
+    def _keep(self, version: str) -> Path:
+        path, taken = backup.keep(self._paths, version)
+        self._say(f"the configuration of before is kept in {path}")
+        if taken.left_out:
+            self._say(f"not kept, and not changed, as no files: {shown(', '.join(taken.left_out))}")
+        return path
 
     def _keep_program(self) -> None:
         """Keep this program, which is one file: the update may replace it."""

@@ -27,4 +27,4 @@ class Paths:
         self.slots = root / "opt/gpr20/slots"
         self.current = root / "opt/gpr20/current"
         self.processes = root / "proc"
-        self.dpkg_lock = root / "var/lib/dpkg/lock-frontend"
+        self.dpkg = root / "var/lib/dpkg"

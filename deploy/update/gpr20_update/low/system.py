@@ -11,7 +11,7 @@ import subprocess
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterable, Iterator, Mapping, Optional, Tuple
+from typing import BinaryIO, Callable, Iterable, Iterator, Mapping, Optional, Tuple
 
 from gpr20_update.errors import UpdateError
 
@@ -155,26 +155,46 @@ def only_one(path: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def frontend_lock(path: Path, limit_s: float) -> Iterator[None]:
+def lock_of_dpkg(folder: Path, limit_s: float, wait: Callable[[], None]) -> Iterator[None]:
     """Hold the lock that every program holds which calls dpkg; wait for another one.
 
+    A dpkg whose caller was killed lives on and holds only its own lock.
+
+    Args:
+        folder: Of the locks.
+        limit_s: How long to wait [s].
+        wait: Called once if there is another one.
+
     Raises:
-        UpdateError: Another one holds it for longer than that.
+        UpdateError: Another one holds them for longer than that.
     """
-    with path.open("ab") as file:
+    with (folder / "lock-frontend").open("ab") as frontend, (folder / "lock").open("ab") as own:
         deadline_s = time.monotonic() + limit_s
-        while True:
-            try:
-                fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except OSError as error:
-                if time.monotonic() > deadline_s:
-                    raise UpdateError(
-                        f"another program installs packages ({path} is locked); wait for its end "
-                        "and repeat"
-                    ) from error
+        while not (_is_taken(frontend) and _is_taken(own)):
+            if time.monotonic() > deadline_s:
+                raise UpdateError(
+                    f"another program has installed packages for {limit_s:.0f} s ({folder} is "
+                    "locked); wait for its end and repeat, with gpr20-update --continue if "
+                    "--status says UNFINISHED"
+                )
+            wait()
+            wait = _nothing
             time.sleep(_POLL_S)
+        # dpkg takes it itself.
+        fcntl.lockf(own, fcntl.LOCK_UN)
         yield
+
+
+def _is_taken(file: BinaryIO) -> bool:
+    try:
+        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _nothing() -> None:
+    """Do nothing."""
 
 
 def written_survey(processes: Path) -> Optional[Path]:

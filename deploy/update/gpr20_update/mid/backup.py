@@ -62,11 +62,13 @@ class Backup:
         files: The files, by their path without the first slash.
         version: The version of the software that it is from.
         people: Members of the group gpr20.
+        left_out: Links, pipes and sockets that are in the folders, but not in the backup.
     """
 
     files: Mapping[str, Content]
     version: str
     people: Tuple[str, ...]
+    left_out: Tuple[str, ...] = ()
 
 
 def take(paths: Paths, version: str) -> Backup:
@@ -83,11 +85,14 @@ def take(paths: Paths, version: str) -> Backup:
                 f"GPR20_CONFIG is {shown(folder)} in {settings}; a backup holds what is in "
                 f"{CONFIGURATION}. Move the configuration there"
             )
-    files = dict(_files(paths))
+    found = list(_found(paths))
+    # What a link leads to may be no configuration.
+    files = {str(one.relative_to(paths.root)): _content(one) for one in found if _is_file(one)}
+    others = tuple(str(one) for one in found if not _is_file(one))
     private = {name for name, one in files.items() if _PRIVATE.search(one.data)}
     left_out = private | {f"{name}.pub" for name in private} | _LEFT_OUT
     kept = {name: one for name, one in files.items() if name not in left_out}
-    return Backup(kept, version, _people(paths))
+    return Backup(kept, version, _people(paths), others)
 
 
 def write(backup: Backup, path: Path) -> None:
@@ -100,16 +105,17 @@ def write(backup: Backup, path: Path) -> None:
     replace_file(path, [packed.getvalue()])
 
 
-def keep(paths: Paths, version: str) -> Path:
+def keep(paths: Paths, version: str) -> Tuple[Path, Backup]:
     """Make a backup of this computer where the others are; delete old ones."""
+    taken = take(paths, version)
     paths.backups.mkdir(exist_ok=True)
     begin = paths.backups / f"{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}_{version}"
     names = (begin.with_name(f"{begin.name}_{number:03}.tar.gz") for number in itertools.count())
     path = next(one for one in names if not one.exists())
-    write(take(paths, version), path)
+    write(taken, path)
     for old in sorted(paths.backups.glob("*.tar.gz"))[:-KEPT_BACKUPS]:
         old.unlink()
-    return path
+    return path, taken
 
 
 def read(path: Path) -> Backup:
@@ -149,22 +155,27 @@ def apply(backup: Backup, paths: Paths) -> None:
             _put(paths.root / name, one, paths)
 
 
-def _files(paths: Paths) -> Iterator[Tuple[str, Content]]:
-    for folder in FOLDERS:
-        for path in sorted((paths.root / folder).rglob("*")):
-            status = path.lstat()
-            # A link may lead to what is no configuration.
-            if not stat.S_ISREG(status.st_mode):
-                continue
-            if status.st_size > MAX_FILE_BYTES:
-                raise UpdateError(
-                    f"{shown(path)} has {status.st_size >> 20} MB; a file of the configuration has "
-                    f"{MAX_FILE_BYTES >> 20} MB at most. Move it away"
-                )
-            with open(os.open(str(path), os.O_RDONLY | os.O_NOFOLLOW), "rb") as file:
-                data = file.read()
-            name = str(path.relative_to(paths.root))
-            yield name, Content(data, status.st_mode & RIGHTS, _name_of(status.st_uid))
+def _found(paths: Paths) -> Iterator[Path]:
+    """Yield everything but folders."""
+    for folder in (paths.root / one for one in FOLDERS):
+        yield from (
+            one for one in sorted(folder.rglob("*")) if one.is_symlink() or not one.is_dir()
+        )
+
+
+def _is_file(path: Path) -> bool:
+    return stat.S_ISREG(path.lstat().st_mode)
+
+
+def _content(path: Path) -> Content:
+    with open(os.open(str(path), os.O_RDONLY | os.O_NOFOLLOW), "rb") as file:
+        status = os.fstat(file.fileno())
+        if status.st_size > MAX_FILE_BYTES:
+            raise UpdateError(
+                f"{shown(path)} has {status.st_size >> 20} MB; a file of the configuration has "
+                f"{MAX_FILE_BYTES >> 20} MB at most. Move it away"
+            )
+        return Content(file.read(), status.st_mode & RIGHTS, _name_of(status.st_uid))
 
 
 def _name_of(user: int) -> str:

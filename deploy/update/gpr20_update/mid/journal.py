@@ -47,6 +47,15 @@ class Record:
     backup: str = ""
     outcome: str = ""
 
+    @property
+    def what(self) -> str:
+        """What is being done, for people."""
+        if self.step is Step.RESTORING:
+            return "restoring a backup"
+        if self.step is Step.RETURNING:
+            return f"returning to version {self.before}"
+        return f"installing version {self.after}"
+
 
 class Journal:
     """A file that holds one record.

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Callable, ContextManager, Dict, List, Tuple
 
 from gpr20_update.errors import UpdateError
 from gpr20_update.low.paths import Paths
-from gpr20_update.low.system import Ended, frontend_lock, replace_file, replace_link, run, shown
+from gpr20_update.low.system import Ended, lock_of_dpkg, replace_file, replace_link, run, shown
 from gpr20_update.mid.bundle import SOFTWARE, Bundle
 
 QUERY_LIMIT_S = 60.0
@@ -102,8 +102,14 @@ class Packages:
         if ended.status != 0:
             raise UpdateError(f"the installation failed: {ended.last_lines}")
 
+    def alone(self, wait: Callable[[], None]) -> ContextManager[None]:
+        """Return what keeps others from installing; `wait` is called if one does."""
+        return lock_of_dpkg(self._paths.dpkg, LOCK_LIMIT_S, wait)
+
     def put_back(self, bundle: Bundle, names: List[str], other: List[Path]) -> None:
         """Install the former version, whatever state an installation has left; may be repeated.
+
+        Nobody else may install meanwhile, see `alone`.
 
         Args:
             bundle: The former version.
@@ -113,20 +119,19 @@ class Packages:
         Raises:
             UpdateError: It failed.
         """
-        with frontend_lock(self._paths.dpkg_lock, LOCK_LIMIT_S):
-            before = self._all()
-            added = [one for one in before if one.startswith("gpr20-") and one not in names]
-            if added:
-                _dpkg("--force-depends", "--remove", *added)
-            wanted = (INSTALLED, bundle.version)
-            files = bundle.files_of([one for one in names if before.get(one) != wanted])
-            # Only what is half done: no package of the distribution returns.
-            begun = {one for one, (state, _) in before.items() if state != INSTALLED} - set(names)
-            files += [one for one in other if one.name.split("_")[0] in begun]
-            ended = _dpkg("--install", *map(str, files)) if files else None
-            if ended is None or ended.status != 0:
-                ended = _dpkg("--configure", "--pending")
-            after = self._all()
+        before = self._all()
+        added = [one for one in before if one.startswith("gpr20-") and one not in names]
+        if added:
+            _dpkg("--force-depends", "--remove", *added)
+        wanted = (INSTALLED, bundle.version)
+        files = bundle.files_of([one for one in names if before.get(one) != wanted])
+        # Only what is half done: no package of the distribution returns.
+        begun = {one for one, (state, _) in before.items() if state != INSTALLED} - set(names)
+        files += [one for one in other if one.name.split("_")[0] in begun]
+        ended = _dpkg("--install", *map(str, files)) if files else None
+        if ended is None or ended.status != 0:
+            ended = _dpkg("--configure", "--pending")
+        after = self._all()
         if any(after.get(name) != wanted for name in names):
             raise UpdateError(
                 f"version {bundle.version} could not be installed again: {ended.last_lines}"
