@@ -155,30 +155,16 @@ def test_the_value_of_whatever_names_a_secret_is_removed(name, form, before):
     assert "kept" in json.loads(clean)["a"][0]
 
 
-FORMS = [
-    *('options: ["--password", "{}"]', "- [password, {}]", "- {{name: password, value: {}}}"),
-    *(
-        '"pass word": {}',
-        '{{\\"token\\": \\"{}\\"}}',
-        "the password is {}",
-        "PASSWORD {}",
-        "pass: {}",
-    ),
-    *(
-        "pass: {}",
-        "DB_PASS={}",
-        "user_pass: {}",
-        "pw={}",
-        "cred: {}",
-        "otp={}",
-        "snmp_community: {}",
-    ),
-    *("Set-Cookie: {}", "curl -s -u user:{} http://a", "sshpass -p {} ssh a", "http://a/?sig={}"),
-    *("contrase\u00f1a: {}", "clave={}", "analyzer_options:\n  - {}\n", "jwt eyJh.{}.x"),
-]
+FORMS = (
+    'options: ["--password", "{}"] ~ - [password, {}] ~ - {{name: password, value: {}}} ~ '
+    '"pass word": {} ~ {{\\"token\\": \\"{}\\"}} ~ the password is {} ~ PASSWORD {} ~ pass: {} ~ '
+    "DB_PASS={} ~ user_pass: {} ~ pw={} ~ cred: {} ~ otp={} ~ snmp_community: {} ~ "
+    "Set-Cookie: {} ~ curl -s -u user:{} http://a ~ sshpass -p {} ssh a ~ http://a/?sig={} ~ "
+    "contrase\u00f1a: {} ~ clave={} ~ analyzer_options:\n  - {}\n ~ jwt eyJh.{}.x"
+)
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", FORMS.split(" ~ "))
 def test_a_secret_is_removed_however_it_is_written(tmp_path, form):
     line = form.format(SECRET)
     assert SECRET not in without_secrets(f"before\n{line}\nafter")

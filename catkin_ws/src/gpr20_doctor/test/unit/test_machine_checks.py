@@ -6,12 +6,10 @@ from pathlib import Path
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from test_robot_checks import SAME, facts
+from test_robot_checks import ROBOTS, SAME, facts
 
-from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
-from gpr20_doctor import faults
 from gpr20_doctor.low import pi
 from gpr20_doctor.low.programs import Tracking
 from gpr20_doctor.low.system import Memory
@@ -30,6 +28,7 @@ from gpr20_doctor.mid.place import Place
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import KnownFolder
 
+SERVED = Place(Path("/etc/r"), Path("/log"), Path("/etc/e"), "gpr20-robot", Path("/usr/f"))
 BOTH = frozenset({"gpio", "spi"})
 SPI = pi.DeviceFile(Path("/dev/spidev0.0"), True, True)
 PINS = pi.DeviceFile(Path("/dev/gpiomem"), True, True)
@@ -69,19 +68,6 @@ def test_a_healthy_computer_is_good():
     assert exit_status(found) == GOOD
 
 
-@each_case(
-    "disk, fault",
-    [
-        (replace(DISK, free_bytes=10), DISK_FULL),
-        (replace(DISK, trace_s=1.5), faults.DISK_TOO_SLOW),
-        (replace(DISK, trace_s=float("inf")), faults.DISK_TOO_SLOW),
-    ],
-)
-def test_a_bad_disk_has_the_code_and_the_remedy_of_its_fault(disk, fault):
-    worst = findings(None, replace(HEALTHY, disk=disk))[0]
-    assert (worst.text.fault_code, worst.remedy) == (fault.code, fault.remedy)
-
-
 @each_case("use", [HardwareUse.SIMULATED, HardwareUse.ELSEWHERE, HardwareUse.NO_PI])
 def test_a_computer_without_hardware_needs_none(use):
     found = findings(None, MachineFacts(use, ONE, NodeSoftware("0.1.0"), closed=True))
@@ -90,69 +76,54 @@ def test_a_computer_without_hardware_needs_none(use):
     assert any(one.check == "hardware" and one.level is Level.NOTE for one in found)
 
 
+OK, NOTE, UNKNOWN, WARNING, FAULT = Level
+GPIO_ONLY = frozenset({"gpio"})
+NO_PIGPIO = pi.Pins((), frozenset({"pigpio"}), "pigpio")
+NO_VNA = PortFacts("10.0.0.1", 111, Message("connection refused"))
+LEFT = replace(ONE, ros_address="10.0.0.7", foreign=("10.0.0.7",))
 CASES = [
-    ({"groups": replace(GROUPS, member=frozenset({"gpio"}))}, Level.WARNING, "next login"),
-    (
-        {"groups": replace(GROUPS, member=frozenset({"gpio"}), listed=frozenset())},
-        Level.WARNING,
-        "not in the group spi",
-    ),
-    (
-        {"groups": pi.Groups("pi", False, frozenset({"gpio"}), frozenset({"gpio"}), BOTH)},
-        Level.WARNING,
-        "no group spi",
-    ),
-    ({"spi": replace(SPI, exists=False, usable=False)}, Level.FAULT, "SPI bus is off"),
-    ({"spi": replace(SPI, usable=False)}, Level.FAULT, "cannot be read"),
-    ({"gpio": replace(GPIO, libraries=frozenset())}, Level.FAULT, "RPi.GPIO for the pins"),
-    ({"gpio": replace(GPIO, devices=())}, Level.FAULT, "pins cannot be used"),
-    (
-        {"gpio": pi.Pins((), frozenset({"pigpio"}), "pigpio")},
-        Level.FAULT,
-        "pigpio daemon does not answer",
-    ),
-    ({"realtime": pi.Realtime(0, False, None)}, Level.WARNING, "Real-time priority"),
-    ({"realtime": pi.Realtime(99, True, 64_000)}, Level.WARNING, "memory can be locked"),
-    ({"temperature_c": 75.0}, Level.WARNING, "75 °C"),
-    ({"temperature_c": 81.0}, Level.FAULT, "81 °C"),
-    ({"power": pi.Power(True)}, Level.FAULT, "too low now"),
-    ({"power": pi.Power(False, True)}, Level.WARNING, "too low since"),
-    ({"disk": replace(DISK, free_bytes=10)}, Level.FAULT, "0.0 GB"),
-    ({"disk": replace(DISK, known=OTHER)}, Level.FAULT, "not the data folder"),
-    ({"disk": replace(DISK, known=KnownFolder("", False))}, Level.UNKNOWN, "right data folder"),
-    ({"disk": replace(DISK, trace_s=1.5)}, Level.WARNING, "in 1.50 s"),
-    ({"disk": replace(DISK, trace_s=float("inf"))}, Level.FAULT, "did not store"),
-    ({"clock": Tracking(False, 0.0)}, Level.WARNING, "chrony does not follow"),
-    ({"clock": Tracking(True, -2.0)}, Level.WARNING, "off by -2.000 s"),
-    (
-        {"vna": PortFacts("10.0.0.1", 111, Message("connection refused"))},
-        Level.FAULT,
-        "10.0.0.1 cannot be reached",
-    ),
-    ({"addresses": replace(TWO, own=())}, Level.FAULT, "none of the addresses"),
-    ({"addresses": replace(TWO, ros_address="127.0.0.1")}, Level.FAULT, "listens on 127.0.0.1"),
-    ({"addresses": replace(ONE, ros_address="")}, Level.WARNING, "everybody in the network"),
-    ({"configuration": (Message("the pin is used twice"),)}, Level.FAULT, "used twice"),
-    ({"outside": OutsideFacts(3, (11311, 4))}, Level.FAULT, "(11311, 4)"),
-    ({"outside": OutsideFacts(1, (9,), True)}, Level.FAULT, "(9)"),
-    ({"outside": None}, Level.UNKNOWN, "where ROS listens"),
-    ({"memory": Memory(150_000_000, 0)}, Level.WARNING, "150 MB free"),
-    ({"memory": Memory(50_000_000, 0)}, Level.FAULT, "50 MB free"),
-    ({"memory": Memory(10**9, 2)}, Level.WARNING, "ended 2 programs"),
-    ({"volumes": (replace(VOLUME, read_only=True),)}, Level.FAULT, "is read-only"),
-    ({"volumes": (replace(VOLUME, free_bytes=10**8),)}, Level.WARNING, "100 MB left"),
-    ({"volumes": (replace(VOLUME, free_bytes=10**6),)}, Level.FAULT, "1 MB left"),
-    ({"volumes": (replace(VOLUME, free_files=3),)}, Level.FAULT, "3 more files"),
-    ({"left_over": (7, 5)}, Level.WARNING, "The launch of 2 parts"),
-    (
-        {"addresses": replace(ONE, ros_address="10.0.0.7", foreign=("10.0.0.7",))},
-        Level.FAULT,
-        "ROS_IP or ROS_HOSTNAME is 10.0.0.7",
-    ),
-    ({"addresses": replace(TWO, foreign=("10.0.0.7",))}, Level.FAULT, "listen on 10.0.0.7"),
-    ({"behind_s": 864000.0}, Level.WARNING, "10 days before"),
+    ({"groups": replace(GROUPS, member=GPIO_ONLY)}, WARNING, "next login"),
+    ({"groups": replace(GROUPS, member=GPIO_ONLY, listed=GPIO_ONLY)}, WARNING, "not in the group"),
+    ({"groups": pi.Groups("pi", False, GPIO_ONLY, GPIO_ONLY, BOTH)}, WARNING, "no group spi"),
+    ({"spi": replace(SPI, exists=False, usable=False)}, FAULT, "SPI bus is off"),
+    ({"spi": replace(SPI, usable=False)}, FAULT, "cannot be read"),
+    ({"gpio": replace(GPIO, libraries=frozenset())}, FAULT, "RPi.GPIO for the pins"),
+    ({"gpio": replace(GPIO, devices=())}, FAULT, "pins cannot be used"),
+    ({"gpio": NO_PIGPIO}, FAULT, "pigpio daemon does not answer"),
+    ({"realtime": pi.Realtime(0, False, None)}, WARNING, "Real-time priority"),
+    ({"realtime": pi.Realtime(99, True, 64_000)}, WARNING, "memory can be locked"),
+    ({"temperature_c": 75.0}, WARNING, "75 °C"),
+    ({"temperature_c": 81.0}, FAULT, "81 °C"),
+    ({"power": pi.Power(True)}, FAULT, "too low now"),
+    ({"power": pi.Power(False, True)}, WARNING, "too low since"),
+    ({"disk": replace(DISK, free_bytes=10)}, FAULT, "0.0 GB"),
+    ({"disk": replace(DISK, known=OTHER)}, FAULT, "not the data folder"),
+    ({"disk": replace(DISK, known=KnownFolder("", False))}, UNKNOWN, "right data folder"),
+    ({"disk": replace(DISK, trace_s=1.5)}, WARNING, "in 1.50 s"),
+    ({"disk": replace(DISK, trace_s=float("inf"))}, FAULT, "did not store"),
+    ({"clock": Tracking(False, 0.0)}, WARNING, "chrony does not follow"),
+    ({"clock": Tracking(True, -2.0)}, WARNING, "off by -2.000 s"),
+    ({"vna": NO_VNA}, FAULT, "10.0.0.1 cannot be reached"),
+    ({"addresses": replace(TWO, own=())}, FAULT, "none of the addresses"),
+    ({"addresses": replace(TWO, ros_address="127.0.0.1")}, FAULT, "listens on 127.0.0.1"),
+    ({"addresses": replace(ONE, ros_address="")}, WARNING, "everybody in the network"),
+    ({"addresses": LEFT}, FAULT, "ROS_IP or ROS_HOSTNAME is 10.0.0.7"),
+    ({"addresses": replace(TWO, foreign=("10.0.0.7",))}, FAULT, "listen on 10.0.0.7"),
+    ({"configuration": (Message("the pin is used twice"),)}, FAULT, "used twice"),
+    ({"left_over": (7, 5)}, WARNING, "The launch of 2 parts"),
+    ({"outside": OutsideFacts(3, (11311, 4))}, FAULT, "(11311, 4)"),
+    ({"outside": OutsideFacts(1, (9,), True)}, FAULT, "(9)"),
+    ({"outside": None}, UNKNOWN, "where ROS listens"),
+    ({"memory": Memory(150_000_000, 0)}, WARNING, "150 MB free"),
+    ({"memory": Memory(50_000_000, 0)}, FAULT, "50 MB free"),
+    ({"memory": Memory(10**9, 2)}, WARNING, "ended 2 programs"),
+    ({"volumes": (replace(VOLUME, read_only=True),)}, FAULT, "is read-only"),
+    ({"volumes": (replace(VOLUME, free_bytes=10**8),)}, WARNING, "100 MB left"),
+    ({"volumes": (replace(VOLUME, free_bytes=10**6),)}, FAULT, "1 MB left"),
+    ({"volumes": (replace(VOLUME, free_files=3),)}, FAULT, "3 more files"),
+    ({"behind_s": 864000.0}, WARNING, "10 days before"),
     *[
-        ({field: GONE}, Level.UNKNOWN, "permission denied")
+        ({field: GONE}, UNKNOWN, "permission denied")
         for field in ("addresses", "groups", "spi", "gpio", "realtime", "temperature_c", "power")
         + ("disk", "clock", "vna", "configuration", "outside", "memory", "volumes")
     ],
@@ -211,26 +182,29 @@ def test_the_free_space_is_listed_once():
 
 WORDS = st.sampled_from(["", "10.20.0.1", "127.0.0.1", "localhost", "pi", "gpio", "pigpio"])
 SETS = st.frozensets(WORDS)
-SERVED = Place(Path("/etc/r"), Path("/log"), Path("/etc/e"), "gpr20-robot", Path("/usr/f"))
+NOT_KNOWN = st.builds(Unknown, st.builds(verbatim, WORDS))
 PATHS = st.just(Path("/x"))
-UNKNOWN = st.builds(Unknown, st.builds(verbatim, WORDS))
 DEVICES = st.builds(pi.DeviceFile, PATHS, st.booleans(), st.booleans())
 REASONS = st.none() | st.builds(verbatim, WORDS)
 
 
 def perhaps(facts):
-    return st.none() | UNKNOWN | facts
+    return st.none() | NOT_KNOWN | facts
 
 
 FOLDERS = (
-    UNKNOWN
+    NOT_KNOWN
     | st.builds(KnownFolder, WORDS, st.booleans())
     | st.just(verbatim("another folder").with_fault(OTHER_DATA_FOLDER))
 )
+VOLUMES = st.builds(
+    VolumeFacts, WORDS, PATHS, st.booleans(), st.integers(0), st.none() | st.integers(0)
+)
+PORTS = st.lists(st.integers()).map(tuple)
 MACHINES = st.builds(
     MachineFacts,
     st.sampled_from(HardwareUse),
-    UNKNOWN | st.builds(AddressFacts, WORDS, WORDS, st.lists(WORDS).map(tuple), WORDS, WORDS),
+    NOT_KNOWN | st.builds(AddressFacts, WORDS, WORDS, st.lists(WORDS).map(tuple), WORDS, WORDS),
     st.just(NodeSoftware()),
     perhaps(st.floats()),
     perhaps(st.builds(pi.Groups, WORDS, st.booleans(), SETS, SETS, SETS)),
@@ -243,14 +217,8 @@ MACHINES = st.builds(
     perhaps(st.builds(PortFacts, WORDS, st.just(111), REASONS)),
     two_computers=st.booleans(),
     memory=perhaps(st.builds(Memory, st.integers(0, 10**10), st.integers(0, 3))),
-    volumes=perhaps(
-        st.builds(
-            VolumeFacts, WORDS, PATHS, st.booleans(), st.integers(0), st.none() | st.integers(0)
-        ).map(lambda one: (one,))
-    ),
-    outside=perhaps(
-        st.builds(OutsideFacts, st.just(9), st.lists(st.integers()).map(tuple), st.booleans())
-    ),
+    volumes=perhaps(st.tuples(VOLUMES)),
+    outside=perhaps(st.builds(OutsideFacts, st.just(9), PORTS, st.booleans())),
     closed=st.booleans(),
     configuration=perhaps(st.lists(st.builds(verbatim, WORDS), max_size=2).map(tuple)),
     behind_s=st.floats(0.0, 1e9),
@@ -258,14 +226,18 @@ MACHINES = st.builds(
 )
 
 
-@given(MACHINES)
-def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(machine):
-    found = findings(None, machine)
-    assert found
-    for one in found:
-        assert one.check and str(one.text)
-        assert one.level < Level.UNKNOWN or str(one.remedy)
-        assert one.level < Level.WARNING or one.text.fault_code
+@given(st.none() | ROBOTS, MACHINES)
+def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot, machine):
+    for some in (machine, None):
+        found = findings(robot, some)
+        assert found or robot is some is None
+        for one in found:
+            assert one.check and str(one.text)
+            assert one.level < Level.UNKNOWN or str(one.remedy)
+            assert one.level < Level.WARNING or one.text.fault_code
+        if robot is not None and exit_status(found) == GOOD:
+            assert robot.master_alive and robot.control_alive
+            assert robot.configured and robot.configuration_problem is None
 
 
 @given(MACHINES)

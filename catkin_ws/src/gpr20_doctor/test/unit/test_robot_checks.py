@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 
 from case_kit import each_case
-from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common import faults as common_faults
@@ -249,19 +248,6 @@ ROBOTS = st.builds(
         st.dictionaries(st.sampled_from(EXPECTED_NODES), st.sampled_from(NodeState)),
     ),
 )
-
-
-@given(ROBOTS)
-def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot):
-    found = findings(robot, None)
-    assert found
-    for one in found:
-        assert one.check and str(one.text)
-        assert one.level < Level.UNKNOWN or str(one.remedy)
-        assert one.level < Level.WARNING or one.text.fault_code
-    if exit_status(found) == GOOD:
-        assert robot.master_alive and robot.control_alive
-        assert robot.configured and robot.configuration_problem is None
 
 
 HERE = Place(service="gpr20-robot", two_computers=True)
