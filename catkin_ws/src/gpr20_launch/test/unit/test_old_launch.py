@@ -75,10 +75,9 @@ FORMS = {
         + node(params({key: f"$(arg {axis}_{key})" for key in NAMES}), axis)
         for axis in "xyz"
     ),
-    "expressions": '<arg name="half" value="0.5"/><arg name="axis" value="x"/>'
-    + node(params({**X, "dir_pin": "$(eval 2 * (int(arg('half') * 12) + 1) - 1)"}), "$(arg axis)")
-    + f"<group if=\"$(eval axis == 'x')\">{node(params(Y), 'y')}</group>"
-    + f'<group if="$(eval half > 0.5)">{node(params(X), "y")}</group>'
+    "expressions": '<arg name="half" value="0.5"/><arg name="pin" value="6"/>'
+    + node(params({**X, "dir_pin": "$(eval 2 * (arg('pin') + 1) - 1)"}), "x")
+    + node(params({**Y, "step_pin": "$(eval pin * 3)"}), "y")
     + node(params({**Z, "min_coord": "$(eval -180 * half)"}), "z"),
     "arguments of nodes": "".join(
         node("", axis).replace(
@@ -234,8 +233,8 @@ def test_what_is_no_launch_file_of_the_robot_is_refused(tmp_path, text, shown):
 def test_files_that_include_each_other_end(tmp_path):
     again = '<include file="$(find a)/old.launch"/>'
     path = launch(tmp_path, node(params(X), "x") + again * 3, "old.launch")
-    axes, robot = imported(path)
-    assert axes["x"]["dir_pin"].startswith("UNREAD") and any(one.refuses for one in robot.problems)
+    with raises_fault(faults.OLD_LAUNCH, path, "could not be read", error=OldLaunchError):
+        imported(path)
     deep = "<group>" * 500 + node(params(X), "x") + "</group>" * 500
     assert "too deeply" in str(read_launch(launch(tmp_path, deep)).unread)
     copies = "".join(f"a{n + 1}: &a{n + 1} {{b: *a{n}, c: *a{n}}}\n" for n in range(28))
@@ -268,9 +267,7 @@ def test_any_file_is_read_or_refused(tmp_path_factory, text):
 @given(
     st.recursive(
         st.integers(-99, 99) | st.floats(-99, 99).filter(lambda one: "e" not in str(one)),
-        lambda one: st.tuples(
-            one, st.sampled_from(["+", "-", "*", "/", "//", "%", "<", "=="]), one
-        ),
+        lambda one: st.tuples(one, st.sampled_from(["+", "-", "*", "/"]), one),
         max_leaves=5,
     )
 )
@@ -278,9 +275,8 @@ def test_an_expression_has_the_value_that_python_gives_it(tmp_path_factory, part
     def text(one):
         return f"({text(one[0])} {one[1]} {text(one[2])})" if isinstance(one, tuple) else repr(one)
 
-    path = launch(tmp_path_factory.mktemp("old"), "<param name='a' value='X'/>")
-    path.write_text(path.read_text().replace("X", f"$(eval {text(parts)})".replace("<", "&lt;")))
-    found = read_launch(path)
+    inner = f"<param name='a' value='$(eval {text(parts)})'/>"
+    found = read_launch(launch(tmp_path_factory.mktemp("old"), inner))
     try:
         wanted = eval(text(parts), {"__builtins__": {}})  # noqa: S307 - numbers of this test
     except ZeroDivisionError:
@@ -299,7 +295,7 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     monkeypatch.setattr(sys, "argv", ["robot_config", "import", str(path), str(folder)])
     assert main() == 0
     said = capsys.readouterr().out
-    assert all(f"{one}:" in said for one in ("taken", "changed", "without a counterpart here"))
+    assert all(f"{one}:" in said for one in ("taken", "changed", "without a counterpart"))
     found = checked(folder, part="robot")
     assert {one.message.fault_code for one in found} == {faults.NOT_CHECKED.code}
     assert any(one.refuses for one in found)

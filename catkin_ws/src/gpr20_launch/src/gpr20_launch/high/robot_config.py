@@ -135,12 +135,8 @@ def _import(folder: Path, given: argparse.Namespace) -> int:
     parameters = read_launch(given.launch)
     robot = old_robot(given.launch, parameters, read_yaml(built_axes()))
     _refuse_existing(folder, robot.texts)
-    for title, lines in (
-        ("read", list(map(str, parameters.files))),
-        ("taken", robot.taken),
-        ("changed", robot.changed),
-        ("without a counterpart here", robot.left),
-    ):
+    others = {"taken": robot.taken, "changed": robot.changed, "without a counterpart": robot.left}
+    for title, lines in {"read": list(map(str, parameters.files)), **others}.items():
         say(f"{title}:", *(f"  {line}" for line in lines or ["nothing"]))
     return _fill(folder, {**templates(built_axes()), **robot.texts}, robot.problems)
 

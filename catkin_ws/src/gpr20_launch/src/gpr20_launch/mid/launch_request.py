@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Any, Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
@@ -54,23 +54,18 @@ class LaunchRequest:
     full_screen: str = FULL_SCREEN[0]
 
     def __post_init__(self) -> None:
-        if self.robot not in (SIMULATED, REAL):
-            raise LaunchRefusedError(
-                Message(
-                    "unknown robot:={robot}; write robot:={simulated} or robot:={real}",
-                    robot=self.robot,
-                    simulated=SIMULATED,
-                    real=REAL,
+        choices = (("robot", (SIMULATED, REAL)), ("full_screen", FULL_SCREEN))
+        for name, allowed in choices:
+            value = getattr(self, name)
+            if value not in allowed:
+                known = ", ".join(allowed)
+                text = Message(
+                    "unknown {name}:={value}; it must be one of {allowed}",
+                    name=name,
+                    value=value,
+                    allowed=known,
                 )
-            )
-        if self.full_screen not in FULL_SCREEN:
-            raise LaunchRefusedError(
-                Message(
-                    "unknown full_screen:={full_screen}; it must be one of {allowed}",
-                    full_screen=self.full_screen,
-                    allowed=", ".join(FULL_SCREEN),
-                )
-            )
+                raise LaunchRefusedError(text)
         if self.robot == REAL and self.simulator.time_scale != 1.0:
             raise LaunchRefusedError(
                 Message(
@@ -103,19 +98,15 @@ class LaunchRequest:
         if self.robot == SIMULATED:
             self._simulate(sections)
         else:
-            self._complete_axes(sections)
+            self._remember_rotation(sections["z_axis"])
         if self.part in (SERVER, SURVEY):
             sections["storage"]["data"] = str(self._data_folder(sections))
             sections["imaging"] = {"data": sections["storage"]["data"]}
         return sections
 
-    def _complete_axes(self, sections: Sections) -> None:
-        for axis_id in AxisId:
-            section = f"{axis_id.value}_axis"
-            parameters = record_from(AxisParameters, sections[section], section)
-            if axis_id is AxisId.Z and not parameters.finds_zero:
-                rotation_file = str(Path(ROTATION_FILE).expanduser())
-                sections[section].setdefault("memory_file", rotation_file)
+    def _remember_rotation(self, z_axis: Dict[str, Any]) -> None:
+        if not record_from(AxisParameters, z_axis, "z_axis").finds_zero:
+            z_axis.setdefault("memory_file", str(Path(ROTATION_FILE).expanduser()))
 
     @property
     def folder(self) -> Path:
@@ -125,15 +116,10 @@ class LaunchRequest:
             ConfigurationError: The folder that was given is none.
         """
         folder = Path(self.config or DEFAULT_FOLDER).expanduser().absolute()
-        if self.config and folder.is_file():
-            raise ConfigurationError(
-                Message("{file} (config:=) is a file; give its folder", file=folder),
-                fault=faults.NO_FOLDER,
-            )
         if self.config and not folder.is_dir():
             raise ConfigurationError(
                 Message(
-                    "the folder {folder} (config:=) does not exist; create it with its files: "
+                    "{folder} (config:=) is no folder; create it with its files: "
                     "rosrun gpr20_launch robot_config create {folder}",
                     folder=folder,
                 ),

@@ -24,16 +24,14 @@ MAX_BYTES = 1 << 20
 # Of groups, nodes and includes in each other; files in all; and parameters in all.
 MAX_DEPTH, MAX_FILES, MAX_VALUES = 32, 64, 10_000
 LONGEST_EXPRESSION = 500
+_UNUSABLE = (TypeError, ValueError, ArithmeticError, LookupError)
 _SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
 _PRIVATE_ARGUMENT = re.compile(r"_(\w[\w/]*):=(.*)", re.DOTALL)
 # Around the name of a package, whose folder is looked for beside the file that names it.
 _FOUND = "\0"
 _OPERATORS: Mapping[type, Callable[..., Any]] = {
-    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul},
-    **{ast.Div: operator.truediv, ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod},
-    **{ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_},
-    **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Lt: operator.lt, ast.LtE: operator.le},
-    **{ast.Gt: operator.gt, ast.GtE: operator.ge},
+    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.UAdd: operator.pos},
+    **{ast.Mult: operator.mul, ast.Div: operator.truediv, ast.USub: operator.neg},
 }
 
 
@@ -101,12 +99,12 @@ def read_launch(path: Path) -> LaunchParameters:
 def _root(path: Path, found: LaunchParameters) -> ElementTree.Element:
     text = _bytes(path, found)
     try:
-        root = None if b"<!ENTITY" in text else ElementTree.fromstring(text)
+        root = ElementTree.fromstring(b"" if b"<!ENTITY" in text else text)
     except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise OldLaunchError(
             Message("{file} is not a launch file", file=path, details=error)
         ) from error
-    if root is None or root.tag != "launch":
+    if root.tag != "launch":
         raise OldLaunchError(Message("{file} is not a launch file", file=path))
     return root
 
@@ -247,38 +245,27 @@ def _substituted(text: str, scope: _Scope) -> str:
 
 
 def _evaluated(text: str, scope: _Scope) -> str:
-    """Return the value of an expression of numbers, texts and args."""
-    functions: Dict[str, Callable[..., Any]] = {
-        **{"int": int, "float": float, "str": str, "round": round},
-        "arg": lambda name: _plain(scope.arguments[name]),
-    }
+    """Return the value of an expression of numbers and args."""
 
     def value(node: ast.AST) -> Any:
-        if isinstance(node, ast.Constant) and isinstance(node.value, (int, float, str)):
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
             return node.value
-        if isinstance(node, ast.Name) and node.id in scope.arguments:
-            return _plain(scope.arguments[node.id])
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "arg":
+            return value(ast.Name(*(getattr(one, "value", "") for one in node.args)))
+        if isinstance(node, ast.Name):
+            number = _plain(scope.arguments[node.id])
+            return number if type(number) in (int, float) else int(number)
         if isinstance(node, ast.UnaryOp):
             return _OPERATORS[type(node.op)](value(node.operand))
         if isinstance(node, ast.BinOp):
-            sides = value(node.left), value(node.right)
-            if str in map(type, sides) and not isinstance(node.op, ast.Add):
-                raise _unknown(text)  # a text times a number could be of any length
-            return _OPERATORS[type(node.op)](*sides)
-        if isinstance(node, ast.Compare) and len(node.ops) == 1:
-            return _OPERATORS[type(node.ops[0])](value(node.left), value(node.comparators[0]))
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
-            given = [value(one) for one in node.args]
-            return functions[node.func.id](*given)
+            return _OPERATORS[type(node.op)](value(node.left), value(node.right))
         raise _unknown(text)
 
     if len(text) > LONGEST_EXPRESSION:
         raise _unknown(text[:LONGEST_EXPRESSION])
     try:
         return str(value(ast.parse(text[len("$(eval ") : -1].strip(), mode="eval").body))
-    except (SyntaxError, MemoryError, RecursionError) as error:
-        raise _unknown(text) from error
-    except (TypeError, ValueError, ArithmeticError, LookupError) as error:
+    except (*_UNUSABLE, SyntaxError, MemoryError, RecursionError) as error:
         raise _unknown(text) from error
 
 

@@ -32,13 +32,9 @@ VNA_NAMES = ("vna_ip", "ip_addr", "vna_address")
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
 ANALYZER_FILE, WIRING_FILE = "analyzer.yaml", "wiring.yaml"
-TO_CHECK = (
-    Unchecked.PINS,
-    Unchecked.ENDSTOP_LEVELS,
-    Unchecked.EMERGENCY_STOP,
-    Unchecked.DIRECTIONS,
-    Unchecked.TRAVEL,
-)
+# The two others are about the group's board.
+NOT_ITS_OWN = (Unchecked.Z_DIRECTION_OR_STEP, Unchecked.NO_5_V)
+TO_CHECK = [one.value for one in Unchecked if one not in NOT_ITS_OWN]
 
 
 @dataclass
@@ -87,26 +83,22 @@ def old_robot(
         else:
             robot.left.append(f"{name}: {value}")
     _mark_unread(parameters, axes, defaults, robot)
-    if not any(axes.values()):
+    if all(str(one).startswith(UNREAD) for axis in axes.values() for one in axis.values()):
+        example = "gpr20_x_axis/gpr20_axis/dir_pin"
+        text = Message(
+            "{file} sets no parameter of an axis, such as {example}", file=path, example=example
+        )
         raise OldLaunchError(
-            Message(
-                "{file} sets no parameter of an axis, such as {example}",
-                file=path,
-                example="gpr20_x_axis/gpr20_axis/dir_pin",
-            )
+            next((one.message for one in parameters.unread if one.name == ""), text)
         )
     lines = [f"# {AXES_FILE}: from {path.name}; a key that is not here has its default."]
     for axis in AXIS_SECTIONS:
         lines += _axis_lines(axis, axes[axis], defaults[axis], robot)
     robot.texts[AXES_FILE] = "\n".join([*lines, ""])
-    robot.texts[WIRING_FILE] = "\n".join(
-        [
-            f"# {WIRING_FILE}: {path.name} does not show whether this is right for the robot.",
-            "# Delete each line when a person has checked it, as docs/wiring.md describes.",
-            "unchecked:",
-            *(f"  - {one.value}" for one in TO_CHECK),
-            "",
-        ]
+    robot.texts[WIRING_FILE] = (
+        f"# {WIRING_FILE}: {path.name} does not show whether this is right for the robot.\n"
+        "# Delete each line when a person has checked it, as docs/wiring.md describes.\n"
+        + yaml.safe_dump({"unchecked": TO_CHECK})
     )
     return robot
 
@@ -143,36 +135,28 @@ def _axis_of(name: str) -> str:
 def _axis_lines(
     axis: str, old: Mapping[str, Any], defaults: Mapping[str, Any], robot: OldRobot
 ) -> List[str]:
-    missing = [key for key in defaults if key in NAMES and key not in old]
-    robot.changed += [
-        f"{axis}/{key}: not in the file, so the default counts: {defaults[key]}" for key in missing
-    ]
-    if not old:
-        return []
-    own = dict(old)
-    kind = own.get("type", defaults["type"])
-    if isinstance(kind, str) and "type" in own and kind in map(str.lower, _TYPES):
-        kind = own["type"] = kind.upper()
-        robot.changed.append(f"{axis}/type: {old['type']} -> {kind}")
-    pin = own.get("sensor_pin")
+    def changed(text: str) -> None:
+        robot.changed.append(f"{axis}/{text}")
+
+    for key in (key for key in defaults if key in NAMES and key not in old):
+        changed(f"{key}: not in the file, so the default counts: {defaults[key]}")
+    own, pin = dict(old), old.get("sensor_pin")
+    if all(str(value).startswith(UNREAD) for value in own.values()):
+        return [f"{axis}: {_written(value)}" for value in list(own.values())[:1]]
+    kind = str(own.get("type", defaults["type"])).strip().upper()
+    if kind in _TYPES and kind != own.get("type", kind):
+        own["type"] = kind
+        changed(f"type: {old['type']} -> {kind}")
     if "sensor_pin" in own and kind == AxisType.ROTARY.value:
         del own["sensor_pin"]
-        robot.changed.append(
-            f"{axis}/sensor_pin: {pin} -> left out: an axis that turns has no endstop, also before"
-        )
-        robot.changed.append(
-            f"{axis}: its homing called the place where it was min_coord; here a person sets 0"
-        )
+        changed(f"sensor_pin: {pin} -> left out: an axis that turns has no endstop, also before")
+        changed("min_coord: homing called the place where it was so; here a person sets 0")
     elif isinstance(pin, int) and pin < 0:
         own["sensor_pin"] = None
-        robot.changed.append(f"{axis}/sensor_pin: {pin} -> null: no endstop")
-    robot.changed.append(
-        f"{axis}/invert_direction: true, because DIR was low for increasing coordinates"
-    )
+        changed(f"sensor_pin: {pin} -> null: no endstop")
+    changed("invert_direction: true, because DIR was low for increasing coordinates")
     if own.get("sensor_pin") is not None:
-        robot.changed.append(
-            f"{axis}/endstop_pull: up, so that a broken wire has a level; before there was none"
-        )
+        changed("endstop_pull: up, so that a broken wire has a level; before there was none")
     lines = [f"{axis}:"]
     for key in NAMES:
         if key in own:

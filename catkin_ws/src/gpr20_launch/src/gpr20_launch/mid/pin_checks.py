@@ -10,7 +10,7 @@ from gpr20_common.message import Message
 from gpr20_launch import faults
 from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
 from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Reading
+from gpr20_launch.mid.robot_files import AXES_FILE, Reading
 from gpr20_survey.axes.axis_parameters import AxisParameters, Backend, Level, Pull
 
 HEIGHT_FILE = "height.yaml"
@@ -156,29 +156,17 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
 
 
 def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem]:
-    if parameters.sensor_pin in I2C and parameters.endstop_pull != Pull.UP.value:
-        yield problem(
-            faults.ENDSTOP,
-            file,
-            f"{axis}/endstop_pull",
-            parameters.endstop_pull,
-            Message(
-                "sensor_pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls it up",
-                pin=parameters.sensor_pin,
-            ),
-            Pull.UP.value,
-        )
+    pin, pull, up = parameters.sensor_pin, parameters.endstop_pull, Pull.UP.value
+    if pin in I2C and pull != up:
+        reason = Message("pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls up", pin=pin)
+        yield problem(faults.ENDSTOP, file, f"{axis}/endstop_pull", pull, reason, up)
 
 
 def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
-    timed = [axis for axis in AXIS_SECTIONS if axis in axes]
-    timed = [axis for axis in timed if axes[axis].backend == Backend.PIGPIO.value]
+    timed = [axis for axis, one in axes.items() if one.backend == Backend.PIGPIO.value]
     for axis in timed[1:]:
-        yield problem(
-            faults.MOTION,
-            file,
-            f"{axis}/backend",
-            Backend.PIGPIO.value,
-            Message("pigpio can time the pulses of one axis, and {first} has it", first=timed[0]),
-            Backend.RPI_GPIO.value,
+        reason = Message(
+            "pigpio can time the pulses of one axis, and {first} has it", first=timed[0]
         )
+        key, other = f"{axis}/backend", Backend.RPI_GPIO.value
+        yield problem(faults.MOTION, file, key, Backend.PIGPIO.value, reason, other)

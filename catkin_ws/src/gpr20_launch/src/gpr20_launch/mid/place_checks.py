@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,10 +85,8 @@ def check_place(reading: Reading, use: Use) -> Iterator[Problem]:
 
 
 def _left_over(folder: Path) -> Iterator[Problem]:
-    names = sorted(os.listdir(str(folder))) if folder.exists() else []
-    for name in names:
-        if LEFT_OVER.fullmatch(name) and not name.endswith((".yaml", ".yml")):
-            path = folder / name
+    for path in sorted(folder.iterdir()) if folder.exists() else ():
+        if LEFT_OVER.fullmatch(path.name) and path.suffix not in (".yaml", ".yml"):
             text = Message(
                 "{file} is left over, and is not read: somebody may take it for the configuration",
                 file=printable(path),
@@ -291,27 +288,17 @@ def _not_of_device(address: str, key: str) -> Optional[Message]:
 
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:
-    if not (reading.folder / WIRING_FILE).exists():
-        yield from _unlisted(reading.folder)
+    wiring = reading.folder / WIRING_FILE
     for one in reading.record("wiring").unchecked:
         reason = Message("nobody has checked it: {task}", task=TASKS[one])
         allowed = Message("nothing in the list, once a person has checked it")
-        yield problem(
-            faults.NOT_CHECKED,
-            reading.folder / WIRING_FILE,
-            "unchecked",
-            one.value,
-            reason,
-            allowed,
-            doubtful=one in WITH_ROBOT,
-        )
-
-
-def _unlisted(folder: Path) -> Iterator[Problem]:
-    """Find files of a profile without the list of what must be checked in them."""
+        doubtful = one in WITH_ROBOT
+        given = (faults.NOT_CHECKED, wiring, "unchecked", one.value, reason, allowed, doubtful)
+        yield problem(*given)
     for name in (AXES_FILE, HEIGHT_FILE):
-        file = folder / name
-        if file.is_file() and PROFILE_MARK in file.read_bytes():
+        file = reading.folder / name
+        # A profile without the list of what must be checked in it.
+        if not wiring.exists() and file.is_file() and PROFILE_MARK in file.read_bytes():
             reason = Message(
                 "this file is one of a profile, and the list of what must be checked is not there"
             )

@@ -55,15 +55,7 @@ def problem(
 ) -> Problem:
     """Return a problem of one value, whose sentence names file, key, value and what is allowed.
 
-    Args:
-        fault: What it reports.
-        file: The file, or the name of a setting outside of the files.
-        key: The key.
-        value: The value.
-        reason: What is wrong with it.
-        allowed: What would be allowed.
-        doubtful: Whether it may be right on some robot; it refuses no launch.
-        uses: Of a pin: everything that uses it.
+    A doubtful value may be right on some robot; it refuses no launch.
     """
     text = Message(
         "{file}: {key} is {value}: {reason}; allowed: {allowed}",
@@ -73,11 +65,5 @@ def problem(
         reason=reason,
         allowed=allowed,
     ).with_fault(fault)
-    return Problem(
-        text.as_warning() if doubtful else text,
-        str(file),
-        key,
-        str(value),
-        str(allowed),
-        uses,
-    )
+    text = text.as_warning() if doubtful else text
+    return Problem(text, str(file), key, str(value), str(allowed), uses)

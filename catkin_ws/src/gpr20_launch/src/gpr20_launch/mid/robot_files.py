@@ -167,35 +167,31 @@ class Reading:
                 reason = Message(
                     "{place} is {value}; it must be a group of values", place=axis, value=repr(own)
                 )
-                hint = hint_for_text(path) if isinstance(own, str) else None
+                hint = hint_for_value(axis, own, reason) or hint_for_text(path)
                 self._wrong(path, with_hint(reason, hint), axis, own)
                 own = {}
             own = dict(own)
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
             base = self.built[axis]
+            values_of_axis = {**base, **own}.items()
             self.raw_axes[axis] = {
-                key: value
-                for key, value in {**base, **own}.items()
-                if not {(path.name, one) for one in ("", axis, f"{axis}/{key}")} & self.unsure
+                key: one for key, one in values_of_axis if self.knows(path.name, f"{axis}/{key}")
             }
             for one in impossible_values(path, axis, self.raw_axes[axis]):
                 self.problems.append(one)
                 self.unsure.add((path.name, one.key))
                 own.pop(one.key.partition("/")[2], None)
-            self.sections[section] = {
-                **base,
-                **self._allowed(path, AxisParameters, own, axis, base),
-            }
+            own = self._allowed(path, AxisParameters, own, axis, base)
+            self.sections[section] = {**base, **own}
 
     def _content(self, path: Path) -> Dict[Any, Any]:
         try:
             values = read_yaml(path)
-        except FileNotFoundError as error:
-            if _is_broken_link(path) or _is_broken_link(path.parent):
-                self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
-            return {}
         except OSError as error:
-            self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
+            # A link that leads nowhere, such as to a medium that is not there, is no default.
+            links = any(one.is_symlink() and not one.exists() for one in (path, path.parent))
+            if links or not isinstance(error, FileNotFoundError):
+                self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
             return {}
         except YamlFileError as error:
             self._wrong(path, with_hint(error.message, hint_for_text(path)))
@@ -215,8 +211,17 @@ class Reading:
                 continue
             value = values.pop(key)
             place = f"{below}{key}" if below else repr(key)
-            reason = with_hint(_unknown(place, known), hint_for_key(key, known))
-            self._wrong(path, reason, f"{below}{key}", value, ", ".join(sorted(known)))
+            allowed = ", ".join(sorted(known))
+            reason = Message("{place} is unknown; allowed: {known}", place=place, known=allowed)
+            options = ", ".join(one for one in sorted(known) if one.endswith("_options"))
+            if options:
+                text = Message(
+                    "a setting of another package's class belongs in {options}", options=options
+                )
+                reason = with_hint(reason, text)
+            self._wrong(
+                path, with_hint(reason, hint_for_key(key, known)), f"{below}{key}", value, allowed
+            )
             meant = nearest(key, known)
             if meant is not None and meant not in values:
                 self.unsure.add((path.name, f"{below}{meant}"))
@@ -300,22 +305,3 @@ def read_configuration(folder: Path, built_axes: Path) -> Sections:
     if found.problems:
         raise ConfigurationError(found.problems[0].message)
     return found.sections
-
-
-def _unknown(key: str, known: Set[str]) -> Message:
-    allowed = ", ".join(sorted(known))
-    options = ", ".join(sorted(one for one in known if one.endswith("_options")))
-    if not options:
-        return Message("{place} is unknown; allowed: {known}", place=key, known=allowed)
-    return Message(
-        "{place} is unknown; allowed: {known}; a setting of a class of another package belongs "
-        "in {options}",
-        place=key,
-        known=allowed,
-        options=options,
-    )
-
-
-def _is_broken_link(path: Path) -> bool:
-    """Return whether a link leads nowhere, such as to a medium that is not there."""
-    return path.is_symlink() and not path.exists()
