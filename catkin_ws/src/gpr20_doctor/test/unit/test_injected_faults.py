@@ -126,13 +126,9 @@ def computer():
 
 
 class State(NamedTuple):
-    """A way to break a computer.
+    """A way to break a computer, the code of the fault that must be found, words of its advice.
 
-    Attributes:
-        code: Of the fault that must be found.
-        words: What its advice must say.
-        inject: Breaks the computer.
-        act: Does by hand what the advice says; None: its commands are run.
+    `act` does by hand what the advice says; without it the commands of the advice are run.
     """
 
     code: str
@@ -160,86 +156,66 @@ def remount_read_only(one):
     subprocess.run(["mount", "-o", "remount,ro", str(one.logs)], check=True)
 
 
-def file(name, text):
-    return lambda one: one.write(name, text)
+def listen(one):
+    one.vna = socket.create_server(("127.0.0.1", 0))
 
 
-def address(value):
-    return lambda one: one.environment.update(ROS_IP=value)
+def swap(name, bad, good):
+    """Return what breaks a computer by the text of a file, and what ends that."""
+    return (lambda one: one.write(name, bad)), (lambda one: one.write(name, good))
+
+
+def process(number, words, environment=""):
+    """Return what starts a node without a launch above it, and what ends it."""
+
+    def start(one):
+        one.write(f"proc/{number}/environ", environment)
+        one.write(f"proc/{number}/stat", f"{number} (node) S 1")
+        one.write(f"proc/{number}/cmdline", words.replace(" ", "\0"))
+
+    return start, lambda one: one.write(f"proc/{number}/cmdline", "")
 
 
 def date(now_s):
     return lambda one: setattr(one, "now_s", now_s)
 
 
-def process(number, words, environment):
-    def start(one):
-        one.write(f"proc/{number}/cmdline", words.replace(" ", "\0"))
-        one.write(f"proc/{number}/environ", environment)
-        one.write(f"proc/{number}/stat", f"{number} (node) S 1")
-
-    return start
+def addresses(*of_both):
+    return lambda one: one.set_addresses(*of_both)
 
 
-end_part = process("60", "", "")
+def listens_on(address):
+    return lambda one: one.environment.update(ROS_IP=address)
 
 
-def plug_in(one):
-    one.unmount(one.data)
-
-
-def listen(one):
-    one.vna = socket.create_server(("127.0.0.1", 0))
-
-
-def exchange_disk(one):
-    """Another disk is mounted over the right one."""
-    one.mount(one.data)
-
-
-MEMORY, FIRMWARE = "proc/meminfo", "throttled"
 TEMPERATURE = "sys/class/thermal/thermal_zone0/temp"
 ALONE = FOLLOWS.format(offset="0", leap="Not synchronised")
+LATE = FOLLOWS.format(offset="2.0", leap="Normal")
 MISTAKE = Message("axes.yaml, x/dir_pin and y/dir_pin use the same pin").with_fault(
     Fault("config.wrong_value", Message("Correct the file that the message names."))
 )
 STATES = {
     "two axes use one pin": State(
-        "config.wrong_value",
-        "Correct the file",
-        file("problems", f"[{MISTAKE.to_json()}]"),
-        file("problems", "[]"),
+        *("config.wrong_value", "Correct the file"),
+        *swap("problems", f"[{MISTAKE.to_json()}]", "[]"),
     ),
     "the SPI bus is off": State(
         "computer.spi_off", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
     ),
-    "chrony follows nobody": State(
-        "clock.not_followed", "cable", file("chrony", ALONE), file("chrony", NORMAL)
-    ),
-    "the clock is 2 s off": State(
-        "clock.off", "makestep", file("chrony", FOLLOWS.format(offset="2.0", leap="Normal"))
-    ),
+    "chrony follows nobody": State("clock.not_followed", "cable", *swap("chrony", ALONE, NORMAL)),
+    "the clock is 2 s off": State("clock.off", "makestep", swap("chrony", LATE, "")[0]),
     "the clock starts in 1970": State("clock.behind", "sudo date -s", date(86400.0), date(4e9)),
-    "the processor is hot": State(
-        "computer.hot", "fan", file(TEMPERATURE, "85000"), file(TEMPERATURE, "60000")
-    ),
+    "the processor is hot": State("computer.hot", "fan", *swap(TEMPERATURE, "85000", "60000")),
     "the supply is weak": State(
-        "computer.voltage_low",
-        "battery",
-        file(FIRMWARE, "throttled=0x50005"),
-        file(FIRMWARE, "throttled=0x0"),
+        "computer.voltage_low", "battery", *swap("throttled", "throttled=0x50005", "throttled=0x0")
     ),
     "the memory is used up": State(
-        "computer.memory_low",
-        "ps aux",
-        file(MEMORY, "MemAvailable: 50000 kB\n"),
-        file(MEMORY, "MemAvailable: 900000 kB\n"),
+        *("computer.memory_low", "ps aux"),
+        *swap("proc/meminfo", "MemAvailable: 50000 kB\n", "MemAvailable: 900000 kB\n"),
     ),
     "a program was ended for lack of memory": State(
-        "computer.memory_ran_out",
-        "restart the computer",
-        file("proc/vmstat", "oom_kill 2\n"),
-        file("proc/vmstat", "oom_kill 0\n"),
+        *("computer.memory_ran_out", "restart the computer"),
+        *swap("proc/vmstat", "oom_kill 2\n", "oom_kill 0\n"),
     ),
     "the disk of the logs is read-only": State(
         "computer.volume_read_only", "remount,rw", remount_read_only
@@ -249,26 +225,24 @@ STATES = {
         "computer.volume_full", "Delete", crowd, clear
     ),
     "another disk is mounted in place of the surveys": State(
-        "storage.other_data_folder", "mount the disk", exchange_disk, plug_in
+        *("storage.other_data_folder", "mount the disk"),
+        *(lambda one: one.mount(one.data), lambda one: one.unmount(one.data)),
     ),
     "the VNA is off": State("vna.unreachable", "switched on", lambda one: one.vna.close(), listen),
     "the two addresses are those of other computers": State(
-        "network.address_missing",
-        "etc/gpr20/environment",
-        lambda one: one.set_addresses("192.0.2.5", "192.0.2.6"),
-        lambda one: one.set_addresses("127.0.0.1", "127.0.0.2"),
+        *("network.address_missing", "etc/gpr20/environment"),
+        *(addresses("192.0.2.5", "192.0.2.6"), addresses("127.0.0.1", "127.0.0.2")),
     ),
     "an address of the robot's parts is gone": State(
-        "network.address_gone",
-        "Check the link",
-        process("50", "node __name:=x", "ROS_IP=192.0.2.7"),
-        process("50", "", ""),
+        *("network.address_gone", "Check the link"),
+        *process(50, "node __name:=x", "ROS_IP=192.0.2.7"),
     ),
     "the launch of a part has ended": State(
-        "doctor.left_over", "kill 60", process("60", "node __name:=x __log:=/l", ""), end_part
+        "doctor.left_over", "kill 60", *process(60, "node __name:=x __log:=/l")
     ),
     "ROS_IP is that of another computer": State(
-        "network.address_wrong", "gpr20-run doctor", address("192.0.2.9"), address("127.0.0.1")
+        *("network.address_wrong", "gpr20-run doctor"),
+        *(listens_on("192.0.2.9"), listens_on("127.0.0.1")),
     ),
 }
 
@@ -289,6 +263,18 @@ def healthy():
     """What is found on this machine whatever is done to it."""
     with computer() as one:
         return set(one.look())
+
+
+def test_ros_ip_of_another_computer_is_found_with_one_computer_too():
+    with computer() as one:
+        one.set_addresses("", "")
+        alone = set(one.look())
+        listens_on("192.0.2.9")(one)
+        found = one.look()
+        assert set(found) - alone == {"network.address_wrong"}
+        assert "gpr20-run doctor" in str(found["network.address_wrong"].remedy)
+        listens_on("127.0.0.1")(one)
+        assert set(one.look()) == alone
 
 
 def test_each_broken_state_is_found_and_its_advice_ends_it(healthy):

@@ -10,9 +10,9 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
-from gpr20_doctor.mid.listener import WATCH_S, Listener, unheard
+from gpr20_doctor.mid.listener import WATCH_S, Listener
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisPosition, Evidence
+from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 
@@ -130,5 +130,12 @@ def test_findings_are_printed_as_json():
     }
 
 
-def test_a_robot_that_is_off_has_no_node():
-    assert unheard("http://x:1", Evidence()).unheard
+def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
+    # Anybody can publish there.
+    messages = pytest.importorskip("diagnostic_msgs.msg")
+    node_reports = pytest.importorskip("gpr20_doctor.high.node_reports")
+    given = (0, 7, 3, b"\x01", 255)
+    status = [messages.DiagnosticStatus(name=f"/part_{one}", level=one) for one in given]
+    found = node_reports.node_healths(messages.DiagnosticArray(status=status), "/")
+    ok, warn, error, stale = HealthLevel
+    assert [one.level for one in found] == [ok, error, stale, warn, error]

@@ -182,6 +182,7 @@ def test_the_free_space_is_listed_once():
 
 WORDS = st.sampled_from(["", "10.20.0.1", "127.0.0.1", "localhost", "pi", "gpio", "pigpio"])
 SETS = st.frozensets(WORDS)
+SEVERAL = st.lists(WORDS).map(tuple)
 NOT_KNOWN = st.builds(Unknown, st.builds(verbatim, WORDS))
 PATHS = st.just(Path("/x"))
 DEVICES = st.builds(pi.DeviceFile, PATHS, st.booleans(), st.booleans())
@@ -204,7 +205,7 @@ PORTS = st.lists(st.integers()).map(tuple)
 MACHINES = st.builds(
     MachineFacts,
     st.sampled_from(HardwareUse),
-    NOT_KNOWN | st.builds(AddressFacts, WORDS, WORDS, st.lists(WORDS).map(tuple), WORDS, WORDS),
+    NOT_KNOWN | st.builds(AddressFacts, WORDS, WORDS, SEVERAL, WORDS, SEVERAL),
     st.just(NodeSoftware()),
     perhaps(st.floats()),
     perhaps(st.builds(pi.Groups, WORDS, st.booleans(), SETS, SETS, SETS)),
@@ -220,6 +221,7 @@ MACHINES = st.builds(
     volumes=perhaps(st.tuples(VOLUMES)),
     outside=perhaps(st.builds(OutsideFacts, st.just(9), PORTS, st.booleans())),
     closed=st.booleans(),
+    left_over=PORTS,
     configuration=perhaps(st.lists(st.builds(verbatim, WORDS), max_size=2).map(tuple)),
     behind_s=st.floats(0.0, 1e9),
     place=st.sampled_from([Place(), SERVED]),
@@ -242,22 +244,22 @@ def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot, mach
 
 @given(MACHINES)
 def test_what_is_not_known_is_never_called_good(machine):
-    found = {one.check: one for one in findings(None, machine)}
-    for check, fact in (
-        ("addresses", machine.addresses),
-        ("temperature", machine.temperature_c),
-        ("power", machine.power),
-        ("data_disk", machine.disk),
-        ("firewall", machine.outside),
-        ("memory", machine.memory),
-        ("volumes", machine.volumes),
-        ("config_files", machine.configuration),
-        ("vna_port", machine.vna),
-    ):
-        assert not isinstance(fact, Unknown) or found[check].level is Level.UNKNOWN
+    found = {one.check: one.level for one in findings(None, machine)}
+    looked_at = {
+        "addresses": machine.addresses,
+        "temperature": machine.temperature_c,
+        "power": machine.power,
+        "data_disk": machine.disk,
+        "firewall": machine.outside,
+        "memory": machine.memory,
+        "volumes": machine.volumes,
+        "config_files": machine.configuration,
+        "vna_port": machine.vna,
+    }
+    for check, fact in looked_at.items():
+        assert not isinstance(fact, Unknown) or found[check] is Level.UNKNOWN
     if machine.hardware is HardwareUse.NEEDED:
         for check in ("groups", "spi", "gpio", "realtime"):
             fact = getattr(machine, check)
-            assert (fact not in (None,) and not isinstance(fact, Unknown)) or (
-                found[check].level is Level.UNKNOWN
-            )
+            known = fact is not None and not isinstance(fact, Unknown)
+            assert known or found[check] is Level.UNKNOWN

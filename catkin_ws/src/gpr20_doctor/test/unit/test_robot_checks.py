@@ -90,23 +90,13 @@ def test_who_has_just_begun_to_listen_has_not_heard_every_node():
     assert findings(replace(silent, listening_s=6.0), None)[0].level is Level.FAULT
 
 
-def test_without_the_master_nothing_is_called_good():
-    found = findings(facts(master_alive=False, control_alive=False, nodes=None), None)
-    assert any("ROS master" in str(one.text) for one in found)
-    unheard = replace(facts(master_alive=False, control_alive=False), nodes=())
-    found = findings(unheard, None)
-    assert [one.level for one in found] == [Level.FAULT, Level.UNKNOWN]
-    assert exit_status(found) == BAD
-
-
 OTHER = {VNA: NodeSoftware("0.1.0", "abc", "pc"), HEIGHT: NodeSoftware("0.1.0", "def", "pi")}
 LOST = AnalyzerTest("", failure=FAILED)
 FOREIGN = report(VNA, values={"identity": "A,SIMULATED,1"})
 NOWHERE = {"endstops": CLOSED, "axes": NOT_HOMED}
 LATE = {"clock_offsets_s": {HEIGHT: 0.1, VNA: -75.0}}
-
-
-LEFT = {**{name: SAME for name in EXPECTED_NODES}, VNA: NodeSoftware("0.1.0", "def", "robot")}
+LEFT = {**dict.fromkeys(EXPECTED_NODES, SAME), VNA: NodeSoftware("0.1.0", "def", "robot")}
+HEARD = {name: SAME for name in EXPECTED_NODES if name != HEIGHT}
 
 
 def free_mb(text):
@@ -147,6 +137,8 @@ OTHERS = [
     (free_mb(""), Level.UNKNOWN, "disk space is not known"),
     (free_mb("inf"), Level.UNKNOWN, "disk space is not known"),
     ({"software": {VNA: NodeSoftware()}}, Level.UNKNOWN, "VNA driver does not say"),
+    ({"software": HEARD}, Level.UNKNOWN, "the software of Height sensor"),
+    ({"analyzer": AnalyzerTest("", "Anritsu", "LOW")}, Level.WARNING, "Calibration of the VNA"),
     ({"software": {}}, Level.UNKNOWN, "software of the parts is not known"),
 ]
 
@@ -170,11 +162,6 @@ def test_an_endstop_that_changes_while_it_is_watched_works():
     texts = [str(one.text) for one in findings(seen, None)]
     assert "The endstop of the X axis works: its state has changed." in texts
     assert "The endstop of the Y axis is closed, at its zero." in texts
-
-
-def test_a_test_of_the_vna_counts_more_than_what_its_driver_remembers():
-    tested = facts(analyzer=AnalyzerTest("", "Anritsu", "LOW"))
-    assert findings(tested, None)[0].level is Level.WARNING
 
 
 @each_case("level", [WARN, ERROR])
@@ -220,6 +207,7 @@ HEALTHS = st.builds(
     st.builds(verbatim, WORDS),
     st.dictionaries(KEYS, WORDS),
 )
+AXIS_IDS = st.sampled_from(AxisId)
 MESSAGES = st.none() | st.builds(verbatim, WORDS)
 ROBOTS = st.builds(
     RobotFacts,
@@ -229,13 +217,8 @@ ROBOTS = st.builds(
     clock_offsets_s=st.dictionaries(WORDS, st.floats()),
     listening_s=st.floats(0.0, 10.0),
     software=st.dictionaries(WORDS, st.builds(NodeSoftware, WORDS, WORDS, WORDS)),
-    endstops=st.dictionaries(
-        st.sampled_from(AxisId), st.builds(EndstopSeen, st.booleans(), st.integers(0, 3))
-    ),
-    axes=st.dictionaries(
-        st.sampled_from(AxisId),
-        st.builds(AxisPosition, st.floats(), st.booleans(), st.booleans()),
-    ),
+    endstops=st.dictionaries(AXIS_IDS, st.builds(EndstopSeen, st.booleans(), st.integers(0, 3))),
+    axes=st.dictionaries(AXIS_IDS, st.builds(AxisPosition, st.floats(), *[st.booleans()] * 2)),
     height_m=st.floats(),
     analyzer=st.none() | st.builds(AnalyzerTest, WORDS, WORDS, WORDS, failure=MESSAGES),
     evidence=st.builds(
@@ -252,6 +235,7 @@ ROBOTS = st.builds(
 
 HERE = Place(service="gpr20-robot", two_computers=True)
 GONE, HANGS = NodeState.GONE, NodeState.HANGS
+MISSING, RESTART = "doctor.parts_missing", "sudo systemctl restart "
 
 
 def unheard(state, **found):
@@ -259,27 +243,20 @@ def unheard(state, **found):
     return replace(nothing, evidence=Evidence(state, "/a", **found))
 
 
+M, ELSEWHERE = MasterState, {"elsewhere": (("http://x:1", "/a"),)}
 SILENT = [
-    (unheard(MasterState.NOT_THERE), "doctor.no_master", "On the other computer run: sudo sys"),
-    (unheard(MasterState.HANGS), "doctor.master_hangs", "Switch off the motors' power. On the"),
-    (unheard(MasterState.UNREACHABLE), "doctor.master_unreachable", "the cable between them"),
-    (unheard(MasterState.NOT_THERE, local_nodes=3), "doctor.master_ended", "the motors' power"),
+    (unheard(M.NOT_THERE), "doctor.no_master", "On the other computer run: sudo sys"),
+    (unheard(M.HANGS), "doctor.master_hangs", "Switch off the motors' power. On the"),
+    (unheard(M.UNREACHABLE), "doctor.master_unreachable", "the cable between them"),
+    (unheard(M.NOT_THERE, local_nodes=3), "doctor.master_ended", "the motors' power"),
     (
-        unheard(MasterState.ANSWERS, robots=("/b", "/c")),
+        unheard(M.ANSWERS, robots=("/b", "/c")),
         "doctor.other_namespace",
         "Run: gpr20 doctor --ns b.",
     ),
-    (
-        unheard(MasterState.NOT_THERE, elsewhere=(("http://x:1", "/a"),)),
-        "doctor.master_elsewhere",
-        "Run: export ROS_MASTER_URI=http://x:1.",
-    ),
-    (
-        unheard(MasterState.HANGS, elsewhere=(("http://x:1", "/a"),)),
-        "doctor.master_hangs",
-        "Switch off the motors' power.",
-    ),
-    (unheard(MasterState.ANSWERS), "doctor.no_robot", "sudo systemctl restart gpr20-robot"),
+    (unheard(M.NOT_THERE, **ELSEWHERE), "doctor.master_elsewhere", "ROS_MASTER_URI=http://x:1."),
+    (unheard(M.HANGS, **ELSEWHERE), "doctor.master_hangs", "Switch off the motors' power."),
+    (unheard(M.ANSWERS), "doctor.no_robot", "sudo systemctl restart gpr20-robot"),
 ]
 
 
@@ -295,18 +272,8 @@ def test_a_robot_that_is_not_heard_has_one_fault_with_its_reason(robot, code, ad
     "silent, code, words, advice",
     [
         ({HEIGHT: HANGS}, "doctor.node_hangs", "Height sensor hangs", "Wait one minute"),
-        (
-            {HEIGHT: GONE, X_AXIS: GONE},
-            "doctor.parts_missing",
-            "Not running: X axis; Height sensor",
-            "If it stays: Run: sudo systemctl restart gpr20-robot.",
-        ),
-        (
-            {VNA: GONE},
-            "doctor.parts_missing",
-            "Not running: VNA driver",
-            "If it stays: On the other computer run: sudo systemctl restart gpr20-server.",
-        ),
+        ({HEIGHT: GONE, X_AXIS: GONE}, MISSING, "X axis; Height sensor", f"{RESTART}gpr20-robot."),
+        ({VNA: GONE}, MISSING, "Not running: VNA driver", f"other computer run: {RESTART}gpr20-se"),
         ({HEIGHT: NodeState.ANSWERS}, "node.silent", "does not report", "Wait one minute"),
     ],
 )
@@ -323,16 +290,10 @@ def test_a_silent_part_is_judged_by_what_it_answers(silent, code, words, advice)
     [
         (Place(), "start it: roslaunch gpr20 survey.launch"),
         (Place(two_computers=True), "start it: roslaunch gpr20 server.launch"),
-        (Place(service="gpr20-robot"), "Run: sudo systemctl restart gpr20-robot."),
-        (Place(service="gpr20-server", two_computers=True), "Run: sudo systemctl restart gpr20-s"),
+        (Place(service="gpr20-robot"), f"Run: {RESTART}gpr20-robot."),
+        (Place(service="gpr20-server", two_computers=True), f"Run: {RESTART}gpr20-server."),
     ],
 )
 def test_an_advice_names_what_is_installed_here(place, command):
     fault = advised(findings(unheard(MasterState.NOT_THERE), None)[0], place)
     assert command in str(fault.remedy)
-
-
-def test_the_software_of_a_part_that_is_not_heard_is_not_called_the_same():
-    robot = facts(software={name: SAME for name in EXPECTED_NODES if name != HEIGHT})
-    (found,) = [one for one in findings(robot, None) if one.check == "versions"]
-    assert found.level is Level.UNKNOWN and "Height sensor" in str(found.text)
