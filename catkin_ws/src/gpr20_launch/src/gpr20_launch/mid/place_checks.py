@@ -100,8 +100,11 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
         return
     configured = str(reading.sections["storage"].get("data", "")).strip()
     where = ("data:=", "data") if given else (str(use.folder / STORAGE_FILE), "data")
+    if not (given or configured):
+        configured = given = use.environment.get("GPR20_DATA", "").strip()
+        where = ("environment", "GPR20_DATA") if given else where
     reason = _no_path(given or configured)
-    if reason is None and not given and configured and configured[0] not in "/~":
+    if reason is None and where[0] != "data:=" and configured[:1] not in "/~":
         reason = Message("it depends on the folder in which the robot is started")
     if reason is not None:
         example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
