@@ -72,7 +72,7 @@ class Walk(unittest.TestCase):
             window.find(f"picture:{folder}/walk_{stage}_{language.value}.png")
 
     def test_a_survey_its_places_and_the_report_take_few_touches(self) -> None:
-        language = random.choice(list(Language))
+        language = random.choice([Language.ENGLISH, Language.SPANISH])
         rospy.loginfo("the window is in language %s", language.value)
         self.walk(language)
 
