@@ -283,6 +283,9 @@ class DoctorTest(unittest.TestCase):
         self.assertEqual(found["config_files"]["level"], "OK")
         self.assertIn("robot:=simulated", found["config_files"]["text"])
         os.unlink(analyzer)
+        _status, found, _took_s = doctor("--quick", GPR20_DATA="surveys", **nobody)
+        self.assertEqual(found["config_files"]["fault_code"], "config.data_folder")
+        self.assertIn("environment: GPR20_DATA is surveys", found["config_files"]["text"])
 
     def test_d_parts_whose_launch_has_died_are_found_and_the_advice_ends_them(self):
         port = free_port()
