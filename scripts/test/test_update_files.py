@@ -207,7 +207,11 @@ def test_a_damaged_backup_is_refused_whole(first, tmp_path, data):
 
 
 @pytest.mark.parametrize(
-    "name", ["/etc/passwd", "etc/passwd", "etc/gpr20/../passwd", "etc/gpr20/release_signers"]
+    "name",
+    [
+        *("/etc/passwd", "etc/passwd", "etc/gpr20/../passwd"),
+        *("etc/gpr20/release_signers", "etc/gpr20/./release_signers", "etc/gpr20"),
+    ],
 )
 def test_a_backup_with_a_file_elsewhere_is_refused(first, tmp_path, name):
     file = tmp_path / "backup.tar.gz"

@@ -169,7 +169,7 @@ def lock_of_dpkg(folder: Path, limit_s: float, wait: Callable[[], None]) -> Iter
         UpdateError: Another one holds them for longer than that.
     """
     with (folder / "lock-frontend").open("ab") as frontend, (folder / "lock").open("ab") as own:
-        deadline_s = time.monotonic() + limit_s
+        deadline_s, has_waited = time.monotonic() + limit_s, False
         while not (_is_taken(frontend) and _is_taken(own)):
             if time.monotonic() > deadline_s:
                 raise UpdateError(
@@ -177,8 +177,9 @@ def lock_of_dpkg(folder: Path, limit_s: float, wait: Callable[[], None]) -> Iter
                     "locked); wait for its end and repeat, with gpr20-update --continue if "
                     "--status says UNFINISHED"
                 )
-            wait()
-            wait = _nothing
+            if not has_waited:
+                wait()
+            has_waited = True
             time.sleep(_POLL_S)
         # dpkg takes it itself.
         fcntl.lockf(own, fcntl.LOCK_UN)
@@ -191,10 +192,6 @@ def _is_taken(file: BinaryIO) -> bool:
     except BlockingIOError:
         return False
     return True
-
-
-def _nothing() -> None:
-    """Do nothing."""
 
 
 def written_survey(processes: Path) -> Optional[Path]:

@@ -1,4 +1,4 @@
-"""What the readers of the group's files share: which files are read, and what no VNA measures.
+"""What the group's formats share: letters of rotations, which files are read, what no VNA measures.
 
 A value that cannot be right is refused by its file; what may be right is a decision in the log.
 """
@@ -6,17 +6,30 @@ A value that cannot be right is refused by its file; what may be right is a deci
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from pathlib import Path
-from typing import DefaultDict, Dict, List, Pattern, Tuple
+from typing import Dict, List, Pattern, Tuple
 
 import numpy as np
+import xarray as xr
 
-from gpr20_analysis import faults
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis import dataset, faults
+from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header
 from gpr20_survey.files.file_sums import regular_files
+
+DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}
+TOLERANCE_DEG = 1.0  # half a motor step
+DECIDED = Message(
+    "the letters X and Y are rotations of 0 and 90 deg; the files do not name the direction of the "
+    "rotation"
+)
+"""What the importers of these files decide."""
+PHASE_DECIDED = Message(
+    "the phase of a later echo falls faster with frequency, as a VNA measures it; no sign was "
+    "changed"
+)
+"""What the importers of spectra decide."""
 
 NAMED = 3
 LOWEST_STOP_HZ, HIGHEST_HZ = 1e7, 1e12
@@ -24,7 +37,40 @@ LOWEST_STOP_HZ, HIGHEST_HZ = 1e7, 1e12
 MOST_POINTS = 100_000
 MOST_S21, PASSIVE_S21 = 1e6, 1.0
 """What no instrument measures, and what antennas without an amplifier do not exceed."""
+ALIKE = Message("files that look like samples, but would not be read")
+OTHERS = Message("other files of the folder, which were not read")
+ZERO = Message("samples of only 0, which count as missing, for nothing was measured")
+SAME = Message(
+    "samples with exactly the numbers of another, as no instrument gives; they were kept"
+)
+LARGE = Message(
+    "samples with |S21| above 1, so with an amplifier or in dB where linear is read; they were kept"
+)
 FARTHEST_MM = 10_000.0
+
+
+def letters(survey: xr.Dataset) -> Dict[str, int]:
+    """Return the index of the polarization of each letter, X or Y.
+
+    Raises:
+        ExportError: A rotation has no letter.
+    """
+    found: Dict[str, int] = {}
+    for index, rotation_deg in enumerate(survey[dataset.POLARIZATION].values):
+        letter = next(
+            (one for one, own in DEGREES.items() if abs(rotation_deg - own) <= TOLERANCE_DEG), None
+        )
+        if letter is None or letter in found:
+            raise ExportError(
+                Message(
+                    "the rotations of the antennas are {rotations} deg; this format supports only "
+                    "0 (X) and 90 (Y); select these with the step polarization",
+                    rotations=", ".join(f"{one:g}" for one in survey[dataset.POLARIZATION].values),
+                ),
+                fault=faults.FORMAT,
+            )
+        found[letter] = index
+    return found
 
 
 def files_of_samples(
@@ -55,33 +101,25 @@ def files_of_samples(
     others = [
         one for one in regular_files(folder) if one not in read and not re.search(r"(^|/)\.", one)
     ]
-    left_out = [one for one in others if ending in one.lower()]
-    if left_out:
+    alike = [one for one in others if ending in one.lower()]
+    if alike:
         raise UnreadableFileError(
             Message(
-                "{folder} also holds {count} files that look like samples but would not be read: "
-                "{files}. Give them names such as {example} in the folder, or move them away",
+                "{folder}: {files}. Give them names such as {example} in this folder, or move them "
+                "away",
                 folder=folder.name,
-                count=len(left_out),
-                files=some(left_out),
+                files=listed(ALIKE, alike),
                 example=example,
             ),
             fault=faults.FILE_CONTENT,
         )
-    if not others:
-        return own, []
-    return own, [
-        Message(
-            "{count} other files of the folder are no samples and were not read: {files}",
-            count=len(others),
-            files=some(others),
-        )
-    ]
+    return own, [listed(OTHERS, others)] if others else []
 
 
-def some(names: List[str]) -> str:
-    """Return the first few names, with dots for the others."""
-    return ", ".join(names[:NAMED]) + (", ..." if len(names) > NAMED else "")
+def listed(what: Message, names: List[str]) -> Message:
+    """Return what files or samples are, with the first few of them."""
+    files = ", ".join(names[:NAMED]) + (", ..." if len(names) > NAMED else "")
+    return Message("{what}: {count}, {files}", what=what, count=len(names), files=files)
 
 
 def number(header: Header, key: str, lowest: float, highest: float) -> float:
@@ -120,11 +158,11 @@ class CheckedTraces:
     """Looks at the traces of one import."""
 
     def __init__(self) -> None:
-        self._count = 0
         self._names: Dict[bytes, str] = {}
+        self._good = False
         self._zero: List[str] = []
         self._same: List[str] = []
-        self._large: DefaultDict[float, List[str]] = defaultdict(list)
+        self._large: List[str] = []
 
     def take(self, name: str, values: np.ndarray) -> np.ndarray:
         """Return the complex numbers of a trace; NaN if they are all 0, so nothing was measured.
@@ -136,24 +174,17 @@ class CheckedTraces:
         Raises:
             UnreadableFileError: No instrument measures such numbers.
         """
-        self._count += 1
         largest = float(max(np.abs(values.real).max(), np.abs(values.imag).max()))
         if largest > MOST_S21:
-            raise UnreadableFileError(
-                Message(
-                    "{file} holds {found:g}, which no instrument measures; S21 is linear, at most "
-                    "{passive:g} for antennas without an amplifier",
-                    file=name,
-                    found=largest,
-                    passive=PASSIVE_S21,
-                ),
-                fault=faults.FILE_CONTENT,
-            )
+            key = "|S21|"
+            allowed = Message("linear, at most 1 for antennas without an amplifier")
+            raise Header(name, {key: f"{largest:g}"}).refused(key, allowed)
         if largest == 0.0:
             self._zero.append(name)
             return np.full_like(values, complex(np.nan, np.nan))
+        self._good = True
         if largest > PASSIVE_S21:
-            self._large[largest].append(name)
+            self._large.append(f"{name} ({largest:g})")
         if np.isfinite(largest):
             first = self._names.setdefault(values.tobytes(), name)
             if first != name:
@@ -166,36 +197,7 @@ class CheckedTraces:
         Raises:
             UnreadableFileError: All traces are 0.
         """
-        found = []
-        if self._zero:
-            zero = Message(
-                "{count} samples hold only 0 and count as missing, for nothing was measured: "
-                "{files}",
-                count=len(self._zero),
-                files=some(self._zero),
-            )
-            if len(self._zero) == self._count:
-                raise UnreadableFileError(zero, fault=faults.FILE_CONTENT)
-            found.append(zero)
-        if self._same:
-            found.append(
-                Message(
-                    "{count} samples hold exactly the numbers of another, which an instrument does "
-                    "not do; they were kept: {files}",
-                    count=len(self._same),
-                    files=some(self._same),
-                )
-            )
-        if self._large:
-            largest = max(self._large)
-            found.append(
-                Message(
-                    "{count} samples exceed {passive:g}, which antennas without an amplifier do "
-                    "not, up to {largest:g} in {file}; they were kept. S21 must be linear, not dB",
-                    count=sum(map(len, self._large.values())),
-                    passive=PASSIVE_S21,
-                    largest=largest,
-                    file=self._large[largest][0],
-                )
-            )
-        return found
+        if self._zero and not self._good:
+            raise UnreadableFileError(listed(ZERO, self._zero), fault=faults.FILE_CONTENT)
+        kinds = ((ZERO, self._zero), (SAME, self._same), (LARGE, self._large))
+        return [listed(what, names) for what, names in kinds if names]

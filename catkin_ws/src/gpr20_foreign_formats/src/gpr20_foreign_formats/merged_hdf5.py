@@ -18,14 +18,17 @@ from gpr20_analysis.formats.provenance import SIMULATED, SIMULATED_KEY, kept, ma
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.group_files import (
+    DECIDED,
+    DEGREES,
     FARTHEST_MM,
     HIGHEST_HZ,
     MOST_POINTS,
+    PHASE_DECIDED,
     CheckedTraces,
     check_sweep,
+    letters,
     number,
 )
-from gpr20_foreign_formats.group_letters import DECIDED, DEGREES, PHASE_DECIDED, letters
 from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 
@@ -134,8 +137,9 @@ def _read(file: Any, name: str) -> xr.Dataset:
             fault=faults.FILE_CONTENT,
         )
     shape = (len(turns), len(x_m), len(y_m))
-    _check_amount(file, name, int(np.prod(shape)))
-    lazy.require_bytes(2.0 * len(axis) * np.prod(shape) * 16, Message("{file}", file=name))
+    amount = float(np.prod(shape))
+    number(Header(name, {AMOUNT: amount, **file.attrs}), AMOUNT, amount, amount)
+    lazy.require_bytes(32.0 * len(axis) * amount, Message("{file}", file=name))
     ordered = np.empty((len(turns), len(y_m), len(x_m), len(axis)), np.complex128)
     values = ordered.swapaxes(1, 2)  # in the order of the scans
     height_m, traces = np.full(shape, np.nan), CheckedTraces()
@@ -170,22 +174,6 @@ def _read(file: Any, name: str) -> xr.Dataset:
     if SIMULATED in str(found.get("Title", "")):
         found[SIMULATED_KEY] = True
     return restored(data, found)
-
-
-def _check_amount(file: Any, name: str, found: int) -> None:
-    if AMOUNT in file.attrs:
-        recorded = number(Header(name, file.attrs), AMOUNT, 1, found * 1e6)
-        if recorded != found:
-            raise UnreadableFileError(
-                Message(
-                    "{file} records {recorded:g} A-scans, but its positions and polarizations give "
-                    "{found}",
-                    file=name,
-                    recorded=recorded,
-                    found=found,
-                ),
-                fault=faults.FILE_CONTENT,
-            )
 
 
 def _scan(letter: str, word: str, kind: str) -> str:
@@ -224,15 +212,6 @@ def _places(file: Any, name: str, axis: str) -> np.ndarray:
     position = Header(name, {f"d{axis}": 0.0, **file["Position"].attrs})
     keys = (f"{axis}0", f"{axis}f", f"d{axis}")
     start, stop, step = (number(position, one, -FARTHEST_M, FARTHEST_M) for one in keys)
-    if step == 0.0 and start != stop:
-        raise UnreadableFileError(
-            Message(
-                "{file} has no d{axis}, so the positions of its scans are unknown",
-                file=name,
-                axis=axis,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
     count = 1 if step == 0.0 else round((stop - start) / step) + 1
     if not 1 <= count <= MOST_POINTS or abs(start + (count - 1) * step - stop) > 0.01 * abs(step):
         raise UnreadableFileError(

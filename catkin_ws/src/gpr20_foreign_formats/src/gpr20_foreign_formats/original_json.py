@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import json
 import math
 import re
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Optional
 
 import numpy as np
 import orjson
@@ -27,16 +28,16 @@ from gpr20_common.message import Message
 from gpr20_foreign_formats.group_files import (
     FARTHEST_MM,
     HIGHEST_HZ,
+    PHASE_DECIDED,
     CheckedTraces,
     check_sweep,
     files_of_samples,
+    listed,
     number,
 )
-from gpr20_foreign_formats.group_letters import PHASE_DECIDED
 from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_survey.trace import utc_time
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
@@ -54,6 +55,8 @@ DECIDED = (
         "last number of the instrument's answer, so the last frequency may be missing"
     ),
 )
+YEARS = range(2020, 2106)
+TIMES_LEFT_OUT = Message("the times of all were left out, for some are not from 2020 on")
 TIMES_DECIDED = Message("the times of the samples name no time zone and were read as UTC")
 HEIGHT_DECIDED = Message(
     "the height of every sample is {constant_m:g} m, a constant of the original control and no "
@@ -158,16 +161,9 @@ def read_original(
     spectra = [traces.take(path.name, one["s21"]) for path, one in zip(paths, samples)]
     decisions += traces.decisions()
     times = [sample["time"] for sample in samples]
-    wrong = [path.name for path, time in zip(paths, times) if not _may_be_right(time)]
+    wrong = [path.name for path, one in zip(paths, times) if one and one.year not in YEARS]
     if wrong:
-        decisions.append(
-            Message(
-                "{count} samples have a time before 2020 or far ahead, such as {file}; the times "
-                "of all were left out",
-                count=len(wrong),
-                file=wrong[0],
-            )
-        )
+        decisions.append(listed(TIMES_LEFT_OUT, wrong))
         times = []
     decisions += DECIDED
     if any(times):
@@ -215,7 +211,10 @@ def _read(path: Path) -> Dict[str, Any]:
         raise UnreadableFileError(Message("{file} is not a valid sample", file=path.name))
     header = Header(path.name, sample)
     place = [number(header, key, -FARTHEST_MM, FARTHEST_MM) for key in PLACE]
-    _check_name(path.name, place)
+    for key, found, named in zip(PLACE, place, NAME.findall(path.name)[0]):
+        if abs(found - float(named)) > ROUNDED_MM:
+            allowed = Message("{named}, as the name of the file says", named=named)
+            raise header.refused(key, allowed)
     unknown = sample.get("antennae_height") is None and "antennae_height" in sample
     for key, kind, allowed in (
         ("survey_id", (str, type(None)), Message("a text")),
@@ -233,25 +232,6 @@ def _read(path: Path) -> Dict[str, Any]:
         "simulated": sample.get(SIMULATED_KEY, False),
         "s21": rows[:, 1] + 1j * rows[:, 2],
     }
-
-
-def _check_name(name: str, place: List[float]) -> None:
-    """Refuse a sample whose name says another place than its content."""
-    form = NAME.fullmatch(name)
-    named = list(map(float, form.groups())) if form else place
-    if any(abs(one - other) > ROUNDED_MM for one, other in zip(named, place)):
-        raise UnreadableFileError(
-            Message(
-                "{file} holds a sample at x {x_mm:.12g} mm, y {y_mm:.12g} mm, {z_deg:.12g} deg; by "
-                "its name it would be at {named}. Find out which is right, and correct the other",
-                file=name,
-                x_mm=place[0],
-                y_mm=place[1],
-                z_deg=place[2],
-                named=", ".join(f"{one:g}" for one in named),
-            ),
-            fault=faults.FILE_CONTENT,
-        )
 
 
 def _rows(header: Header) -> np.ndarray:
@@ -279,16 +259,10 @@ def _time(header: Header) -> Optional[datetime]:
     stamp = header.entries.get("timestamp")
     if stamp in (None, ""):
         return None
-    try:
+    with contextlib.suppress(TypeError, ValueError):
         if re.fullmatch("[0-9]{14}", stamp):
             return datetime.strptime(stamp, TIME)
-    except (TypeError, ValueError):
-        pass
     raise header.refused("timestamp", Message("a text such as 20211015083000, or nothing"))
-
-
-def _may_be_right(time: Optional[datetime]) -> bool:
-    return time is None or utc_time.is_plausible(int(np.datetime64(time, "us").astype(np.int64)))
 
 
 def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
