@@ -139,7 +139,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
     shape = (len(turns), len(x_m), len(y_m))
     amount = float(np.prod(shape))
     number(Header(name, {AMOUNT: amount, **file.attrs}), AMOUNT, amount, amount)
-    lazy.require_bytes(32.0 * len(axis) * amount, Message("{file}", file=name))
+    lazy.require_bytes(32.0 * len(axis) * amount, Message("reading {file}", file=name))
     ordered = np.empty((len(turns), len(y_m), len(x_m), len(axis)), np.complex128)
     values = ordered.swapaxes(1, 2)  # in the order of the scans
     height_m, traces = np.full(shape, np.nan), CheckedTraces()
