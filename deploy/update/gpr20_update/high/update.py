@@ -44,8 +44,7 @@ class Updater:
         Raises:
             UpdateError: It was refused; nothing has changed.
         """
-        self._refuse_unfinished()
-        self._robot.refuse_during_survey(no_survey)
+        self._refuse_to_begin(no_survey)
         stick = open_bundle(find_bundle(place.resolve()), self._paths.signers)
         self._say(f"{shown(stick.folder)}: version {stick.version}, signed by {stick.signer}")
         self._packages.check_architecture(stick)
@@ -112,8 +111,7 @@ class Updater:
         Raises:
             UpdateError: It was refused, or it failed.
         """
-        self._refuse_unfinished()
-        self._robot.refuse_during_survey(no_survey)
+        self._refuse_to_begin(no_survey)
         installed = self._packages.installed()
         now = installed[SOFTWARE]
         kept = [one.name for one in self._paths.kept.glob("*")]
@@ -201,8 +199,7 @@ class Updater:
         Raises:
             UpdateError: It was refused; nothing has changed.
         """
-        self._refuse_unfinished()
-        self._robot.refuse_during_survey(no_survey)
+        self._refuse_to_begin(no_survey)
         wanted = backup.read(path)
         self._keep(self._packages.slot_version())
         copy = self._paths.state / "restore.tar.gz"
@@ -226,13 +223,14 @@ class Updater:
         self._journal.write(dataclasses.replace(record, step=Step.DONE, outcome=outcome))
         self._say(shown(outcome))
 
-    def _refuse_unfinished(self) -> None:
+    def _refuse_to_begin(self, no_survey: bool) -> None:
         record = self._journal.unfinished()
         if record is not None:
             raise UpdateError(
                 f"{record.what} was interrupted; between surveys finish it with gpr20-update "
                 "--continue, or restart this computer"
             )
+        self._robot.refuse_during_survey(no_survey)
 
     def _kept(self, version: str) -> Bundle:
         return open_bundle(self._paths.kept / version, self._paths.signers)

@@ -122,25 +122,6 @@ def listed(what: Message, names: List[str]) -> Message:
     return Message("{what}: {count}, {files}", what=what, count=len(names), files=files)
 
 
-def number(header: Header, key: str, lowest: float, highest: float) -> float:
-    """Return an entry that is a number, and neither a text nor true or false.
-
-    Raises:
-        UnreadableFileError: It is missing, no number, or out of range.
-    """
-    found = np.asarray(header.entries.get(key))
-    if found.dtype.kind not in "iuf" or found.size != 1:
-        raise header.refused(
-            key,
-            Message(
-                "a number, no text, between {lowest:g} and {highest:g}",
-                lowest=lowest,
-                highest=highest,
-            ),
-        )
-    return header.number(key, lowest, highest)
-
-
 def check_sweep(file: str, start_hz: float, stop_hz: float) -> None:
     """Refuse a sweep in another unit, or in another order.
 

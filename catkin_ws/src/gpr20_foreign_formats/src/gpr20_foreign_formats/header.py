@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, List, Mapping
 
+import numpy as np
+
 from gpr20_analysis import faults, lazy
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_common.message import Message
@@ -17,10 +19,14 @@ SHOWN = 80
 
 @dataclass(frozen=True)
 class Header:
-    """The entries of a header: numbers, or texts that should be numbers; of a file by this name."""
+    """The entries of a header: numbers, or texts that should be numbers; of a file by this name.
+
+    If `typed`, a text, true and false are no numbers.
+    """
 
     file: str
     entries: Mapping[str, Any]
+    typed: bool = False
 
     def refused(self, key: str, allowed: Message) -> UnreadableFileError:
         """Return the error for an entry."""
@@ -39,13 +45,16 @@ class Header:
         Raises:
             UnreadableFileError: It is missing, no number, or out of range.
         """
+        found, limits = self.entries.get(key, default), {"lowest": lowest, "highest": highest}
+        if self.typed and np.asarray(found).dtype.kind not in "iuf":
+            allowed = Message("a number, no text, between {lowest:g} and {highest:g}", **limits)
+            raise self.refused(key, allowed)
         try:
-            value = float(self.entries.get(key, default))
+            value = float(found)
         except (TypeError, ValueError):
             value = float("nan")
         # Written so that NaN is refused too.
         if not lowest <= value <= highest:
-            limits = {"lowest": lowest, "highest": highest}
             raise self.refused(key, Message("between {lowest:g} and {highest:g}", **limits))
         return value
 

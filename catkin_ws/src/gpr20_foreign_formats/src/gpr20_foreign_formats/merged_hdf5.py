@@ -27,7 +27,6 @@ from gpr20_foreign_formats.group_files import (
     CheckedTraces,
     check_sweep,
     letters,
-    number,
 )
 from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
@@ -138,7 +137,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
         )
     shape = (len(turns), len(x_m), len(y_m))
     amount = float(np.prod(shape))
-    number(Header(name, {AMOUNT: amount, **file.attrs}), AMOUNT, amount, amount)
+    Header(name, {AMOUNT: amount, **file.attrs}, typed=True).number(AMOUNT, amount, amount)
     lazy.require_bytes(32.0 * len(axis) * amount, Message("reading {file}", file=name))
     ordered = np.empty((len(turns), len(y_m), len(x_m), len(axis)), np.complex128)
     values = ordered.swapaxes(1, 2)  # in the order of the scans
@@ -181,9 +180,9 @@ def _scan(letter: str, word: str, kind: str) -> str:
 
 
 def _axis(file: Any, name: str, kind: str, decisions: List[Message]) -> np.ndarray:
-    described = Header(name, file[GROUP[kind]].attrs)
-    start, stop, step = (number(described, one, -HIGHEST_HZ, HIGHEST_HZ) for one in RANGE[kind])
-    count = int(number(described, "q", 1, MOST_POINTS))
+    described = Header(name, file[GROUP[kind]].attrs, typed=True)
+    start, stop, step = (described.number(one, -HIGHEST_HZ, HIGHEST_HZ) for one in RANGE[kind])
+    count = int(described.number("q", 1, MOST_POINTS))
     # The guide divides by the number of points where its program divides by one less.
     if not (count > 1 and step > 0.0 and abs(start + (count - 1) * step - stop) <= 1.01 * step):
         raise UnreadableFileError(
@@ -209,9 +208,9 @@ def _axis(file: Any, name: str, kind: str, decisions: List[Message]) -> np.ndarr
 
 
 def _places(file: Any, name: str, axis: str) -> np.ndarray:
-    position = Header(name, {f"d{axis}": 0.0, **file["Position"].attrs})
+    position = Header(name, {f"d{axis}": 0.0, **file["Position"].attrs}, typed=True)
     keys = (f"{axis}0", f"{axis}f", f"d{axis}")
-    start, stop, step = (number(position, one, -FARTHEST_M, FARTHEST_M) for one in keys)
+    start, stop, step = (position.number(one, -FARTHEST_M, FARTHEST_M) for one in keys)
     count = 1 if step == 0.0 else round((stop - start) / step) + 1
     if not 1 <= count <= MOST_POINTS or abs(start + (count - 1) * step - stop) > 0.01 * abs(step):
         raise UnreadableFileError(
@@ -259,7 +258,7 @@ def _heights(file: Any, name: str, letter: str, shape: Tuple[int, ...]) -> Any:
     height_m = position.attrs.get("h")
     if height_m is None or isinstance(height_m, str):
         return np.nan
-    return number(Header(name, position.attrs), "h", 0.0, HIGHEST_M)
+    return Header(name, position.attrs, typed=True).number("h", 0.0, HIGHEST_M)
 
 
 def _numbers(file: Any, name: str, path: str) -> np.ndarray:

@@ -33,7 +33,6 @@ from gpr20_foreign_formats.group_files import (
     check_sweep,
     files_of_samples,
     listed,
-    number,
 )
 from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
@@ -209,8 +208,8 @@ def _read(path: Path) -> Dict[str, Any]:
         ) from error
     if not isinstance(sample, dict):
         raise UnreadableFileError(Message("{file} is not a valid sample", file=path.name))
-    header = Header(path.name, sample)
-    place = [number(header, key, -FARTHEST_MM, FARTHEST_MM) for key in PLACE]
+    header = Header(path.name, sample, typed=True)
+    place = [header.number(key, -FARTHEST_MM, FARTHEST_MM) for key in PLACE]
     for key, found, named in zip(PLACE, place, NAME.findall(path.name)[0]):
         if abs(found - float(named)) > ROUNDED_MM:
             allowed = Message("{named}, as the name of the file says", named=named)
@@ -227,7 +226,7 @@ def _read(path: Path) -> Dict[str, Any]:
         "time": _time(header),
         "survey_id": sample.get("survey_id") or "",
         "position": place[::-1],
-        "height_m": math.nan if unknown else number(header, "antennae_height", 0.0, HIGHEST_M),
+        "height_m": math.nan if unknown else header.number("antennae_height", 0.0, HIGHEST_M),
         "frequency_hz": rows[:, 0],
         "simulated": sample.get(SIMULATED_KEY, False),
         "s21": rows[:, 1] + 1j * rows[:, 2],
@@ -243,7 +242,7 @@ def _rows(header: Header) -> np.ndarray:
     if not {int, float}.issuperset(map(type, found)):
         at = next(place for place, one in enumerate(found) if type(one) not in (int, float))
         key = f"{VALUES[at % 3]} {at // 3 + 1}"
-        number(Header(header.file, {key: found[at]}), key, -HIGHEST_HZ, HIGHEST_HZ)
+        Header(header.file, {key: found[at]}, typed=True).number(key, -HIGHEST_HZ, HIGHEST_HZ)
     numbers = np.array(found, np.float64).reshape(-1, 3)
     frequency_hz = numbers[:, 0]
     falls = np.flatnonzero(np.diff(frequency_hz) <= 0.0)
