@@ -10,8 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import facts
 
-from gpr20_doctor.low.bundle_sources import end_of
-from gpr20_doctor.low.secrets import REMOVED, json_without_secrets, without_secrets
+from gpr20_doctor.low.bundle_sources import (
+    REMOVED,
+    end_of,
+    json_without_secrets,
+    without_secrets,
+)
 from gpr20_doctor.mid import bundle
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.listener import unheard

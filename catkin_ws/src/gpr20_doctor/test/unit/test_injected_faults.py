@@ -165,7 +165,7 @@ def swap(name, bad, good):
     return (lambda one: one.write(name, bad)), (lambda one: one.write(name, good))
 
 
-def process(number, words, environment=""):
+def process(number, words, environment="ROS_MASTER_URI=http://localhost:11311"):
     """Return what starts a node without a launch above it, and what ends it."""
 
     def start(one):

@@ -11,7 +11,7 @@ import pytest
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_doctor.low import disk_speed, network, pi, programs, system
+from gpr20_doctor.low import network, pi, programs, system
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, PortFacts
@@ -133,16 +133,16 @@ def test_a_program_that_is_asked_is_understood_and_may_fail(stand_in, ask, name,
 
 
 def test_a_disk_is_timed_and_nothing_is_left_on_it(tmp_path):
-    assert 0.0 < disk_speed.slowest_trace_s(tmp_path, 300_000) < 10.0
+    assert 0.0 < system.slowest_trace_s(tmp_path, 300_000) < 10.0
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(OSError):
-        disk_speed.slowest_trace_s(tmp_path / "missing", 300)
+        system.slowest_trace_s(tmp_path / "missing", 300)
 
 
 def test_a_file_of_the_disk_test_has_no_name_while_it_is_written(tmp_path, monkeypatch):
     seen = []
     monkeypatch.setattr(os, "fsync", lambda _file: seen.append(list(tmp_path.iterdir())))
-    disk_speed.slowest_trace_s(tmp_path, 300)
+    system.slowest_trace_s(tmp_path, 300)
     assert seen and all(names == [] for names in seen)
 
 

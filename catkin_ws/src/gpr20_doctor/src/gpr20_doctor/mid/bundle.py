@@ -13,9 +13,14 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.mid.node_software import own_software
-from gpr20_doctor.low.bundle_sources import COMMANDS, end_of, newest
+from gpr20_doctor.low.bundle_sources import (
+    COMMANDS,
+    end_of,
+    json_without_secrets,
+    newest,
+    without_secrets,
+)
 from gpr20_doctor.low.programs import answer_of
-from gpr20_doctor.low.secrets import json_without_secrets, without_secrets
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.machine_request import MachineRequest

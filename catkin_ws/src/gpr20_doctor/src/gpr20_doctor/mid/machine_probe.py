@@ -16,7 +16,7 @@ from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import own_software
 from gpr20_common.os_reason import os_reason
-from gpr20_doctor.low import disk_speed, network, outside, pi, programs, system
+from gpr20_doctor.low import network, outside, pi, programs, system
 from gpr20_doctor.mid import machine_facts as facts
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
@@ -68,7 +68,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         closed=exposed == [],
         configuration=_known(lambda: _configuration(request)) if request.files else None,
         files=request.files,
-        left_over=tuple(one.number for one in nodes if one.left_over),
+        left_over=tuple(one.number for one in nodes if one.left_over and one.master),
         behind_s=max(0.0, Path(__file__).stat().st_mtime - time.time()),
     )
 
@@ -227,7 +227,7 @@ def _trace_s(folder: Path) -> float:
     """Return how long the disk takes for one trace [s]; infinite if it hangs."""
     trace_bytes = needed_bytes(1, MAX_FREQUENCY_POINTS, 0.0)
     try:
-        return _in_time(lambda: disk_speed.slowest_trace_s(folder, trace_bytes))
+        return _in_time(lambda: system.slowest_trace_s(folder, trace_bytes))
     except TimeoutError:
         return math.inf
 
