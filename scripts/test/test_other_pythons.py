@@ -41,7 +41,7 @@ CHOSEN = {
         "test_ros2_bag::test_a_recorded_survey_comes_to_ros2_equal",
         *("test_segy_files", "test_truncated_bags", "test_zarr_codecs"),
     ],
-    "gpr20_foreign_formats": ["test_files_are_recognized", "test_gprmax_import"],
+    "gpr20_foreign_formats": ["test_gprmax_import"],
     # What the worker computes and writes, the tests of the analysis choose; here it is the process.
     "gpr20_imaging": [
         "test_analysis_worker::test_a_reason_comes_with_its_fault",
@@ -67,9 +67,10 @@ CHOSEN = {
     "gpr20": [],
     "gpr20_viewer": ["test_view_command", "test_view_picks"],
 }
-# Slow, and the same under each Python: motion over time, and what the kernel does.
+# Slow, and the same under each Python: motion over time, what the kernel does, random changes.
 LEFT_OUT = ["test_axis_controller", "test_data_disk", "test_firewall_probe", "test_log_recovery"]
-LEFT_OUT += ["test_pulse_client", "test_signature", "test_tcp_keepalive"]
+LEFT_OUT += ["test_injected_faults", "test_mutated_robot", "test_pulse_client", "test_signature"]
+LEFT_OUT += ["test_tcp_keepalive"]
 # What these computers have no use for: ROS, and what the robot's pins and buses need.
 ABSENT = "actionlib diagnostic_msgs diagnostic_updater genpy geometry_msgs gpr20_msgs pigpio rosbag"
 ABSENT += " roslaunch rosgraph rosgraph_msgs roslib rospkg rospy sensor_msgs spidev std_msgs"
