@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
-from gpr20_launch.mid.robot_files import AXES_FILE, FILES
+from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
@@ -91,7 +91,10 @@ def check(files):
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        return check_robot(Use(Path(folder), {}, part="robot"), BUILT)
+        found = check_robot(Use(Path(folder), {}, part="robot"), BUILT)
+        if not any(one.refuses for one in found):
+            read_configuration(Path(folder), AXES)  # as a launch, which refuses nothing
+        return found
 
 
 free = st.sampled_from([7, 11, 12, 13, 15, 16, 18, 22, 29, 31, 32, 33, 35, 36, 37, 38, 40])
@@ -202,8 +205,32 @@ def test_a_key_that_is_mistyped_is_found(where, data):
     assume(typed and typed != bare and typed not in KINDS and typed[0] not in "-_")
     files = changed(name, number, line.replace(bare, typed, 1))
     wrong = key.replace(bare, typed) if "/" in key else typed
-    found = [one for one in mistakes_in(files, name) if one.key == wrong]
-    assert found and name in str(found[0].message) and typed in str(found[0].message)
+    (found,) = mistakes_in(files, name)
+    assert found.key == wrong and name in str(found.message) and typed in str(found.message)
+
+
+# Some go together, and some do not.
+OF_AXIS = {
+    **{"min_coord": (-100, 0, 700), "max_coord": (0.6, 600, 900), "step_size": (0.01, 0.5, 2)},
+    **{"min_step": (0.0004, 0.002, 0.01), "max_step": (0.001, 0.005, 0.02), "dir_pin": (13, 16)},
+    **{"late_limit_s": (0.0003, 0.001, 0.005), "sensor_pin": (7, 16, 37), "homing_backoff": (1, 9)},
+}
+
+
+@settings(max_examples=40)
+@given(
+    st.fixed_dictionaries({}, optional={key: st.sampled_from(OF_AXIS[key]) for key in OF_AXIS}),
+    st.sampled_from(sorted(OF_AXIS)),
+)
+def test_a_misspelt_key_has_no_consequence_where_some_value_of_it_suits_the_others(own, key):
+    def refused(**values):
+        files = {AXES_FILE: yaml.safe_dump({"x": {**own, **values}})}
+        return [one.key for one in check(files) if one.refuses]
+
+    own.pop(key, None)
+    assume(not all(refused(**{key: value}) for value in OF_AXIS[key]))
+    assert refused(**{f"{key}_": OF_AXIS[key][0]}) == [f"x/{key}_"]
+    assert refused(**{key: "abc"}) == [f"x/{key}"]
 
 
 @settings(max_examples=40)

@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 from case_kit import each_case
-from robot_check_examples import BUILT, PROFILES, VNA, checked, write
+from robot_check_examples import PROFILES, VNA, checked, write
 
 from gpr20_common.sent_message import received_message
 from gpr20_launch import faults
 from gpr20_launch.mid import place_checks
 from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES
-from gpr20_launch.mid.templates import templates
 from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Unchecked
 
 SENSOR = "topic: soil/values, message: std_msgs/Float64, field: data"
@@ -54,6 +53,7 @@ MISTAKES = [
     ("axes", "x: {backend: pigpio}\ny: {backend: pigpio}", "y/backend", "motion", "rpi_gpio|x"),
     ("axes", "x: {sensor_pin: 5, endstop_pull: none}", "x/endstop_pull", "endstop", "1.8 kOhm|up"),
     ("axes", NO_CONTROLLER, "x/controller", "unusable_extension", "subprocess:Popen|begin_homing"),
+    ("axes", "z: {sensor_pin: 5}", "z/sensor_pin", "wrong_value", "homing_backoff has its default"),
     # Travel, steps, speed.
     ("axes", "y: {max_coord: 80000}", "y/max_coord", "travel", "80000 mm|20 to 3000 mm"),
     ("axes", "x: {max_coord: 0.65}", "x/max_coord", "travel", "0.65 mm"),
@@ -71,7 +71,7 @@ MISTAKES = [
     ("axes", "x: {min_step: 1.5}", "x/min_step", "wrong_value", "1.5 s"),
     ("axes", "x: {min_step: 0.0002}", "x/min_step", "wrong_value", "late_limit_s has its default"),
     ("axes", "x: {type: ROT}", "x/type", "wrong_value", "LIN"),
-    ("axes", "z: {type: LIN, sensor_pin: 18}", "z/type", "wrong_value", "ROT"),
+    ("axes", "z: {type: LIN}", "z/type", "wrong_value", "ROT"),
     # Typing errors.
     (
         "axes",
@@ -306,7 +306,6 @@ def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
     "files",
     [
         {},
-        templates(BUILT.axes),
         {"axes": "\n".join(f"{axis}: {{enable_pin: 18, enable_active: high}}" for axis in "xyz")},
         {"axes": "y: {sensor_pin: 7}\nz: {dir_pin: 40}\nx: {backend: pigpio}"},
         {"axes": "x: {dir_pin: 15, step_pin: 13}"},

@@ -126,13 +126,9 @@ def _number(name: str, text: str) -> float:
     try:
         return float(text)
     except ValueError as error:
-        raise LaunchRefusedError(
-            Message(
-                "{name}:={value} is not a number; give one, such as {name}:=1",
-                name=name,
-                value=text,
-            )
-        ) from error
+        values = {"name": name, "value": text}
+        reason = Message("{name}:={value} is not a number; give one, such as {name}:=1", **values)
+        raise LaunchRefusedError(reason) from error
 
 
 def _refuse_running(names: Sequence[str], namespace: str) -> None:

@@ -145,14 +145,9 @@ def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
     """Refuse files that would take no effect beside those that are there."""
     there = [name for name in sorted(names) if os.path.lexists(str(folder / name))]
     if there:
-        raise ConfigurationError(
-            Message(
-                "{folder} has {names} already, which stay as they are",
-                folder=printable(folder),
-                names=", ".join(there),
-            ),
-            fault=faults.FILES_EXIST,
-        )
+        values = {"folder": printable(folder), "names": ", ".join(there)}
+        text = Message("{folder} has {names} already, which stay as they are", **values)
+        raise ConfigurationError(text, fault=faults.FILES_EXIST)
 
 
 def _profiles() -> Dict[str, Path]:

@@ -13,20 +13,9 @@ from typing import Callable, Iterable, List, Optional
 
 # Of ROS: a package of the system, whose name follows from that of the module.
 FROM_ROS = (
-    "actionlib",
-    "actionlib_msgs",
-    "diagnostic_msgs",
-    "diagnostic_updater",
-    "genpy",
-    "geometry_msgs",
-    "rosgraph",
-    "rosgraph_msgs",
-    "roslib",
-    "rospy",
-    "sensor_msgs",
-    "std_msgs",
-    "tf2_msgs",
-    "visualization_msgs",
+    *("actionlib", "actionlib_msgs", "diagnostic_msgs", "diagnostic_updater", "genpy"),
+    *("geometry_msgs", "rosgraph", "rosgraph_msgs", "roslib", "rospy", "sensor_msgs", "std_msgs"),
+    *("tf2_msgs", "visualization_msgs"),
 )
 FROM_SYSTEM = {"numpy": "python3-numpy", "rospkg": "python3-rospkg", "yaml": "python3-yaml"}
 FROM_PIP = {

@@ -30,8 +30,8 @@ TOGETHER: Mapping[str, Tuple[str, ...]] = {
     "controller": ("controller_options",),
     "analyzer": ("analyzer_options", "address"),
 }
-# Of these numbers one suits almost every key.
-TRIALS = (0.0, 1.0, 1.0e3, -1.0e5, 1.0e5, 1.0e-3, 1.0e-6, 1.0e12)
+# Of these numbers, and those of the others, one suits almost every key; more pins than an axis has.
+TRIALS = (0.0, 1.0, 50.0, 1.0e3, -1.0e5, 1.0e5, 1.0e-3, 1.0e-5, 1.0e12, 7, 22, 33, 35, 36)
 
 
 def hint_for_value(key: str, value: Any, error: Message) -> Optional[Message]:
@@ -135,8 +135,8 @@ def follows(
     kind: Type, own: Mapping[str, Any], place: str, base: Mapping[str, Any], unsure: Iterable[str]
 ) -> bool:
     """Return whether values may go together if those that are wrong or misspelt are corrected."""
+    values = {**base, **own}
+    trials = {*TRIALS, *(one for one in values.values() if type(one) in (int, float))}
     return any(
-        refusal(kind, {**base, **own, key: value}, place) is None
-        for key in unsure
-        for value in TRIALS
+        refusal(kind, {**values, key: trial}, place) is None for key in unsure for trial in trials
     )

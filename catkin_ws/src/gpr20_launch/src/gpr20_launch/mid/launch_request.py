@@ -58,13 +58,8 @@ class LaunchRequest:
         for name, allowed in choices:
             value = getattr(self, name)
             if value not in allowed:
-                known = ", ".join(allowed)
-                text = Message(
-                    "unknown {name}:={value}; it must be one of {allowed}",
-                    name=name,
-                    value=value,
-                    allowed=known,
-                )
+                values = {"name": name, "value": value, "allowed": ", ".join(allowed)}
+                text = Message("unknown {name}:={value}; it must be one of {allowed}", **values)
                 raise LaunchRefusedError(text)
         if self.robot == REAL and self.simulator.time_scale != 1.0:
             raise LaunchRefusedError(
@@ -81,11 +76,8 @@ class LaunchRequest:
         """Names of the nodes that it starts, relative to the robot's namespace."""
         simulator = ("simulator",) if self.robot == SIMULATED else ()
         on_robot = (*_AXES, "height_sensor", *simulator)
-        return {
-            ROBOT: on_robot,
-            SERVER: _SERVER_NODES,
-            SURVEY: (*on_robot, *_SERVER_NODES),
-        }[self.part]
+        server = () if self.part == ROBOT else _SERVER_NODES
+        return (*(() if self.part == SERVER else on_robot), *server)
 
     def sections(self, built_axes: Path) -> Sections:
         """Return the configuration of the nodes, checked.

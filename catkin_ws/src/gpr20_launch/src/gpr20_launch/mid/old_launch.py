@@ -24,7 +24,7 @@ MAX_BYTES = 1 << 20
 # Of groups, nodes and includes in each other; files in all; and parameters in all.
 MAX_DEPTH, MAX_FILES, MAX_VALUES = 32, 64, 10_000
 LONGEST_EXPRESSION = 500
-_UNUSABLE = (TypeError, ValueError, ArithmeticError, LookupError)
+_UNUSABLE = (TypeError, ValueError, ArithmeticError, LookupError, SyntaxError, RecursionError)
 _SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
 _PRIVATE_ARGUMENT = re.compile(r"_(\w[\w/]*):=(.*)", re.DOTALL)
 # Around the name of a package, whose folder is looked for beside the file that names it.
@@ -145,15 +145,16 @@ def _follow(parent: ElementTree.Element, scope: _Scope, found: LaunchParameters)
 
 def _name_of(element: ElementTree.Element, scope: _Scope) -> Optional[str]:
     """Return the name of an `Unread`."""
+    if element.tag == "arg":
+        return None
     try:
-        name, below = _text(element, "name", scope), _text(element, "ns", scope)
+        name, below = (_text(element, key, scope) for key in ("name", "ns"))
     except _UnreadError:
         return ""
     if element.tag == "param" and name:
         return _join(scope.namespace, name.lstrip("~"))
-    if element.tag == "node" and name:
-        return _join(_join(scope.namespace, below), name) + "/"
-    return None if element.tag == "arg" else ""
+    is_node = element.tag == "node" and name
+    return _join(_join(scope.namespace, below), name) + "/" if is_node else ""
 
 
 def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
@@ -250,11 +251,12 @@ def _evaluated(text: str, scope: _Scope) -> str:
     def value(node: ast.AST) -> Any:
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):
             return node.value
+        name = node.id if isinstance(node, ast.Name) else None
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "arg":
-            return value(ast.Name(*(getattr(one, "value", "") for one in node.args)))
-        if isinstance(node, ast.Name):
-            number = _plain(scope.arguments[node.id])
-            return number if type(number) in (int, float) else int(number)
+            (name,) = (getattr(one, "value", None) for one in node.args)
+        if isinstance(name, str):
+            number = _plain(scope.arguments[name])
+            return number if type(number) is float else int(number)
         if isinstance(node, ast.UnaryOp):
             return _OPERATORS[type(node.op)](value(node.operand))
         if isinstance(node, ast.BinOp):
@@ -265,7 +267,7 @@ def _evaluated(text: str, scope: _Scope) -> str:
         raise _unknown(text[:LONGEST_EXPRESSION])
     try:
         return str(value(ast.parse(text[len("$(eval ") : -1].strip(), mode="eval").body))
-    except (*_UNUSABLE, SyntaxError, MemoryError, RecursionError) as error:
+    except (*_UNUSABLE, MemoryError) as error:
         raise _unknown(text) from error
 
 

@@ -115,26 +115,16 @@ def _shared(uses: List[PinUse]) -> Iterator[Problem]:
         first = own[0]
         if len(own) == 1 or (first.shared and {one.shared for one in own} == {first.shared}):
             continue
-        texts = tuple(one.text for one in own)
-        yield problem(
-            faults.PIN_CONFLICT,
-            own[-1].file,
-            own[-1].key,
-            own[-1].value,
-            Message(
-                "pin {pin} (GPIO{gpio}) has {count} purposes: {uses}",
-                pin=pin,
-                gpio=GPIO_OF_BOARD[pin],
-                count=len(own),
-                uses=", ".join(texts),
-            ),
-            Message(
-                "a pin of its own for each; axes can share only {shared}, with the same {level}",
-                shared=SHARED,
-                level="enable_active",
-            ),
-            uses=texts,
+        texts, last, gpio = tuple(one.text for one in own), own[-1], GPIO_OF_BOARD[pin]
+        values = {"pin": pin, "gpio": gpio, "count": len(own), "uses": ", ".join(texts)}
+        reason = Message("pin {pin} (GPIO{gpio}) has {count} purposes: {uses}", **values)
+        allowed = Message(
+            "a pin of its own for each; axes can share only {shared}, with the same {level}",
+            shared=SHARED,
+            level="enable_active",
         )
+        where = (faults.PIN_CONFLICT, last.file, last.key, last.value)
+        yield problem(*where, reason, allowed, uses=texts)
 
 
 def _reserved(use: PinUse) -> Iterator[Problem]:
@@ -142,17 +132,10 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
     of_axis = use.file.name == AXES_FILE
     if reason is None or not of_axis or (use.pin in I2C and use.key.endswith(ENDSTOP)):
         return
-    free = sorted(set(GPIO_OF_BOARD) - {*RESERVED, 19, 21, 23, 24})
-    yield problem(
-        faults.PIN_UNUSABLE,
-        use.file,
-        use.key,
-        use.value,
-        reason,
-        ", ".join(map(str, free)),
-        doubtful=use.pin not in EEPROM,
-        uses=(use.text, str(reason)),
-    )
+    free = ", ".join(map(str, sorted(set(GPIO_OF_BOARD) - {*RESERVED, 19, 21, 23, 24})))
+    where = (faults.PIN_UNUSABLE, use.file, use.key, use.value)
+    uses, doubtful = (use.text, str(reason)), use.pin not in EEPROM
+    yield problem(*where, reason, free, doubtful=doubtful, uses=uses)
 
 
 def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem]:

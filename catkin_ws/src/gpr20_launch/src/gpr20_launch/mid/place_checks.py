@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Dict, Iterator, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
@@ -67,11 +67,6 @@ class Use:
     real: bool = True
     part: str = SURVEY
 
-    @property
-    def stores(self) -> bool:
-        """Whether surveys are stored on this computer."""
-        return self.part != ROBOT
-
 
 def check_place(reading: Reading, use: Use) -> Iterator[Problem]:
     """Find what is wrong with data, addresses, sensors, site and wiring."""
@@ -109,7 +104,7 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
     if reason is not None:
         example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
         yield problem(faults.DATA_FOLDER, *where, given or configured, reason, example)
-    elif use.stores:
+    elif use.part != ROBOT:
         parameters = storage_parameters(reading.sections, given)
         yield from _suitable(parameters, where, use)
         yield from _disk(parameters, where, use.folder / STORAGE_FILE)
@@ -245,31 +240,24 @@ def _values(reading: Reading, use: Use) -> Iterator[Problem]:
 
 
 def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
-    analyzer = reading.record("vna_acquisition")
-    known: List[Tuple[str, str, str]] = [
-        ("environment", name, use.environment[name])
-        for name in ADDRESS_NAMES
-        if use.environment.get(name)
-    ]
+    vna = reading.record("vna_acquisition")
+    names = [name for name in ADDRESS_NAMES if use.environment.get(name)]
+    known = [("environment", name, use.environment[name]) for name in names]
     # Without an address the window asks for it.
     given = (ANALYZER_FILE, "address") in reading.given and reading.knows(ANALYZER_FILE, "address")
-    if use.stores and given and analyzer.analyzer == MS2026C:
-        known.append((str(use.folder / ANALYZER_FILE), "address", analyzer.address))
+    if use.part != ROBOT and given and vna.analyzer == MS2026C:
+        known.append((str(use.folder / ANALYZER_FILE), "address", vna.address))
     seen: Dict[str, str] = {}
+    allowed = Message("the address of one device, such as {example}", example="192.168.1.10")
     for file, key, address in known:
-        first = seen.setdefault(address, f"{file} {key}")
-        wrong = _not_of_device(address, key)
+        first, reason = seen.setdefault(address, f"{file} {key}"), _not_of_device(address, key)
         if first != f"{file} {key}":
             reason = Message("{first} has the same address", first=first)
-        elif wrong is not None:
-            reason = wrong
-        else:
-            continue
-        allowed = Message("the address of one device, such as {example}", example="192.168.1.10")
         # The window asks for the address of the VNA, too.
         doubtful = key == "address" and address.startswith("127.")
-        yield problem(faults.ADDRESS, file, key, address, reason, allowed, doubtful=doubtful)
-    if sum(file == "environment" for file, _key, _address in known) == 1:
+        if reason is not None:
+            yield problem(faults.ADDRESS, file, key, address, reason, allowed, doubtful=doubtful)
+    if len(names) == 1:
         key, address = known[0][1:]
         other = next(one for one in ADDRESS_NAMES if one != key)
         reason = Message("two computers need both addresses, and {other} is empty", other=other)
@@ -292,12 +280,11 @@ def _not_of_device(address: str, key: str) -> Optional[Message]:
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:
     wiring = reading.folder / WIRING_FILE
+    allowed = Message("nothing in the list, once a person has checked it")
     for one in reading.record("wiring").unchecked:
         reason = Message("nobody has checked it: {task}", task=TASKS[one])
-        allowed = Message("nothing in the list, once a person has checked it")
-        doubtful = one in WITH_ROBOT
-        given = (faults.NOT_CHECKED, wiring, "unchecked", one.value, reason, allowed, doubtful)
-        yield problem(*given)
+        where = (faults.NOT_CHECKED, wiring, "unchecked", one.value)
+        yield problem(*where, reason, allowed, doubtful=one in WITH_ROBOT)
     for name in (AXES_FILE, HEIGHT_FILE):
         file = reading.folder / name
         # A profile without the list of what must be checked in it.

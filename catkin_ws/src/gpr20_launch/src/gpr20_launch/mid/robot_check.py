@@ -20,7 +20,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
 from gpr20_launch.mid.axis_checks import check_axes
 from gpr20_launch.mid.launch_request import ROBOT, SERVER
-from gpr20_launch.mid.pin_checks import check_pins, is_pin
+from gpr20_launch.mid.pin_checks import check_pins
 from gpr20_launch.mid.place_checks import ANALYZER_FILE, Use, check_place
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, Reading
@@ -71,10 +71,10 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
         yield Problem(text.with_fault(faults.NO_FOLDER).as_warning(), str(use.folder))
     reading = Reading(use.folder, built.axes)
     pins = tuple(check_pins(reading))
+    shared = [use for one in pins if one.message.cause is faults.PIN_CONFLICT for use in one.uses]
     for one in reading.problems:
-        # A pin that exists is refused for a second use in its axis, which has a problem of its own.
-        axis, _slash, key = one.key.partition("/")
-        if not is_pin(key, reading.raw_axes.get(axis, {}).get(key)):
+        # The parameters of an axis refuse a pin with a second use in it, but not that of others.
+        if not any(use.partition(" (")[0] == f"{AXES_FILE} {one.key}" for use in shared):
             yield one
     yield from pins
     yield from check_axes(use.folder / AXES_FILE, reading.axes(), reading.built)

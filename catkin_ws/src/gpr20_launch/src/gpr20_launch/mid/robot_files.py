@@ -26,6 +26,7 @@ from gpr20_launch.mid.hints import (
     refusal,
     with_hint,
 )
+from gpr20_launch.mid.pin_table import GPIO_OF_BOARD
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.wiring import Wiring
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
@@ -173,14 +174,19 @@ class Reading:
             own = dict(own)
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
             base = self.built[axis]
-            values_of_axis = {**base, **own}.items()
-            self.raw_axes[axis] = {
-                key: one for key, one in values_of_axis if self.knows(path.name, f"{axis}/{key}")
-            }
-            for one in impossible_values(path, axis, self.raw_axes[axis]):
+            every = {**base, **own}
+            known = [key for key in every if self.knows(path.name, f"{axis}/{key}")]
+            raw = self.raw_axes[axis] = {key: every[key] for key in known}
+            for one in impossible_values(path, axis, raw):
                 self.problems.append(one)
                 self.unsure.add((path.name, one.key))
                 own.pop(one.key.partition("/")[2], None)
+            pins = [raw[key] for key in known if key.endswith("_pin")]
+            for key in [one for one in own if one.endswith("_pin") and type(own[one]) is int]:
+                if own[key] in GPIO_OF_BOARD and pins.count(own[key]) > 1:
+                    twice = f"{key} {own[key]}"
+                    reason = Message("{pins}: all pins must be different", pins=twice)
+                    self._wrong(path, reason, f"{axis}/{key}", own.pop(key), place=axis)
             own = self._allowed(path, AxisParameters, own, axis, base)
             self.sections[section] = {**base, **own}
 
@@ -262,9 +268,9 @@ class Reading:
             alone = {key: value} if key else {}
             if not any(follows(kind, one, place, base, unsure) for one in (own, alone)):
                 reason = with_hint(error, hint_for_value(key, value, error))
-                other = error.values.get("name")
-                if key and other in names and other not in own:
-                    default = Message("{name} has its default: change both", name=other)
+                absent = [one for one in names if one not in own] if key else []
+                for one in (one for one in absent if follows(kind, own, place, base, (one,))):
+                    default = Message("{name} has its default", name=one)
                     reason = with_hint(reason, default)
                 self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
             if not key:
