@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import sys
 from pathlib import Path
-from typing import Callable, Set
+from typing import Callable, Set, Tuple
 
 from gpr20_update.errors import UpdateError
 from gpr20_update.low.paths import Paths
@@ -78,12 +78,11 @@ class Updater:
             bundle.version,
             tuple(names),
             tuple(self._robot.active()),
-            tuple(sorted(faults or ())),
             str(kept),
         )
-        return self._install(record, bundle)
+        return self._install(record, bundle, tuple(faults or ()))
 
-    def _install(self, record: Record, bundle: Bundle) -> bool:
+    def _install(self, record: Record, bundle: Bundle, known: Tuple[str, ...]) -> bool:
         with self._packages.alone(self._wait):
             self._journal.write(record)
         self._say(f"installing version {record.after}; do not switch off")
@@ -93,7 +92,7 @@ class Updater:
             self._journal.write(dataclasses.replace(record, step=Step.JUDGING))
             self._robot.start(record.services)
             self._say("asking the doctor")
-            wrong = self._robot.new_faults(record.faults)
+            wrong = self._robot.new_faults(known)
         except (UpdateError, OSError) as error:
             wrong = [str(error)]
         if wrong:

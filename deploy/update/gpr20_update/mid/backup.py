@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import gzip
 import io
-import itertools
 import json
 import os
 import pwd
@@ -108,9 +107,9 @@ def keep(paths: Paths, version: str) -> Tuple[Path, Backup]:
     """Make a backup of this computer where the others are; delete old ones."""
     taken = take(paths, version)
     paths.backups.mkdir(exist_ok=True)
-    begin = paths.backups / f"{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}_{version}"
-    names = (begin.with_name(f"{begin.name}_{number:03}.tar.gz") for number in itertools.count())
-    path = next(one for one in names if not one.exists())
+    now_ns = time.time_ns()
+    begin = time.strftime("%Y%m%dT%H%M%S", time.gmtime(now_ns // 10**9))
+    path = paths.backups / f"{begin}.{now_ns % 10**9:09}Z_{version}.tar.gz"
     write(taken, path)
     for old in sorted(paths.backups.glob("*.tar.gz"))[:-KEPT_BACKUPS]:
         old.unlink()

@@ -208,13 +208,10 @@ def _blocks(path: Path, most_bytes: int) -> Iterator[bytes]:
                 if not block:
                     return
                 yield block
-    except FileNotFoundError as error:
-        raise UpdateError(
-            f"{shown(path)} is missing: the bundle is incomplete; copy it to the stick again"
-        ) from error
     except OSError as error:
         raise UpdateError(
-            f"{shown(path)} cannot be read: {error.strerror}; plug the stick in again and repeat"
+            f"{shown(path)} cannot be read: {error.strerror}; plug the stick in again and repeat, "
+            "or copy the bundle to it again"
         ) from error
 
 

@@ -33,7 +33,6 @@ class Record:
         after: The version that is being installed, or that the return comes from.
         packages: Names of the packages that were installed before.
         services: The services that ran before.
-        faults: Keys of what the doctor found wrong before.
         backup: File of the configuration as it was before; empty: it stays as it is.
         outcome: How it ended, for people.
     """
@@ -43,7 +42,6 @@ class Record:
     after: str = ""
     packages: Tuple[str, ...] = ()
     services: Tuple[str, ...] = ()
-    faults: Tuple[str, ...] = ()
     backup: str = ""
     outcome: str = ""
 
@@ -79,8 +77,10 @@ class Journal:
             UpdateError: The file is damaged.
         """
         try:
-            fields = json.loads(self._path.read_text(encoding="utf-8"))
-            lists = {name: tuple(fields[name]) for name in ("packages", "services", "faults")}
+            record = json.loads(self._path.read_text(encoding="utf-8"))
+            # Another version of this program may have written more.
+            fields = {one.name: record[one.name] for one in dataclasses.fields(Record)}
+            lists = {name: tuple(fields[name]) for name in ("packages", "services")}
             return Record(**{**fields, **lists, "step": Step(fields["step"])})
         except FileNotFoundError:
             return None
