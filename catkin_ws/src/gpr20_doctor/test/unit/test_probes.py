@@ -212,14 +212,14 @@ def test_masters_nodes_and_launches_are_found(tmp_path):
         tmp_path,
         (11, 1, "python3 /opt/ros/bin/rosmaster --core -p 11712", ""),
         (12, 1, "node __name:=main_control", f"A=1 {PC}/ ROS_IP=10.20.0.1"),
-        (13, 1, "node __name:=imaging", "ROS_MASTER_URI=http://127.0.0.1:11311"),
+        (13, 1, "node __name:=imaging", "ROS_MASTER_URI=http://192.0.2.50:11312"),
         (14, 1, "python3 /opt/ros/bin/roslaunch gpr20 config:=/etc/mole", f"{PC} GPR20_CONFIG=/o"),
         (15, 1, "python3 roslaunch gpr20", "ROS_MASTER_URI=http://pi:11311 GPR20_CONFIG=/o"),
     )
     assert found.ports == [11712]
     (node,) = found.nodes_of("http://pc:11311")
     assert node == (12, "http://pc:11311", "10.20.0.1", False)
-    assert [one.number for one in found.nodes_of("http://localhost:11311/")] == [13]
+    assert [one.number for one in found.nodes_of("http://127.0.0.1:11312/")] == [13]
     assert found.configuration("http://pc:11311/") == Path("/etc/mole")
     assert found.configuration("http://pi:11311") == Path("/o")
     assert found.configuration("http://nobody:11311") is None

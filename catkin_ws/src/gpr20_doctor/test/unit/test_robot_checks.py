@@ -273,6 +273,7 @@ def test_a_robot_that_is_not_heard_has_one_fault_with_its_reason(robot, code, ad
     [
         ({HEIGHT: HANGS}, "doctor.node_hangs", "Height sensor hangs", "Wait one minute"),
         ({HEIGHT: GONE, X_AXIS: GONE}, MISSING, "X axis; Height sensor", f"{RESTART}gpr20-robot."),
+        ({VNA: NodeState.UNREACHED}, "network.address_gone", "they listen: VNA", "Check the link"),
         ({VNA: GONE}, MISSING, "Not running: VNA driver", f"other computer run: {RESTART}gpr20-se"),
         ({HEIGHT: NodeState.ANSWERS}, "node.silent", "does not report", "Wait one minute"),
     ],

@@ -35,6 +35,7 @@ class NodeState(enum.Enum):
 
     ANSWERS = "answers"
     HANGS = "is registered and does not answer"
+    UNREACHED = "is registered at an address that is not reached"
     GONE = "has ended, or was never started"
 
 
@@ -122,9 +123,18 @@ def node_states(uri: str, names: Iterable[str]) -> Dict[str, NodeState]:
         except NodeGoneError:
             return NodeState.GONE
         except NodeSilentError:
-            return NodeState.HANGS
+            return NodeState.HANGS if _is_reached(uri, name) else NodeState.UNREACHED
         return NodeState.ANSWERS
 
     asked = list(names)
     with ThreadPoolExecutor(max(1, len(asked))) as pool:
         return dict(zip(asked, pool.map(ask, asked)))
+
+
+def _is_reached(uri: str, node: str) -> bool:
+    try:
+        found = value_of(limited_server(uri, ANSWER_LIMIT_S).lookupNode(CALLER, node))
+        parts = urlsplit(str(found))
+        return network.is_open(parts.hostname or "", parts.port or 0, ANSWER_LIMIT_S)
+    except NO_ANSWER:
+        return True  # of the node nothing else is known than its silence

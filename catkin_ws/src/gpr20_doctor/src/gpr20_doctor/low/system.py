@@ -7,6 +7,9 @@ import tempfile
 import time
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional, Tuple
+from urllib.parse import urlsplit
+
+from gpr20_doctor.low.network import addresses_of, is_own_address
 
 DEFAULT_PORT = 11311
 BYTES_PER_KB, IPV4_BYTES = 1024, 4
@@ -73,13 +76,27 @@ class RosProcesses(NamedTuple):
     configurations: List[Tuple[str, Path]]
 
     def nodes_of(self, master: str) -> List[RosNode]:
-        """Return the nodes of a master, and those whose master is not known."""
-        return [one for one in self.nodes if one.master in ("", plain_uri(master))]
+        """Return the nodes of a master, and those whose master is not known.
+
+        roslaunch calls a master of this computer by an address that may be gone.
+        """
+        wanted = urlsplit(plain_uri(master))
+        here = any(map(is_own_address, addresses_of(wanted.hostname or "")))
+        known = {"", wanted.geturl()}
+        known |= {one.master for one in self.nodes if here and _port(one.master) == wanted.port}
+        return [one for one in self.nodes if one.master in known]
 
     def configuration(self, master: str) -> Optional[Path]:
         """Return the folder with which the robot of a master was launched; None: not known."""
         found = {folder for uri, folder in self.configurations if uri == plain_uri(master)}
         return found.pop() if len(found) == 1 else None
+
+
+def _port(master: str) -> Optional[int]:
+    try:
+        return urlsplit(master).port
+    except ValueError:
+        return None
 
 
 def plain_uri(master: str) -> str:

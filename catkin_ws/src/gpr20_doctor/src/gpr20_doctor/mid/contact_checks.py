@@ -23,7 +23,7 @@ from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 
 WAIT = Message("Wait until all parts of the robot have started.")
 # The part itself says why it is silent.
-SILENT = (NodeState.HANGS, NodeState.GONE)
+SILENT = (NodeState.HANGS, NodeState.GONE, NodeState.UNREACHED)
 
 
 def check_contact(facts: RobotFacts) -> Iterator[Finding]:

@@ -114,13 +114,18 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
 def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     """Judge each node by its own report."""
     known = facts.evidence.nodes
-    missing = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
-    if missing:
-        parts = tuple(map(node_title, missing))
-        text = Message("Not running: {parts}", parts=parts, service=service_of(missing))
+    gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
+    lost = [one.name for one in facts.nodes if known.get(one.name) is NodeState.UNREACHED]
+    if gone:
+        values = {"parts": tuple(map(node_title, gone)), "service": service_of(gone)}
+        text = Message("Not running: {parts}", **values)
         yield Finding.of("missing", text, faults.PARTS_MISSING)
+    if lost:
+        values = {"parts": tuple(map(node_title, lost)), "service": service_of(lost)}
+        text = Message("Not reached at the address where they listen: {parts}", **values)
+        yield Finding.of("missing", text, faults.ADDRESS_GONE)
     for node in facts.nodes:
-        if node.name not in missing:
+        if node.name not in {*gone, *lost}:
             yield _part(node, facts.listening_s, known.get(node.name))
 
 
