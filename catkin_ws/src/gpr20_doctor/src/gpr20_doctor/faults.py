@@ -12,6 +12,7 @@ MOTORS_THEN_RESTART = Message(
     "Switch off the motors' power. Then end the ROS master and start the robot again."
 )
 LOAD_FIREWALL = Message("Load the firewall of docs/install.md, as root.")
+JOIN_GROUPS = Message("Add the user to the groups gpio and spi, then log out and in.")
 LISTEN_HERE = Message("Unset ROS_IP and ROS_HOSTNAME, and source setup.bash again.")
 
 CANNOT_WORK = Fault(
@@ -128,25 +129,17 @@ GROUP_MISSING = Fault(
 GROUP_AT_NEXT_LOGIN = Fault(
     "computer.group_at_next_login", Message("Log out and in, or restart."), Severity.WARNING
 )
-NOT_IN_GROUP = Fault(
-    "computer.not_in_group",
-    Message("Add the user to the groups gpio and spi, then log out and in."),
-    Severity.WARNING,
-)
+NOT_IN_GROUP = Fault("computer.not_in_group", JOIN_GROUPS, Severity.WARNING)
 SPI_OFF = Fault(
     "computer.spi_off",
     Message("Run: sudo raspi-config nonint do_spi 0. Then restart the computer."),
 )
-SPI_NO_ACCESS = Fault(
-    "computer.spi_no_access", Message("Add the user to the group spi, then log out and in.")
-)
+SPI_NO_ACCESS = Fault("computer.spi_no_access", JOIN_GROUPS)
 PIN_LIBRARY_MISSING = Fault(
     "computer.pin_library_missing", Message("Run: scripts/setup.sh --robot")
 )
 PIGPIO_SILENT = Fault("computer.pigpio_silent", Message("Run: sudo systemctl enable --now pigpiod"))
-PINS_NO_ACCESS = Fault(
-    "computer.pins_no_access", Message("Add the user to the group gpio, then log out and in.")
-)
+PINS_NO_ACCESS = Fault("computer.pins_no_access", JOIN_GROUPS)
 REALTIME_LIMITED = Fault(
     "computer.realtime_limited",
     Message("Allow rtprio and memlock in /etc/security/limits.d, then log out and in."),

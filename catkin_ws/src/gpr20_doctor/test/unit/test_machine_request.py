@@ -28,50 +28,43 @@ def nodes(host="pi", simulated=False, **axis):
     }
 
 
-@pytest.fixture
-def root(tmp_path):
-    return tmp_path
+def machine(tmp_path, **environment):
+    return ThisMachine("pi", {"GPR20_CONFIG": str(tmp_path / "config"), **environment}, tmp_path)
 
 
-def machine(root, **environment):
-    return ThisMachine("pi", {"GPR20_CONFIG": str(root / "config"), **environment}, root)
-
-
-def test_everything_of_a_real_robot_on_one_computer_is_looked_at(root):
-    request = machine(root).request(nodes(backend="pigpio"))
+def test_everything_of_a_real_robot_on_one_computer_is_looked_at(tmp_path):
+    request = machine(tmp_path).request(nodes(backend="pigpio"))
     assert request.hardware is HardwareUse.NEEDED
     assert not request.data_disk
     found = nodes()
     found["vna_processing"].configuration["data_disk"] = True
-    assert machine(root).request(found).data_disk
+    assert machine(tmp_path).request(found).data_disk
     assert request.pin_library == "pigpio"
-    assert machine(root).request(nodes()).pin_library == "rpi_gpio"
+    assert machine(tmp_path).request(nodes()).pin_library == "rpi_gpio"
     assert (request.data, request.vna) == (Path("/s"), "10.0.0.9")
 
 
-def test_only_axes_without_another_controller_need_pins(root):
-    (root / "config").mkdir()
-    axes = root / "config/axes.yaml"
-    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\n")
-    assert machine(root).request({}, robot=REAL).pins
-    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\nz: {backend: pigpio}\n")
-    assert machine(root).request({}, robot=REAL).pin_library == "pigpio"
-    axes.write_text("x: {controller: a.b:C}\ny: {controller: a.b:C}\nz: {controller: a.b:C}\n")
-    assert not machine(root).request({}, robot=REAL).pins
+def test_only_axes_without_another_controller_need_pins(tmp_path):
+    (tmp_path / "config").mkdir()
+    other = "{controller: a.b:C}"
+    for z_axis, library in (("{}", "rpi_gpio"), ("{backend: pigpio}", "pigpio"), (other, "")):
+        text = f"x: {other}\ny: {other}\nz: {z_axis}\n"
+        (tmp_path / "config/axes.yaml").write_text(text)
+        request = machine(tmp_path).request({}, robot=REAL)
+        assert (request.pin_library, request.pins) == (library, bool(library))
     found = nodes()
-    found["x_axis/axis_driver"] = NodeDescription(
-        "x_axis/axis_driver", Hardware("GRBL on USB", False), {"controller": "a.b:C"}
-    )
-    assert not machine(root).request(found, robot=REAL).pins
+    own = NodeDescription("x_axis/axis_driver", Hardware("GRBL"), {"controller": "a.b:C"})
+    found["x_axis/axis_driver"] = own
+    assert not machine(tmp_path).request(found, robot=REAL).pins
     found["z_axis/axis_driver"] = nodes(backend="pigpio")["x_axis/axis_driver"]
-    request = machine(root).request(found, robot=REAL)
+    request = machine(tmp_path).request(found, robot=REAL)
     assert request.pins and request.pin_library == "pigpio"
 
 
-def test_a_simulated_robot_needs_no_hardware(root):
-    request = machine(root).request(nodes(simulated=True))
+def test_a_simulated_robot_needs_no_hardware(tmp_path):
+    request = machine(tmp_path).request(nodes(simulated=True))
     assert (request.hardware, request.vna) == (HardwareUse.SIMULATED, None)
-    assert machine(root).request({}, robot=SIMULATED).hardware is HardwareUse.SIMULATED
+    assert machine(tmp_path).request({}, robot=SIMULATED).hardware is HardwareUse.SIMULATED
 
 
 @pytest.mark.parametrize(
@@ -86,56 +79,54 @@ def test_a_simulated_robot_needs_no_hardware(root):
     ],
 )
 def test_a_configuration_is_checked_as_that_of_the_robot_that_it_describes(
-    root, running, robot, asked, expected
+    tmp_path, running, robot, asked, expected
 ):
-    request = machine(root).request(running, robot=robot, thorough=False, files=asked)
+    request = machine(tmp_path).request(running, robot=robot, thorough=False, files=asked)
     assert request.files == expected
 
 
-def test_only_a_folder_that_the_launch_was_given_is_named_as_given(root):
-    (root / "config").mkdir()
-    storage = root / "config/storage.yaml"
+def test_only_a_folder_that_the_launch_was_given_is_named_as_given(tmp_path):
+    (tmp_path / "config").mkdir()
     for text, given in (("data: /s\n", ""), ("data: /other\n", "/s")):
-        storage.write_text(text)
-        request = machine(root).request(nodes())
+        (tmp_path / "config/storage.yaml").write_text(text)
+        request = machine(tmp_path).request(nodes())
         assert (request.data, request.data_given) == (Path("/s"), given)
-    assert machine(root).request({}).data_given == ""
-    assert machine(root, GPR20_DATA="/s").request(nodes()).data_given == "/s"
+    assert machine(tmp_path).request({}).data_given == ""
 
 
-def test_nothing_of_another_computer_is_looked_at(root):
-    request = machine(root).request(nodes(host="other"))
+def test_nothing_of_another_computer_is_looked_at(tmp_path):
+    request = machine(tmp_path).request(nodes(host="other"))
     assert request.hardware is HardwareUse.ELSEWHERE
     assert (request.data, request.vna) == (None, None)
 
 
-def test_the_vna_is_left_alone_beside_a_survey(root):
-    assert machine(root).request(nodes(), surveying=True).vna is None
+def test_the_vna_is_left_alone_beside_a_survey(tmp_path):
+    assert machine(tmp_path).request(nodes(), surveying=True).vna is None
 
 
-def test_each_of_two_computers_has_its_part(root):
-    robot = machine(root, GPR20_ROBOT=HERE, GPR20_SERVER=THERE).request({})
+def test_each_of_two_computers_has_its_part(tmp_path):
+    robot = machine(tmp_path, GPR20_ROBOT=HERE, GPR20_SERVER=THERE).request({})
     assert (robot.hardware, robot.data, robot.vna) == (HardwareUse.NEEDED, None, None)
-    server = machine(root, GPR20_ROBOT=THERE, GPR20_SERVER=HERE).request({})
+    server = machine(tmp_path, GPR20_ROBOT=THERE, GPR20_SERVER=HERE).request({})
     assert server.hardware is HardwareUse.ELSEWHERE
     assert server.data is not None and isinstance(server.vna, Unknown)
 
 
-def test_without_nodes_the_computer_and_its_configuration_decide(root):
-    assert machine(root).request({}).hardware is HardwareUse.NO_PI
-    assert machine(root).request({}, robot=REAL).hardware is HardwareUse.NEEDED
-    model = root / "proc/device-tree/model"
+def test_without_nodes_the_computer_and_its_configuration_decide(tmp_path):
+    assert machine(tmp_path).request({}).hardware is HardwareUse.NO_PI
+    assert machine(tmp_path).request({}, robot=REAL).hardware is HardwareUse.NEEDED
+    model = tmp_path / "proc/device-tree/model"
     model.parent.mkdir(parents=True)
     model.write_text("Raspberry Pi 4 Model B")
-    (root / "config").mkdir()
-    (root / "config/analyzer.yaml").write_text("address: 10.1.1.1\n")
-    request = machine(root, GPR20_DATA="/data").request({})
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/analyzer.yaml").write_text("address: 10.1.1.1\n")
+    request = machine(tmp_path, GPR20_DATA="/data").request({})
     assert request.hardware is HardwareUse.NEEDED
     assert (request.vna, request.data) == ("10.1.1.1", Path("/data"))
     assert not request.data_disk
-    (root / "config/storage.yaml").write_text("data_disk: true\n")
-    assert machine(root).request({}).data_disk
-    (root / "config/height.yaml").write_text("spi_device: 1\n")
-    assert machine(root).request({}).spi == (0, 1)
-    (root / "config/analyzer.yaml").write_text("address: GPIB0::16::INSTR\n")
-    assert machine(root).request({}).vna is None
+    (tmp_path / "config/storage.yaml").write_text("data_disk: true\n")
+    assert machine(tmp_path).request({}).data_disk
+    (tmp_path / "config/height.yaml").write_text("spi_device: 1\n")
+    assert machine(tmp_path).request({}).spi == (0, 1)
+    (tmp_path / "config/analyzer.yaml").write_text("address: GPIB0::16::INSTR\n")
+    assert machine(tmp_path).request({}).vna is None

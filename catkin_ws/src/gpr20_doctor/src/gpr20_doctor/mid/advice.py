@@ -19,6 +19,7 @@ from gpr20_survey.faults import OTHER_DATA_FOLDER
 LAUNCHES = {ROBOT: "robot.launch", SERVER: "server.launch"}
 ALL_IN_ONE = "survey.launch"
 _RESTART = Message("{restart}", restart="")
+_THEN_RESTART = Message("{remedy} {restart}", remedy="", restart="")
 _MOTORS_THEN_RESTART = Message("Switch off the motors' power. {restart}", restart="")
 _LISTEN_AS_SERVICES = Message("Run it as the services do: gpr20-run doctor")
 
@@ -49,13 +50,8 @@ ADVICE: Dict[str, Message] = {
         numbers="",
         restart="",
     ),
-    faults.NOT_RESTARTED.code: Message(
-        "Start all parts of the robot again, from one installation. {restart}", restart=""
-    ),
-    faults.ADDRESS_GONE.code: Message(
-        "Check the link, and the address of this computer. Then start the robot again. {restart}",
-        restart="",
-    ),
+    faults.NOT_RESTARTED.code: _THEN_RESTART,
+    faults.ADDRESS_GONE.code: _THEN_RESTART,
     faults.HEIGHT_UNUSUAL.code: Message(
         "Look below the sensor, and check the offset in {height_file}.", height_file=""
     ),
@@ -110,6 +106,7 @@ def advised(finding: Finding, place: Place) -> Finding:
     for text in finding.text.nested():
         known = {**text.values, **known}
     known["restart"] = _restart(str(known.get("service", "")), place)
+    known["remedy"] = finding.text.remedy or ""
     known["program"] = printable(place.firewall)
     known["height_file"] = printable(place.config / "height.yaml")
     if place.settings:
