@@ -87,6 +87,11 @@ class Message:
         """Return the same sentence with other technical words."""
         return Message(self.template, details=details, **self.values).with_fault(self.fault)
 
+    def with_values(self, known: Mapping[str, Value]) -> Message:
+        """Return the same sentence with the known values of its fields."""
+        values = {name: known.get(name, own) for name, own in self.values.items()}
+        return Message(self.template, details=self.details, **values).with_fault(self.fault)
+
     @property
     def cause(self) -> Optional[Fault]:
         """The fault that decides; None if neither this sentence nor one inside reports one.

@@ -72,6 +72,12 @@ def test_details_are_in_the_english_text_and_not_in_the_sentence():
     assert paused.sentence() == "paused: the height 0.012 m is below 0.02 m"
 
 
+def test_known_values_take_the_place_of_those_that_a_sentence_has_and_of_no_others():
+    general = Message("restart {part} of {robot}", part="PART", robot="ROBOT")
+    known = general.with_values({"part": "x_axis", "other": 1})
+    assert str(known) == "restart x_axis of ROBOT"
+
+
 def test_a_template_without_all_its_values_fails_where_it_is_written():
     with pytest.raises(KeyError, match="low_m"):
         Message("below {low_m:g} m")

@@ -9,7 +9,7 @@ import socket
 import sys
 import threading
 from dataclasses import replace
-from typing import List, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, List, Mapping, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -116,7 +116,7 @@ def _find(
     here, master = system.ros_processes(ROOT), rosgraph.get_master_uri()
     config = given.config or here.configuration(master)
     machine = ThisMachine(socket.gethostname(), os.environ, config=config)
-    robot, nodes = _robot(given, _Search(master, given.ns, here, machine.environment))
+    robot, nodes = _robot(given, master, lambda state: _evidence(given.ns, state, here, machine))
     ports = masters.node_ports(robot.master) if robot.master_alive else frozenset()
     # A configuration is that of a real robot, whatever runs now.
     asked = given.config is not None and given.robot == AUTOMATIC
@@ -125,29 +125,19 @@ def _find(
     return findings(robot, probe_machine(request)), robot, request
 
 
-class _Search(NamedTuple):
-    """Where a robot is looked for, and what could show where else it is."""
-
-    master: str
-    namespace: str
-    here: system.RosProcesses
-    environment: Mapping[str, str]
-
-
 def _robot(
-    given: argparse.Namespace, search: _Search
+    given: argparse.Namespace, master: str, search: Callable[[MasterState], Evidence]
 ) -> Tuple[RobotFacts, Mapping[str, NodeDescription]]:
-    master = search.master
     state = _state_of_master(master, given.wait)
     if state is not MasterState.ANSWERS:
-        return unheard(master, _evidence(search, state)), {}
+        return unheard(master, search(state)), {}
     graph = Graph(given.ns, master)
     try:
         graph.listener.wait(given.wait)
         silent = graph.node_states(graph.listener.silent())
         nobody = silent == dict.fromkeys(EXPECTED_NODES, NodeState.GONE)
         if nobody and not graph.listener.facts().control_alive:
-            return unheard(master, _evidence(search, state)), {}
+            return unheard(master, search(state)), {}
         analyzer = None if given.quick else _test(graph)
         facts = graph.listener.facts(analyzer)
         evidence = Evidence(state, graph.namespace, nodes=silent)
@@ -156,19 +146,21 @@ def _robot(
         graph.leave()
 
 
-def _evidence(search: _Search, state: MasterState) -> Evidence:
+def _evidence(
+    namespace: str, state: MasterState, here: system.RosProcesses, machine: ThisMachine
+) -> Evidence:
     """Look for the robot where it could be: in other namespaces, and at other masters."""
-    own = search.master.rstrip("/")
-    local = [one.master for one in search.here.nodes]
-    hosts = ["localhost", *(search.environment.get(name, "") for name in network.ADDRESSES)]
-    ports = [system.DEFAULT_PORT, *search.here.ports]
+    own = rosgraph.get_master_uri().rstrip("/")
+    local = [one.master for one in here.nodes]
+    hosts = ["localhost", *(machine.environment.get(name, "") for name in network.ADDRESSES)]
+    ports = [system.DEFAULT_PORT, *here.ports]
     places = [f"http://{host}:{port}" for port in ports for host in hosts if host]
     return Evidence(
         master=state,
-        namespace="/" + search.namespace.strip("/"),
+        namespace="/" + namespace.strip("/"),
         robots=masters.robots_at(own) if state is MasterState.ANSWERS else (),
         elsewhere=masters.robots_elsewhere(own, [*filter(None, local), *places]),
-        local_nodes=len(search.here.nodes_of(own)),
+        local_nodes=len(here.nodes_of(own)),
     )
 
 

@@ -111,8 +111,7 @@ def advised(finding: Finding, place: Place) -> Finding:
     known["height_file"] = printable(place.config / "height.yaml")
     if place.settings:
         known["where"] = printable(place.settings)
-    filled = {name: known.get(name, default) for name, default in advice.values.items()}
-    return replace(finding, remedy=Message(advice.template, **filled))
+    return replace(finding, remedy=advice.with_values(known))
 
 
 def _restart(named: str, place: Place) -> Message:
