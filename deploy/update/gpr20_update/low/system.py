@@ -147,10 +147,8 @@ def only_one(path: Path) -> Iterator[None]:
         UpdateError: Another process holds it.
     """
     with path.open("ab") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise UpdateError("another gpr20-update is running; wait for its end") from error
+        if not _is_taken(file):
+            raise UpdateError("another gpr20-update is running; wait for its end")
         yield
 
 

@@ -43,6 +43,7 @@ from gpr20_foreign_formats.group_names import (
     place_texts,
     plain,
 )
+from gpr20_foreign_formats.header import Header
 from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
 from gpr20_survey.files.regular_file import open_regular, read_regular
 
@@ -207,18 +208,11 @@ def _times(
     step_s = named_s[1] - named_s[0] if points > 1 else 0.0
     even = len(times_s) == points > 1 and np.ptp(np.diff(times_s)) < 1e-3 * step_s
     if header != TIMES_HEADER or not even or off_s[0] > 2.0 * ROUNDED_US / US_PER_S:
-        raise UnreadableFileError(
-            Message(
-                "the {count} times in {file} do not fit the file names, {points} times from "
-                "{start:g} to {stop:g} us",
-                count=len(times_s),
-                file=TIMES_FILE,
-                points=points,
-                start=start_us,
-                stop=stop_us,
-            ),
-            fault=faults.FILE_CONTENT,
+        values = {"points": points, "start": start_us, "stop": stop_us}
+        allowed = Message(
+            "{points} times from {start:g} to {stop:g} us, as the names say", **values
         )
+        raise Header(TIMES_FILE, {"count": len(times_s)}).refused("count", allowed)
     return times_s
 
 
@@ -226,15 +220,8 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
     with open(open_regular(path, follow_link=True), "rb") as stream:
         header = stream.readline().decode("utf-8-sig", "replace").strip()
         if header != expected:
-            raise UnreadableFileError(
-                Message(
-                    "{file} begins with {found} instead of {header}",
-                    file=path.name,
-                    found=repr(header[:40]),
-                    header=repr(expected),
-                ),
-                fault=faults.FILE_CONTENT,
-            )
+            allowed = Message("{header}", header=expected)
+            raise Header(path.name, {"first line": header}).refused("first line", allowed)
         content = stream.read()
         if not content.endswith(b"\n"):
             raise UnreadableFileError(

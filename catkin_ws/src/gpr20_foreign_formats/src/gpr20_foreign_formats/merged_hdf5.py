@@ -126,15 +126,9 @@ def _read(file: Any, name: str) -> xr.Dataset:
     x_m, y_m = _places(file, name, "x"), _places(file, name, "y")
     turns = [one for one in DEGREES if _scan(one, "Re", kind) in file["A-Scan"]]
     if not turns:
-        raise UnreadableFileError(
-            Message(
-                "{file} contains neither {x_scan} nor {y_scan}",
-                file=name,
-                x_scan=_scan("X", "Re", kind),
-                y_scan=_scan("Y", "Re", kind),
-            ),
-            fault=faults.FILE_CONTENT,
-        )
+        wanted = {"x_scan": _scan("X", "Re", kind), "y_scan": _scan("Y", "Re", kind)}
+        found = Header(name, {"A-Scan": ", ".join(file["A-Scan"])})
+        raise found.refused("A-Scan", Message("{x_scan} or {y_scan}", **wanted))
     shape = (len(turns), len(x_m), len(y_m))
     amount = float(np.prod(shape))
     Header(name, {AMOUNT: amount, **file.attrs}, typed=True).number(AMOUNT, amount, amount)
@@ -169,10 +163,10 @@ def _read(file: Any, name: str) -> xr.Dataset:
             decisions=[*traces.decisions(), *decisions],
         )
     )
-    found = dict(file.attrs)
-    if SIMULATED in str(found.get("Title", "")):
-        found[SIMULATED_KEY] = True
-    return restored(data, found)
+    facts = dict(file.attrs)
+    if SIMULATED in str(facts.get("Title", "")):
+        facts[SIMULATED_KEY] = True
+    return restored(data, facts)
 
 
 def _scan(letter: str, word: str, kind: str) -> str:
@@ -182,21 +176,12 @@ def _scan(letter: str, word: str, kind: str) -> str:
 def _axis(file: Any, name: str, kind: str, decisions: List[Message]) -> np.ndarray:
     described = Header(name, file[GROUP[kind]].attrs, typed=True)
     start, stop, step = (described.number(one, -HIGHEST_HZ, HIGHEST_HZ) for one in RANGE[kind])
-    count = int(described.number("q", 1, MOST_POINTS))
+    count = described.count("q", 1, MOST_POINTS)
     # The guide divides by the number of points where its program divides by one less.
     if not (count > 1 and step > 0.0 and abs(start + (count - 1) * step - stop) <= 1.01 * step):
-        raise UnreadableFileError(
-            Message(
-                "{file} has {count} points from {start:g} to {stop:g}, which does not fit its step "
-                "of {step:g}",
-                file=name,
-                count=count,
-                start=start,
-                stop=stop,
-                step=step,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
+        values = {"count": count, "start": start, "stop": stop}
+        allowed = Message("the step of {count} points from {start:g} to {stop:g}", **values)
+        raise described.refused(RANGE[kind][2], allowed)
     if kind == dataset.S21:
         decisions.append(PHASE_DECIDED)
     if kind == dataset.S21 and start < LARGEST_MHZ:
@@ -213,17 +198,8 @@ def _places(file: Any, name: str, axis: str) -> np.ndarray:
     start, stop, step = (position.number(one, -FARTHEST_M, FARTHEST_M) for one in keys)
     count = 1 if step == 0.0 else round((stop - start) / step) + 1
     if not 1 <= count <= MOST_POINTS or abs(start + (count - 1) * step - stop) > 0.01 * abs(step):
-        raise UnreadableFileError(
-            Message(
-                "{file}: {axis} from {start:g} to {stop:g} m does not fit its step of {step:g} m",
-                file=name,
-                axis=axis,
-                start=start,
-                stop=stop,
-                step=step,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
+        allowed = Message("a step from {start:g} to {stop:g} m", start=start, stop=stop)
+        raise position.refused(keys[2], allowed)
     return np.linspace(start, stop, count)
 
 
@@ -232,18 +208,10 @@ def _scans(file: Any, scan: str, name: str, shape: Tuple[int, ...], points: int)
     if found.shape == (points, shape[0] * shape[1]) and found.shape[0] != found.shape[1]:
         found = found.T  # as MATLAB stores it
     if found.shape != (shape[0] * shape[1], points):
-        raise UnreadableFileError(
-            Message(
-                "{file}: {scan} has the shape {shape}; it must have {positions} positions of "
-                "{points} points",
-                file=name,
-                scan=scan,
-                shape=" x ".join(map(str, found.shape)),
-                positions=shape[0] * shape[1],
-                points=points,
-            ),
-            fault=faults.FILE_CONTENT,
-        )
+        size = {"positions": shape[0] * shape[1], "points": points}
+        allowed = Message("{positions} positions of {points} points", **size)
+        found_shape = " x ".join(map(str, found.shape))
+        raise Header(name, {scan: found_shape}).refused(scan, allowed)
     return found.reshape(*shape, points)
 
 
