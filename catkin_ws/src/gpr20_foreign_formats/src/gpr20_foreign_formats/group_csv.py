@@ -132,7 +132,7 @@ def read_group_csv(
         UnreadableFileError: A file is damaged, two have the same position, or frequencies differ.
     """
     paths, decisions = files_of_samples(folder, NAMES, ".csv", EXAMPLES[VNA], TIMES_FILE)
-    found = {kind: [one for one in paths if one.name.startswith(kind)] for kind in HEADERS}
+    found = {kind: [one for one in paths if one.name.upper().startswith(kind)] for kind in HEADERS}
     if all(found.values()):
         raise UnreadableFileError(
             Message(
@@ -209,10 +209,9 @@ def _times(
     even = len(times_s) == points > 1 and np.ptp(np.diff(times_s)) < 1e-3 * step_s
     if header != TIMES_HEADER or not even or off_s[0] > 2.0 * ROUNDED_US / US_PER_S:
         values = {"points": points, "start": start_us, "stop": stop_us}
-        allowed = Message(
-            "{points} times from {start:g} to {stop:g} us, as the names say", **values
-        )
-        raise Header(TIMES_FILE, {"count": len(times_s)}).refused("count", allowed)
+        allowed = Message("Time and {points} even times, {start:g} to {stop:g} us", **values)
+        found = Header(TIMES_FILE, {"content": f"{header} and {len(times_s)}"})
+        raise found.refused("content", allowed)
     return times_s
 
 

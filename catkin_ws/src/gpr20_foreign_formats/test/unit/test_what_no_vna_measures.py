@@ -119,6 +119,7 @@ SCAN = "S21_real,S21_imag\n0.1,0.2\n0.3,-0.1\n0.2,0.1\n"
     [
         (f"more/{GROUP.replace('X0', 'X20')}", SCAN, ["more/VNA_X20"]),
         (f"{GROUP}.bak", SCAN, [f"{GROUP}.bak"]),
+        (GROUP.lower(), SCAN, [GROUP.lower(), "must have the form VNA_X155"]),
         (GROUP.replace("X0", "X20000"), SCAN, ["X [mm] is 20000", "10000"]),
         ("VNA_X20_Y0_OrX_Fs0.6M_Fe6M_Qf3_H250.csv", SCAN, ["Fe6M", "6000000.0", "1e+07"]),
         (GROUP.replace("X0", "X20"), SCAN.replace("0.3", "0,3"), ["VNA_X20", "two numbers"]),
