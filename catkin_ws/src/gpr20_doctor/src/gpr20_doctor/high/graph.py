@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, List
+from typing import Any, Dict, Iterable
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -41,22 +41,15 @@ class Graph:
         self._prefix = self.namespace.rstrip("/")
         rospy.init_node(NODE, anonymous=True, disable_signals=True, disable_rosout=True)
         self.listener = Listener(Clock(), master)
-        self._subscribers: List[rospy.Subscriber] = [
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics),
-            self._subscribe("robot_configuration", RobotConfiguration, self._on_configuration),
-            self._subscribe("control_status", ControlStatus, self._on_status),
-            *(
-                self._subscribe(f"{axis.value}_axis/endstop", Bool, self._on_endstop, axis)
-                for axis in (AxisId.X, AxisId.Y)
-            ),
-            *(
-                self._subscribe(
-                    f"{axis.value}_axis/current_coord", CurrentCoordinate, self._on_axis, axis
-                )
-                for axis in AxisId
-            ),
-            self._subscribe("measured_height", Range, self._on_height),
-        ]
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
+        self._subscribe("robot_configuration", RobotConfiguration, self._on_configuration)
+        self._subscribe("control_status", ControlStatus, self._on_status)
+        self._subscribe("measured_height", Range, self._on_height)
+        for axis in AxisId:
+            name = f"{axis.value}_axis"
+            self._subscribe(f"{name}/current_coord", CurrentCoordinate, self._on_axis, axis)
+            if axis is not AxisId.Z:
+                self._subscribe(f"{name}/endstop", Bool, self._on_endstop, axis)
         self._height = ServiceClient(f"{self._prefix}/get_height", GetHeight)
         self._analyzer = ServiceClient(f"{self._prefix}/test_analyzer", TestAnalyzer)
 
@@ -99,8 +92,8 @@ class Graph:
         """Leave the graph."""
         rospy.signal_shutdown("the doctor has finished")
 
-    def _subscribe(self, name: str, kind: Any, received: Any, *extra: Any) -> rospy.Subscriber:
-        return rospy.Subscriber(f"{self._prefix}/{name}", kind, received, *extra)
+    def _subscribe(self, name: str, kind: Any, received: Any, *extra: Any) -> None:
+        rospy.Subscriber(f"{self._prefix}/{name}", kind, received, *extra)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         offset_s = (rospy.Time.now() - message.header.stamp).to_sec()

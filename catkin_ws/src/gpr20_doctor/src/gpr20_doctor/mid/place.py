@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,16 +58,16 @@ def place_of(
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
     known = {**_values(settings), **environment}
     folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
-    units = [
-        name
-        for name in (ROBOT, SERVER)
-        if any((root / folder / f"{name}.service").exists() for folder in UNITS)
-    ]
+    files = {
+        name: [str(root / one / f"{name}.service") for one in UNITS] for name in (ROBOT, SERVER)
+    }
+    # A folder that may not be searched has no such file for this user.
+    units = [name for name, paths in files.items() if any(map(os.path.exists, paths))]
     logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
     place = Place(
         config=Path(folder).expanduser().absolute(),
         log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
-        settings=settings if settings.exists() else None,
+        settings=settings if os.path.exists(str(settings)) else None,
         service=units[0] if units else "",
         two_computers=bool(known.get("GPR20_SERVER")),
         firewall=root / FIREWALL,
