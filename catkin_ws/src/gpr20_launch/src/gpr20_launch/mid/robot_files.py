@@ -275,6 +275,7 @@ class Reading:
                 self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
             if not key:
                 return {}
+            self.unsure.add((path.name, f"{below}{key}"))
             del own[key]
 
     def _wrong(
