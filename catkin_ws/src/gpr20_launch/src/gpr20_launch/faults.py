@@ -72,8 +72,12 @@ DATA_FOLDER = Fault(
     "config.data_folder",
     Message(
         "Correct what the message names (data:= of a launch counts before data: in storage.yaml, "
-        "and that before GPR20_DATA), mount the disk of the surveys, or make space on it."
+        "and that before GPR20_DATA), or mount the disk of the surveys."
     ),
+)
+DISK_RESERVE = Fault(
+    "config.disk_reserve",
+    Message("Make space on the disk of the surveys, or write a smaller disk_reserve_mb."),
 )
 ADDRESS = Fault("config.address", Message("Correct the address: each device has one of its own."))
 SENSORS = Fault("config.sensors", Message("Correct sensors.yaml."))

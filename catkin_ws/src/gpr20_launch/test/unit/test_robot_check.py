@@ -144,7 +144,7 @@ DOUBTS = [
         "storage",
         "disk_reserve_mb: 900000000",
         "disk_reserve_mb",
-        "data_folder",
+        "disk_reserve",
         "no survey can start",
     ),
     ("storage", "disk_reserve_mb: 0.5", "disk_reserve_mb", "wrong_value", ">= 50 MB"),

@@ -171,7 +171,7 @@ def _disk(
         reason = Message("{free_mb:.0f} MB are free there, so no survey can start", free_mb=free_mb)
         allowed = f"<= {free_mb:.0f} MB"
         key, value = "disk_reserve_mb", f"{parameters.disk_reserve_mb:g} MB"
-        yield problem(faults.DATA_FOLDER, file, key, value, reason, allowed, doubtful=True)
+        yield problem(faults.DISK_RESERVE, file, key, value, reason, allowed, doubtful=True)
     unsigned = key_warning(parameters.signer())
     if unsigned is not None:
         text = Message("{file}: {reason}", file=printable(file), reason=unsigned)

@@ -14,18 +14,8 @@ from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
+from gpr20_launch.mid import hints
 from gpr20_launch.mid.axis_checks import impossible_values
-from gpr20_launch.mid.hints import (
-    TOGETHER,
-    culprit,
-    follows,
-    hint_for_key,
-    hint_for_text,
-    hint_for_value,
-    nearest,
-    refusal,
-    with_hint,
-)
 from gpr20_launch.mid.pin_table import GPIO_OF_BOARD
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.wiring import Wiring
@@ -168,8 +158,8 @@ class Reading:
                 reason = Message(
                     "{place} is {value}; it must be a group of values", place=axis, value=repr(own)
                 )
-                hint = hint_for_value(axis, own, reason) or hint_for_text(path)
-                self._wrong(path, with_hint(reason, hint), axis, own)
+                hint = hints.hint_for_value(axis, own, reason) or hints.hint_for_text(path)
+                self._wrong(path, hints.with_hint(reason, hint), axis, own)
                 own = {}
             own = dict(own)
             self._refuse_unknown_keys(path, own, names, f"{axis}/")
@@ -200,11 +190,11 @@ class Reading:
                 self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
             return {}
         except YamlFileError as error:
-            self._wrong(path, with_hint(error.message, hint_for_text(path)))
+            self._wrong(path, hints.with_hint(error.message, hints.hint_for_text(path)))
             return {}
         if values is not None and not isinstance(values, dict):
             reason = Message("it must be lines of the form {example}", example="key: value")
-            self._wrong(path, with_hint(reason, hint_for_text(path)))
+            self._wrong(path, hints.with_hint(reason, hints.hint_for_text(path)))
         return values if isinstance(values, dict) else {}
 
     def _refuse_unknown_keys(
@@ -221,14 +211,11 @@ class Reading:
             reason = Message("{place} is unknown; allowed: {known}", place=place, known=allowed)
             options = ", ".join(one for one in sorted(known) if one.endswith("_options"))
             if options:
-                text = Message(
-                    "a setting of another package's class belongs in {options}", options=options
-                )
-                reason = with_hint(reason, text)
-            self._wrong(
-                path, with_hint(reason, hint_for_key(key, known)), f"{below}{key}", value, allowed
-            )
-            meant = nearest(key, known)
+                text = Message("settings of another class belong in {options}", options=options)
+                reason = hints.with_hint(reason, text)
+            reason = hints.with_hint(reason, hints.hint_for_key(key, known))
+            self._wrong(path, reason, f"{below}{key}", value, allowed)
+            meant = hints.nearest(key, known)
             if meant is not None and meant not in values:
                 self.unsure.add((path.name, f"{below}{meant}"))
         self.given.update((path.name, f"{below}{key}") for key in values)
@@ -242,7 +229,8 @@ class Reading:
             del values[key]
             place = f"{below}{before}"
             reason = Message("{place} is {value}", place=place, value=repr(number))
-            self._wrong(path, with_hint(reason, hint_for_value("", number, reason)), place, number)
+            hint = hints.hint_for_value("", number, reason)
+            self._wrong(path, hints.with_hint(reason, hint), place, number)
 
     def _allowed(
         self,
@@ -258,20 +246,20 @@ class Reading:
         while True:
             unsure = [one for one in names if (path.name, f"{below}{one}") in self.unsure]
             # What is only wrong without them is no mistake of its own.
-            for one in {two for key in unsure for two in TOGETHER.get(key, ())} & set(own):
+            for one in {two for key in unsure for two in hints.TOGETHER.get(key, ())} & set(own):
                 del own[one]
-            error = refusal(kind, {**base, **own}, place)
+            error = hints.refusal(kind, {**base, **own}, place)
             if error is None:
                 return own
-            key = culprit(kind, own, place, base, error)
+            key = hints.culprit(kind, own, place, base, error)
             value = own.get(key)
             alone = {key: value} if key else {}
-            if not any(follows(kind, one, place, base, unsure) for one in (own, alone)):
-                reason = with_hint(error, hint_for_value(key, value, error))
+            if not any(hints.follows(kind, one, place, base, unsure) for one in (own, alone)):
+                reason = hints.with_hint(error, hints.hint_for_value(key, value, error))
                 absent = [one for one in names if one not in own] if key else []
-                for one in (one for one in absent if follows(kind, own, place, base, (one,))):
+                for one in (one for one in absent if hints.follows(kind, own, place, base, (one,))):
                     default = Message("{name} has its default", name=one)
-                    reason = with_hint(reason, default)
+                    reason = hints.with_hint(reason, default)
                 self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
             if not key:
                 return {}
