@@ -149,7 +149,7 @@ class SecondLaunchTest(unittest.TestCase):
             with self.subTest(name):
                 status, said = run(["roslaunch", "--nodes", "gpr20", name, "robot:=foo"])
                 self.assertNotEqual(status, 0)
-                self.assertIn("unknown robot:=foo; write robot:=simulated or robot:=gpr20", said)
+                self.assertIn("unknown robot:=foo; it must be one of simulated, gpr20", said)
 
     def test_3_coordinates_that_are_played_beside_the_robot_are_not_taken_for_its_own(self):
         played = rospy.Publisher("/x_axis/current_coord", CurrentCoordinate, queue_size=10)
