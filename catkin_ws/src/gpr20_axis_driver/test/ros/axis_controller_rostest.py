@@ -98,7 +98,7 @@ class AxisControllerTest(unittest.TestCase):
     def test_1_the_launch_is_refused_where_the_package_is_not_installed(self):
         checked = self.check_launch(dict(os.environ))
         self.assertNotEqual(checked.returncode, 0)
-        for named in ("x_axis", "grbl_axis:GrblController", "ModuleNotFoundError"):
+        for named in ("x/controller", "grbl_axis:GrblController", "ModuleNotFoundError"):
             self.assertIn(named, checked.stderr)
 
     def test_2_the_node_says_which_controller_it_has(self):
