@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
@@ -54,8 +54,7 @@ class LaunchRequest:
     full_screen: str = FULL_SCREEN[0]
 
     def __post_init__(self) -> None:
-        choices = (("robot", (SIMULATED, REAL)), ("full_screen", FULL_SCREEN))
-        for name, allowed in choices:
+        for name, allowed in (("robot", (SIMULATED, REAL)), ("full_screen", FULL_SCREEN)):
             value = getattr(self, name)
             if value not in allowed:
                 values = {"name": name, "value": value, "allowed": ", ".join(allowed)}
@@ -89,16 +88,13 @@ class LaunchRequest:
         sections = read_configuration(self.folder, built_axes)
         if self.robot == SIMULATED:
             self._simulate(sections)
-        else:
-            self._remember_rotation(sections["z_axis"])
+        elif not record_from(AxisParameters, sections["z_axis"], "z_axis").finds_zero:
+            rotation_file = str(Path(ROTATION_FILE).expanduser())
+            sections["z_axis"].setdefault("memory_file", rotation_file)
         if self.part in (SERVER, SURVEY):
             sections["storage"]["data"] = str(self._data_folder(sections))
             sections["imaging"] = {"data": sections["storage"]["data"]}
         return sections
-
-    def _remember_rotation(self, z_axis: Dict[str, Any]) -> None:
-        if not record_from(AxisParameters, z_axis, "z_axis").finds_zero:
-            z_axis.setdefault("memory_file", str(Path(ROTATION_FILE).expanduser()))
 
     @property
     def folder(self) -> Path:
