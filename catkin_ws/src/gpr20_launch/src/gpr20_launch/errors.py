@@ -22,3 +22,9 @@ class OldLaunchError(Gpr20Error, ValueError):
     """A launch file of the original software cannot be imported."""
 
     fault = faults.OLD_LAUNCH
+
+
+class OldElementError(Gpr20Error, ValueError):
+    """An element of such a file cannot be understood without the computer of the original."""
+
+    fault = faults.OLD_UNREAD

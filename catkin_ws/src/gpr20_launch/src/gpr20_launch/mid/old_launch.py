@@ -18,7 +18,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.yaml_file import parse_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_launch.errors import OldLaunchError
+from gpr20_launch.errors import OldElementError, OldLaunchError
 
 MAX_BYTES = 1 << 20
 # Of groups, nodes and includes in each other; files in all; and parameters in all.
@@ -33,10 +33,6 @@ _OPERATORS: Mapping[type, Callable[..., Any]] = {
     **{ast.Add: operator.add, ast.Sub: operator.sub, ast.UAdd: operator.pos},
     **{ast.Mult: operator.mul, ast.Div: operator.truediv, ast.USub: operator.neg},
 }
-
-
-class _UnreadError(Gpr20Error, ValueError):
-    """An element cannot be understood without the computer of the original."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +108,7 @@ def _root(path: Path, found: LaunchParameters) -> ElementTree.Element:
 def _bytes(path: Path, found: LaunchParameters) -> bytes:
     found.files.append(path)
     if len(found.files) > MAX_FILES:
-        raise _UnreadError(Message("there are too many files"))
+        raise OldElementError(Message("there are too many files"))
     try:
         with path.open("rb") as file:
             text = file.read(MAX_BYTES + 1)
@@ -129,7 +125,7 @@ def _follow(parent: ElementTree.Element, scope: _Scope, found: LaunchParameters)
     for element in parent:
         try:
             if scope.depth > MAX_DEPTH:
-                raise _UnreadError(Message("it is nested too deeply"))
+                raise OldElementError(Message("it is nested too deeply"))
             if _is_used(element, scope):
                 _element(element, scope, found)
         except Gpr20Error as error:
@@ -149,7 +145,7 @@ def _name_of(element: ElementTree.Element, scope: _Scope) -> Optional[str]:
         return None
     try:
         name, below = (_text(element, key, scope) for key in ("name", "ns"))
-    except _UnreadError:
+    except OldElementError:
         return ""
     if element.tag == "param" and name:
         return _join(scope.namespace, name.lstrip("~"))
@@ -180,7 +176,7 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
                 found.values[_join(node, private.group(1))] = _plain(private.group(2))
     elif element.tag == "param":
         if "value" not in element.attrib:
-            raise _UnreadError(Message("its value comes from a command or another file"))
+            raise OldElementError(Message("its value comes from a command or another file"))
         name = _join(scope.namespace, _text(element, "name", scope).lstrip("~"))
         text = re.sub(f"{_FOUND}(.*?){_FOUND}", r"$(find \1)", _text(element, "value", scope))
         found.values[name] = text if element.get("type") in ("str", "string") else _plain(text)
@@ -193,7 +189,7 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
             text = _substituted(text, scope)
         _load(parse_yaml(text), below, found)
     elif element.tag == "rosparam" and element.get("command") == "delete":
-        raise _UnreadError(Message("it deletes parameters"))
+        raise OldElementError(Message("it deletes parameters"))
     elif element.tag == "include":
         path, used = _file(element, scope), element.findall("arg")
         used = [one for one in used if _is_used(one, scope)]
@@ -214,8 +210,8 @@ def _is_used(element: ElementTree.Element, scope: _Scope) -> bool:
     return True
 
 
-def _unknown(text: str) -> _UnreadError:
-    return _UnreadError(Message("{text} is not known here", text=text))
+def _unknown(text: str) -> OldElementError:
+    return OldElementError(Message("{text} is not known here", text=text))
 
 
 def _text(element: ElementTree.Element, name: str, scope: _Scope) -> str:
@@ -291,7 +287,7 @@ def _file(element: ElementTree.Element, scope: _Scope) -> Path:
 
 def _load(values: Any, below: str, found: LaunchParameters) -> None:
     if len(found.values) > MAX_VALUES:
-        raise _UnreadError(Message("it sets too many parameters"))
+        raise OldElementError(Message("it sets too many parameters"))
     if isinstance(values, dict):
         for name, value in values.items():
             _load(value, _join(below, str(name)), found)
