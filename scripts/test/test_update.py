@@ -6,6 +6,7 @@ dpkg is the real one, in a folder; scripts/power_cut_update.sh does it with apt 
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 import re
 import shutil
@@ -87,6 +88,19 @@ def test_back_returns_to_the_version_before_and_keeps_the_configuration(world):
     world.update("--back")
     assert (world.version(), world.data()) == ("1.0", data)
     assert "before 1.0" in world.update("--back", status=2)
+
+
+@pytest.mark.parametrize("other", ["packages", "services", "backup", "outcome", "more"])
+def test_the_version_returned_to_reads_the_journal_of_one_with_other_fields(world, other):
+    world.update(world.bundle("2.0"))
+    world.update("--back")
+    (journal,) = (world.root / "var").rglob("journal.json")
+    record = json.loads(journal.read_text())
+    known = record.pop(other, None) is not None
+    journal.write_text(json.dumps(record if known else {**record, other: 1}))
+    world.update("--status")
+    world.update(world.bundle("2.0"))
+    assert world.version() == "2.0"
 
 
 def test_a_return_leaves_the_release_in_use_if_it_is_of_that_version(world):

@@ -78,10 +78,14 @@ class Journal:
         """
         try:
             record = json.loads(self._path.read_text(encoding="utf-8"))
-            # Another version of this program may have written more.
-            fields = {one.name: record[one.name] for one in dataclasses.fields(Record)}
-            lists = {name: tuple(fields[name]) for name in ("packages", "services")}
-            return Record(**{**fields, **lists, "step": Step(fields["step"])})
+            # Another version of this program, which returned to this one, may have other fields.
+            fields = {
+                one.name: record[one.name]
+                for one in dataclasses.fields(Record)
+                if one.name in record
+            }
+            lists = {name: tuple(record.get(name, ())) for name in ("packages", "services")}
+            return Record(**{**fields, **lists, "step": Step(record["step"])})
         except FileNotFoundError:
             return None
         except (ValueError, KeyError, TypeError) as error:
