@@ -6,7 +6,7 @@ import pytest
 import yaml
 from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from robot_check_examples import BUILT, checked, write
 
@@ -297,3 +297,61 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     assert main() == 1
     said = capsys.readouterr().out
     assert "FAULT: " in said and "more.launch" in said and faults.OLD_UNREAD.remedy.template in said
+
+
+VALUES = st.integers(0, 9)
+PARAMS = st.builds(
+    '<param name="{}{}" value="{}"/>'.format,
+    st.sampled_from(["", "", "~", "/"]),
+    st.sampled_from(["pin", "step"]),
+    st.one_of(VALUES, st.just("$(arg a)")),
+)
+ROSPARAMS = st.builds(
+    "<rosparam {}>{{pin: {}, other: {}}}</rosparam>".format,
+    st.sampled_from(["", "", 'ns="below"', 'param="/whole"']),
+    VALUES,
+    VALUES,
+)
+
+
+def inside(tag):
+    """Return a function that draws an element with others inside of it."""
+    condition = st.sampled_from(["", "", 'if="$(eval a > 4)"', 'unless="0"', 'if="false"'])
+    space = st.sampled_from(["", 'ns="x_axis"', 'ns="/y_axis"'])
+
+    def draw(elements):
+        return st.builds(
+            f"<{tag} {{}} {{}}>{{}}</{tag.split()[0]}>".format,
+            *(space, condition if tag == "group" else st.just("")),
+            st.lists(elements, max_size=4).map("".join),
+        )
+
+    return draw
+
+
+NODES = st.builds(
+    lambda text, number: text.replace("<node", f'<node pkg="p" type="t" name="n{number}"', 1),
+    inside("node")(PARAMS | ROSPARAMS),
+    VALUES,
+)
+
+
+@given(
+    st.lists(
+        st.recursive(PARAMS | ROSPARAMS | NODES, inside("group"), max_leaves=8), max_size=6
+    ).map("".join)
+)
+def test_parameters_are_those_that_roslaunch_sets(tmp_path_factory, inner):
+    roslaunch = pytest.importorskip("roslaunch")
+    inner = f'<arg name="a" value="3"/>{inner}'.replace("$(eval a > 4)", "$(eval a - 2)")
+    path = launch(tmp_path_factory.mktemp("launch"), inner)
+    wanted = roslaunch.config.ROSLaunchConfig()
+    try:
+        roslaunch.xmlloader.XmlLoader().load(str(path), wanted, verbose=False)
+    except roslaunch.core.RLException:
+        assume(False)  # as two nodes of one name
+    whole = {}
+    for name, param in wanted.params.items():
+        inner_values = param.value if isinstance(param.value, dict) else {"": param.value}
+        whole.update({f"{name}/{key}".rstrip("/"): one for key, one in inner_values.items()})
+    assert read_launch(path).values == whole

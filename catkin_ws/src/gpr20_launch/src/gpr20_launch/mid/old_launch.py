@@ -72,12 +72,16 @@ class _Scope:
         file: The launch file.
         namespace: Before the names of its parameters.
         arguments: Values of its args.
+        private: Parameters of the node, or of every node behind.
+        is_node: Whether it is inside of a node.
         depth: Number of elements around it.
     """
 
     file: Path
     namespace: str = "/"
     arguments: Dict[str, str] = field(default_factory=dict)
+    private: Dict[str, Any] = field(default_factory=dict)
+    is_node: bool = False
     depth: int = 0
 
 
@@ -147,15 +151,16 @@ def _name_of(element: ElementTree.Element, scope: _Scope) -> Optional[str]:
         name, below = (_text(element, key, scope) for key in ("name", "ns"))
     except OldElementError:
         return ""
-    if element.tag == "param" and name:
-        return _join(scope.namespace, name.lstrip("~"))
+    if element.tag == "param" and name and (scope.is_node or not name.startswith("~")):
+        return _join(scope.namespace, name.lstrip("~/" if scope.is_node else ""))
     is_node = element.tag == "node" and name
     return _join(_join(scope.namespace, below), name) + "/" if is_node else ""
 
 
 def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
     names = _join(scope.namespace, _text(element, "ns", scope))
-    inner = replace(scope, namespace=names, depth=scope.depth + 1)
+    # As roslaunch: what is inside adds to the same private parameters unless there are none.
+    inner = replace(scope, namespace=names, private=scope.private or {}, depth=scope.depth + 1)
     if element.tag == "arg":
         name = element.get("name", "")
         # A value that was passed to an include replaces the default.
@@ -169,7 +174,11 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
         _follow(element, replace(inner, arguments=dict(scope.arguments)), found)
     elif element.tag == "node":
         node = _join(names, _text(element, "name", scope))
-        _follow(element, replace(inner, namespace=node), found)
+        own: Dict[str, Any] = {}
+        _follow(element, replace(inner, namespace=node, private=own, is_node=True), found)
+        # They replace what its rosparams load, wherever these stand: roslaunch sets them last.
+        for name, value in {**scope.private, **own}.items():
+            found.values[_join(node, name)] = value
         for word in _text(element, "args", scope).split():
             private = _PRIVATE_ARGUMENT.fullmatch(word)
             if private:
@@ -177,9 +186,13 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
     elif element.tag == "param":
         if "value" not in element.attrib:
             raise OldElementError(Message("its value comes from a command or another file"))
-        name = _join(scope.namespace, _text(element, "name", scope).lstrip("~"))
+        name = _text(element, "name", scope)
         text = re.sub(f"{_FOUND}(.*?){_FOUND}", r"$(find \1)", _text(element, "value", scope))
-        found.values[name] = text if element.get("type") in ("str", "string") else _plain(text)
+        value = text if element.get("type") in ("str", "string") else _plain(text)
+        if scope.is_node or name.startswith("~"):
+            scope.private[name.lstrip("~/")] = value
+        else:
+            found.values[_join(scope.namespace, name)] = value
     elif element.tag == "rosparam" and element.get("command", "load") == "load":
         below = _join(names, _text(element, "param", scope))
         text = element.text or ""
