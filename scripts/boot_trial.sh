@@ -147,7 +147,7 @@ say "the power goes while the update installs"
 inside 'setsid gpr20-update /media/new >/tmp/update.log 2>&1 &
     update=$!
     until pgrep -x dpkg >/dev/null; do kill -0 $update || exit 1; sleep 0.05; done
-    sleep 2' || fail "the update did not begin; see /tmp/update.log in $root"
+    sleep 2' || fail "the update did not begin: $(inside 'cat /tmp/update.log')"
 power_off
 boot
 expect "after the cut the update is at an end" 'systemctl is-active gpr20-robot &&

@@ -121,8 +121,9 @@ def test_includes_and_files_are_found_beside_the_launch_file(tmp_path):
         include = f'<include file="{file}">{arguments}</include>'
         path = launch(robot_folder, include, "launch/GPR20_robot.launch")
         axes, robot = imported(path)
-        assert axes["x"]["dir_pin"] == 29 and axes["z"]["step_pin"] == 40 and "y" not in axes
-        assert "y/sensor_pin: not in the file, so the default counts: 40" in robot.changed
+        assert axes["x"]["dir_pin"] == 29 and axes["z"]["step_pin"] == 40
+        assert "does not set y" in axes["y"]
+        assert "does not set y" in str(robot.problems[0].message)
         assert read_launch(path).files == [
             *(path, robot_folder / "launch/axes.launch", robot_folder / "config/z.yaml")
         ]
@@ -140,6 +141,7 @@ def test_minus_one_or_nothing_means_no_endstop(tmp_path):
 
 
 X_NODE = node(params({key: X[key] for key in NAMES if key != "dir_pin"}) + "{}", "x")
+X_NODE += node(params(Y), "y") + node(params(Z), "z")
 NO_CODE = "__import__('os').getpid();1/0;9**9;'a'*9;pin;[1][0];1 if 1 else 2;int(;arg('pin');None"
 EXPRESSIONS = [*NO_CODE.split(";"), "arg()", "(" * 300, "1" * 600, "(lambda: 13)()", "int.real"]
 # Beside what is inside of the node of x; what must be said.
@@ -189,6 +191,38 @@ def test_what_has_no_counterpart_or_sets_nothing_of_an_axis_is_named(tmp_path):
         assert shown in str(one.message)
     _axes, robot = imported(launch(tmp_path, inner + '<include file="$(find other)/a.launch"/>'))
     assert [one.refuses for one in robot.problems] == [False] * 4 + [True]
+
+
+WHOLE = "".join(node(params(AXES[axis]), axis) for axis in "xyz")
+PIN = '<param name="/gpr20_x_axis/gpr20_axis/dir_pin" value="32"/>'
+# What may replace values of a file that is complete otherwise.
+OVERRIDES = {
+    "an include": WHOLE + '<include file="$(find overrides)/calibration.launch"/>',
+    "a condition": WHOLE + f'<group if="$(env BOARD)">{PIN}</group>',
+    "a namespace": WHOLE + f'<group ns="$(env BOARD)">{PIN}</group>',
+    "a deletion": WHOLE + '<rosparam command="delete" param="/gpr20_x_axis"/>',
+    "arguments of a program": WHOLE.replace('name="', 'args="29 31 33" name="', 1),
+    "numbers of the processor": WHOLE + params({"/gpr20_x_axis/gpr20_axis/pin_mode": "BCM"}),
+    "a file of another package": WHOLE
+    + '<rosparam command="load" file="$(find x_axis_driver)/config/x.yaml"/>',
+}
+
+
+@each_case("case", sorted(OVERRIDES))
+def test_a_part_that_may_replace_values_refuses_the_launch_until_a_person_has_looked(
+    tmp_path, case
+):
+    (tmp_path / "bringup/config").mkdir(parents=True, exist_ok=True)
+    (tmp_path / "bringup/config/x.yaml").write_text("{gpr20_x_axis: {gpr20_axis: {dir_pin: 3}}}")
+    axes, robot = imported(launch(tmp_path / "bringup/launch", OVERRIDES[case]))
+    assert axes["x"]["dir_pin"] == X["dir_pin"]
+    (problem,) = [one for one in robot.problems if one.refuses]
+    wiring = robot.texts["wiring.yaml"]
+    assert yaml.safe_load(wiring)["unchecked"][0] == "unread"
+    assert " ".join(str(problem.message).split()) in wiring
+    write(tmp_path / "robot", robot.texts)
+    found = checked(tmp_path / "robot", part="robot")
+    assert any(one.value == "unread" and one.refuses for one in found)
 
 
 @each_case(

@@ -140,7 +140,8 @@ class _AxisCheck:
         if not all(own.min_coord <= one <= own.max_coord for one in ROTATIONS_DEG):
             reason = Message("surveys turn the antennas to 0 and 90 degrees")
             reason = with_hint(reason, _unit_hint(own.max_coord, quarter))
-            yield self._problem(faults.TRAVEL, "max_coord", "deg", reason, ">= 90 deg")
+            key, allowed = ("min_coord", "<= 0") if own.min_coord > 0 else ("max_coord", ">= 90")
+            yield self._problem(faults.TRAVEL, key, "deg", reason, f"{allowed} deg")
         reached = own.coordinate_of(own.distance_steps(quarter))
         if abs(reached - quarter) > LARGEST_TURN_ERROR_DEG:
             reason = Message("for 90 deg the antennas would turn to {reached:g}", reached=reached)

@@ -50,6 +50,8 @@ def hint_for_value(key: str, value: Any, error: Message) -> Optional[Message]:
     text = value.strip()
     if text.startswith(UNREAD):
         return Message("the import could not read it: write the value")
+    if re.fullmatch(r"[+-]?[1-9]\d{0,2}(,\d{3})+", text):
+        return Message("a comma may be a point or none at all: write the number without it")
     if _COMMA.fullmatch(text):
         return Message("write a point, not a comma: {number}", number=text.replace(",", "."))
     parts = _EXPONENT.fullmatch(text)

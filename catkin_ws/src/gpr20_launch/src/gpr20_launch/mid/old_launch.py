@@ -183,6 +183,8 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
             private = _PRIVATE_ARGUMENT.fullmatch(word)
             if private:
                 found.values[_join(node, private.group(1))] = _plain(private.group(2))
+            elif ":=" not in word:
+                raise OldElementError(Message("only its program knows what its args mean"))
     elif element.tag == "param":
         if "value" not in element.attrib:
             raise OldElementError(Message("its value comes from a command or another file"))
@@ -291,8 +293,8 @@ def _file(element: ElementTree.Element, scope: _Scope) -> Path:
     inside = [folder for folder in near if folder.name == package]
     inside += [folder / package for folder in near]
     # Also files that were copied without the folders of their package.
-    copied = [folder / Path(rest).name for folder in near] if rest else []
-    for path in (*(folder / rest for folder in (*inside, *near)), *copied):
+    copied = [near[0] / name for name in (rest, Path(rest).name) if name]
+    for path in (*(folder / rest for folder in inside), *copied):
         if path.is_file():
             return path
     raise _unknown(f"$(find {package})/{rest}")

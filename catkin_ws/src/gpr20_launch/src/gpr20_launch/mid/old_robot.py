@@ -18,7 +18,7 @@ from gpr20_common.message import Message
 from gpr20_launch import faults
 from gpr20_launch.errors import OldLaunchError
 from gpr20_launch.mid.hints import UNREAD
-from gpr20_launch.mid.old_launch import LaunchParameters
+from gpr20_launch.mid.old_launch import LaunchParameters, Unread
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
 from gpr20_launch.mid.wiring import Unchecked
@@ -32,8 +32,8 @@ VNA_NAMES = ("vna_ip", "ip_addr", "vna_address")
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
 ANALYZER_FILE, WIRING_FILE = "analyzer.yaml", "wiring.yaml"
-# The two others are about the group's board.
-NOT_ITS_OWN = (Unchecked.Z_DIRECTION_OR_STEP, Unchecked.NO_5_V)
+# Two are about the group's board.
+NOT_ITS_OWN = (Unchecked.Z_DIRECTION_OR_STEP, Unchecked.NO_5_V, Unchecked.UNREAD)
 TO_CHECK = [one.value for one in Unchecked if one not in NOT_ITS_OWN]
 
 
@@ -77,6 +77,9 @@ def old_robot(
             other = axes[axis].setdefault(key, value)
             if other != value:
                 axes[axis][key] = f"{UNREAD} {path.name}: {other} and {name} {value}"
+        elif str(value).upper() == "BCM":
+            text = Message("{name}: the pins are numbers of the processor", name=f"{name} {value}")
+            parameters.unread.append(Unread(text, ""))
         elif key in VNA_NAMES:
             robot.texts[ANALYZER_FILE] = f"# From {path.name}.\naddress: {_written(value)}\n"
             robot.taken.append(f"{name} -> {ANALYZER_FILE} address: {value}")
@@ -91,14 +94,21 @@ def old_robot(
         raise OldLaunchError(
             next((one.message for one in parameters.unread if one.name == ""), text)
         )
+    _mark_unset(path.name, axes, defaults, robot)
     lines = [f"# {AXES_FILE}: from {path.name}; a key that is not here has its default."]
     for axis in AXIS_SECTIONS:
         lines += _axis_lines(axis, axes[axis], defaults[axis], robot)
     robot.texts[AXES_FILE] = "\n".join([*lines, ""])
-    robot.texts[WIRING_FILE] = (
-        f"# {WIRING_FILE}: {path.name} does not show whether this is right for the robot.\n"
-        "# Delete each line when a person has checked it, as docs/wiring.md describes.\n"
-        + yaml.safe_dump({"unchecked": TO_CHECK})
+    unread = [" ".join(str(one.message).split()) for one in robot.problems if one.refuses]
+    robot.texts[WIRING_FILE] = "\n".join(
+        [
+            f"# {WIRING_FILE}: {path.name} does not show whether this is right for the robot.",
+            "# Delete each line when a person has checked it, as docs/wiring.md describes.",
+            *(f"# unread: {one}" for one in unread),
+            yaml.safe_dump(
+                {"unchecked": [*([Unchecked.UNREAD.value] if unread else []), *TO_CHECK]}
+            ),
+        ]
     )
     return robot
 
@@ -121,6 +131,23 @@ def _mark_unread(
             absent = set(defaults[axis]) & set(NAMES) - set(axes[axis])
             for other in {key} if key else absent:
                 axes[axis][other] = f"{UNREAD} {one.message}"
+
+
+def _mark_unset(
+    file: str,
+    axes: Mapping[str, Dict[str, Any]],
+    defaults: Mapping[str, Mapping[str, Any]],
+    robot: OldRobot,
+) -> None:
+    """Do the same with pins, and whole axes, that nothing sets: another robot has other ones."""
+    for axis, own in axes.items():
+        names = [key for key in (PINS if own else NAMES) if key in {*defaults[axis]} - {*own}]
+        if names:
+            text = Message(
+                "{file} does not set {names}", file=file, names=", ".join(names) if own else axis
+            )
+            robot.problems.append(Problem(text.with_fault(faults.OLD_UNREAD)))
+            own.update({key: f"{UNREAD} {text}" for key in names})
 
 
 def _axis_of(name: str) -> str:

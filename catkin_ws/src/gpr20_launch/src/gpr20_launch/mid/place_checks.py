@@ -106,8 +106,10 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
         yield problem(faults.DATA_FOLDER, *where, given or configured, reason, example)
     elif use.part != ROBOT:
         parameters = storage_parameters(reading.sections, given)
-        yield from _suitable(parameters, where, use)
-        yield from _disk(parameters, where, use.folder / STORAGE_FILE)
+        unsuitable = list(_suitable(parameters, where, use))
+        yield from unsuitable
+        if not any(one.refuses for one in unsuitable):
+            yield from _disk(parameters, where, use.folder / STORAGE_FILE)
 
 
 def _no_path(text: str) -> Optional[Message]:
@@ -131,6 +133,8 @@ def _suitable(
     reason, doubtful = None, True
     if folder in (Path("/"), Path.home()) or set(inside) & set(OF_SYSTEM):
         reason, doubtful = Message("this folder belongs to the system"), False
+    elif folder.exists() and not folder.is_dir():
+        reason, doubtful = Message("it is no folder"), False
     elif str(use.folder) in inside:
         reason, doubtful = Message("this folder holds the configuration"), False
     elif use.real and mounted.kind in IN_MEMORY:

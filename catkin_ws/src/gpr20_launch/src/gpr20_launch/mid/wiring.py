@@ -12,6 +12,7 @@ from gpr20_common.message import Message
 class Unchecked(enum.Enum):
     """Something that must be checked before anything may move."""
 
+    UNREAD = "unread"
     PINS = "pins"
     Z_DIRECTION_OR_STEP = "z_direction_or_step"
     ENDSTOP_LEVELS = "endstop_levels"
@@ -27,8 +28,8 @@ class Wiring:
 
     Attributes:
         unchecked: Delete each word when a person has checked it, as docs/wiring.md describes. With
-            pins, z_direction_or_step, no_5_v or endstop_levels in the list the robot is not
-            launched; with emergency_stop, directions or travel it warns.
+            unread, pins, z_direction_or_step, no_5_v or endstop_levels in the list the robot is
+            not launched; with emergency_stop, directions or travel it warns.
     """
 
     unchecked: Tuple[Unchecked, ...] = ()
@@ -37,6 +38,10 @@ class Wiring:
 # They are checked with the robot running, by the steps of the first power-up.
 WITH_ROBOT = (Unchecked.EMERGENCY_STOP, Unchecked.DIRECTIONS, Unchecked.TRAVEL)
 TASKS: Mapping[Unchecked, Message] = {
+    Unchecked.UNREAD: Message(
+        "find out what the old launch files set at the places that the comments of wiring.yaml "
+        "name, and enter it into axes.yaml"
+    ),
     Unchecked.PINS: Message(
         "with everything switched off, follow each pin of axes.yaml and height.yaml to its driver, "
         "switch or converter with a continuity meter"

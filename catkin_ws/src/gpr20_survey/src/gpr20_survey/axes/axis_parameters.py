@@ -204,7 +204,7 @@ class AxisParameters:
             raise InvalidValueError(
                 Message(
                     "sensor_pin is missing; a linear axis needs an endstop to find its zero: set "
-                    "the pin, or set type to ROT for an axis whose zero is set by hand"
+                    "the pin"
                 ),
                 fault=CONFIGURATION,
             )
