@@ -73,6 +73,7 @@ expect() {
 # ready: since its last start the robot's service has begun to listen.
 ready() {
     inside 'for _ in $(seq 120); do
+            systemctl is-active -q gpr20-robot || { sleep 1; continue; }
             since="$(systemctl show -P ActiveEnterTimestamp gpr20-robot)"
             journalctl -q -u gpr20-robot --since "$since" | grep -q "/main_control is ready" &&
                 exit 0

@@ -410,3 +410,9 @@ def test_files_of_a_profile_without_its_list_of_checks_are_refused(tmp_path, run
     assert {Path(one.file).name for one in unlisted} >= {"axes.yaml"}
     for problems in (listed, unlisted):
         assert {one.message.fault_code for one in problems} >= {faults.NOT_CHECKED.code}
+
+
+def test_a_folder_of_an_unset_variable_is_refused(run, capfd):
+    with pytest.raises(SystemExit, match="2"):
+        run("robot_config", "check", "")
+    assert "name a folder" in capfd.readouterr().err

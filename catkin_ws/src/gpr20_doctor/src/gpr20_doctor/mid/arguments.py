@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--ns", default=os.environ.get("ROS_NAMESPACE", ""), help="namespace of the robot"
     )
     parser.add_argument(
-        "--config", type=Path, help="folder of the robot's configuration, if no robot runs"
+        "--config", type=named_folder, help="folder of the robot's configuration, if no robot runs"
     )
     parser.add_argument(
         "--bundle",
@@ -62,3 +62,10 @@ def _new_file(text: str) -> Path:
     if not path.absolute().parent.is_dir():
         raise argparse.ArgumentTypeError(f"there is no folder {path.absolute().parent}")
     return path
+
+
+def named_folder(text: str) -> Path:
+    """Return a folder that is an argument: none at all, as of an unset variable, is refused."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("name a folder")
+    return Path(text)

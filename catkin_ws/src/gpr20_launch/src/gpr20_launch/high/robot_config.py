@@ -17,6 +17,7 @@ from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable, say
+from gpr20_doctor.mid.arguments import named_folder
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import ROBOT as PI_SERVICE
 from gpr20_doctor.mid.place import place_of
@@ -86,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
     for one in actions.choices.values():
-        one.add_argument("folder", nargs="?", default=place.config, type=Path)
+        one.add_argument("folder", nargs="?", default=place.config, type=named_folder)
     return parser
 
 
