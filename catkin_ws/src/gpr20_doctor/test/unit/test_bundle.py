@@ -163,7 +163,8 @@ FORMS = (
     '"pass word": {} ~ {{\\"token\\": \\"{}\\"}} ~ the password is {} ~ PASSWORD {} ~ pass: {} ~ '
     "DB_PASS={} ~ user_pass: {} ~ pw={} ~ cred: {} ~ otp={} ~ snmp_community: {} ~ "
     "Set-Cookie: {} ~ curl -s -u user:{} http://a ~ sshpass -p {} ssh a ~ http://a/?sig={} ~ "
-    "contrase\u00f1a: {} ~ clave={} ~ analyzer_options:\n  - {}\n ~ jwt eyJh.{}.x"
+    "contrase\u00f1a: {} ~ clave={} ~ analyzer_options:\n  - {}\n ~ jwt eyJh.{}.x ~ "
+    "# the wifi password of the robot in the shed is {} ~ a: 1  # {} was the password once"
 )
 
 

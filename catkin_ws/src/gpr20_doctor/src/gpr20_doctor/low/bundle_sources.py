@@ -53,6 +53,8 @@ _PATTERNS = (
     # A block without its end is left out to the end.
     (re.compile(r"(?s)-----BEGIN [^\n]*KEY-----.*?(?:-----END [^\n]*KEY-----|\Z)"), REMOVED),
     (_BLOCK, rf"\1\2 {REMOVED}\n"),
+    # A comment is a sentence, with the secret anywhere.
+    (re.compile(rf"(?im)((?:^|[ \t])#)(?=[^\n]{{0,500}}?{_NAME})[^\n]*"), r"\1 "),
     (re.compile(rf"(?i)({_NAME}[\"']?\s*,\s*[\"']?value[\"']?\s*[:=]\s*).+"), r"\1"),
     (re.compile(rf"(?im)({_KEY}[\"']?\s*[:=][ \t]*)(?:\"(?:\\.|[^\"\\])*\"|'[^']*'|.+)"), r"\1"),
     # In a sentence, a list, a command line or an escaped text: the next word.
