@@ -160,7 +160,7 @@ def read_group_csv(
     notes = [Message("heights and positions are rounded as in the file names")]
     traces = CheckedTraces()
     read = (
-        traces.take(path.name, _read(path, points, HEADERS[kind]))
+        traces.take(path.name, _read(path, points, HEADERS[kind]), names[path].height_mm / MM_PER_M)
         for path in progress(list(names), len(names))
     )
     frequency_hz = delay_s = None

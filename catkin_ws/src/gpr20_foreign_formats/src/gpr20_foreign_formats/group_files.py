@@ -5,6 +5,7 @@ A value that cannot be right is refused by its file; what may be right is a deci
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Dict, List, Pattern, Tuple
@@ -46,6 +47,10 @@ SAME = Message(
 LARGE = Message(
     "samples with |S21| above 1, so with an amplifier or in dB where linear is read; they were kept"
 )
+HEIGHT = Message(
+    "samples with a height outside of 10 to 1000 mm, perhaps in another unit; they were kept"
+)
+HEIGHTS_M = (0.01, 1.0)
 FARTHEST_MM = 10_000.0
 
 
@@ -144,17 +149,21 @@ class CheckedTraces:
         self._zero: List[str] = []
         self._same: List[str] = []
         self._large: List[str] = []
+        self._height: List[str] = []
 
-    def take(self, name: str, values: np.ndarray) -> np.ndarray:
+    def take(self, name: str, values: np.ndarray, height_m: float = math.nan) -> np.ndarray:
         """Return the complex numbers of a trace; NaN if they are all 0, so nothing was measured.
 
         Args:
             name: Of its file, or its place.
             values: As they were read.
+            height_m: Height of the antennas [m]; NaN: not known.
 
         Raises:
             UnreadableFileError: No instrument measures such numbers.
         """
+        if not (math.isnan(height_m) or HEIGHTS_M[0] <= height_m <= HEIGHTS_M[1]):
+            self._height.append(f"{name} ({height_m * 1e3:g} mm)")
         largest = float(max(np.abs(values.real).max(), np.abs(values.imag).max()))
         if largest > MOST_S21:
             key = "|S21|"
@@ -180,5 +189,10 @@ class CheckedTraces:
         """
         if self._zero and not self._good:
             raise UnreadableFileError(listed(ZERO, self._zero), fault=faults.FILE_CONTENT)
-        kinds = ((ZERO, self._zero), (SAME, self._same), (LARGE, self._large))
+        kinds = (
+            (ZERO, self._zero),
+            (SAME, self._same),
+            (LARGE, self._large),
+            (HEIGHT, self._height),
+        )
         return [listed(what, names) for what, names in kinds if names]

@@ -148,7 +148,9 @@ def _read(file: Any, name: str) -> xr.Dataset:
         height_m[turn] = _heights(file, name, letter, shape[1:])
         for column, row in np.ndindex(shape[1:]):
             place = f"{name} x {x_m[column]:g} m, y {y_m[row]:g} m, {letter}"
-            values[turn, column, row] = traces.take(place, values[turn, column, row])
+            values[turn, column, row] = traces.take(
+                place, values[turn, column, row], height_m[turn, column, row]
+            )
     data = as_dataset(
         Imported(
             ordered,

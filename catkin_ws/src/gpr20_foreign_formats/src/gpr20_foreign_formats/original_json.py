@@ -157,7 +157,9 @@ def read_original(
             fault=faults.FILE_CONTENT,
         )
     traces = CheckedTraces()
-    spectra = [traces.take(path.name, one["s21"]) for path, one in zip(paths, samples)]
+    spectra = [
+        traces.take(path.name, one["s21"], one["height_m"]) for path, one in zip(paths, samples)
+    ]
     decisions += traces.decisions()
     times = [sample["time"] for sample in samples]
     wrong = [path.name for path, one in zip(paths, times) if one and one.year not in YEARS]

@@ -136,6 +136,14 @@ def test_csv_files_that_cannot_be_right_are_refused_by_name(name, text, words, t
     assert [word for word in words if word not in printed] == [], printed
 
 
+@pytest.mark.parametrize("height", ["0.2", "1200.22"])
+def test_a_height_in_another_unit_is_said_in_the_log(height, tmp_path):
+    (tmp_path / "scans").mkdir()
+    (tmp_path / "scans" / GROUP.replace("H250", f"H{height}")).write_text(SCAN)
+    folder = imported(tmp_path / "scans", "group-csv", tmp_path / "data")
+    assert f"({float(height):g} mm)" in " ".join(decisions_of(folder))
+
+
 def test_capitals_a_mark_of_the_encoding_and_hidden_files_are_no_obstacle(tmp_path):
     source = written(samples(), tmp_path / "scans")
     content = (source / FIRST).read_bytes()
@@ -154,15 +162,22 @@ def test_capitals_a_mark_of_the_encoding_and_hidden_files_are_no_obstacle(tmp_pa
 
 def test_what_may_be_right_is_kept_and_said_in_the_log(tmp_path):
     found = samples()
-    zero, same, first, large, early, _ = sorted(found)
+    zero, same, first, large, early, high = sorted(found)
     found[same]["data"] = found[first]["data"]
     for row in found[zero]["data"]:
         row.update(real_value=0.0, imaginary_value=0)
     found[large]["data"][3]["real_value"] = -1000.0
     found[early]["timestamp"] = "19700101000000"
+    found[high]["antennae_height"] = 3.0
     folder = imported(written(found, tmp_path / "scans"), "original-json", tmp_path / "data")
     said, survey = " ".join(decisions_of(folder)), load_survey(folder)
-    for words in (f"measured: 1, {zero}", f"1, {first} = {same}", f"{large} (1000)", early):
+    for words in (
+        f"measured: 1, {zero}",
+        f"1, {first} = {same}",
+        f"{large} (1000)",
+        early,
+        f"{high} (3000 mm)",
+    ):
         assert words in said
     assert survey.attrs["missing"] == ["missing: x 0 mm, y 0 mm, 0 deg"]
     assert float(survey.s21.real.min()) == -1000.0
