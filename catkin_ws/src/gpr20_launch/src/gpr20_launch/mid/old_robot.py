@@ -15,6 +15,7 @@ from typing import Any, Dict, List, Mapping
 import yaml
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
 from gpr20_launch.errors import OldLaunchError
 from gpr20_launch.mid.hints import UNREAD
@@ -99,12 +100,12 @@ def old_robot(
     for axis in AXIS_SECTIONS:
         lines += _axis_lines(axis, axes[axis], defaults[axis], robot)
     robot.texts[AXES_FILE] = "\n".join([*lines, ""])
-    unread = [" ".join(str(one.message).split()) for one in robot.problems if one.refuses]
+    unread = [one.message for one in robot.problems if one.refuses]
     robot.texts[WIRING_FILE] = "\n".join(
         [
             f"# {WIRING_FILE}: {path.name} does not show whether this is right for the robot.",
             "# Delete each line when a person has checked it, as docs/wiring.md describes.",
-            *(f"# unread: {one}" for one in unread),
+            *(f"# unread: {printable(str(one))}" for one in unread),
             yaml.safe_dump(
                 {"unchecked": [*([Unchecked.UNREAD.value] if unread else []), *TO_CHECK]}
             ),
