@@ -154,6 +154,14 @@ DOUBTS = [
     ("storage", "recorded_topics: []", "recorded_topics", "wrong_value", "extra_recorded_topics"),
     ("storage", "signing_key: /nowhere/key", "signing_key", "", "/nowhere/key|not signed"),
     ("survey", "settle_s: 0", "settle_s", "wrong_value", "swing"),
+    ("analyzer", f"{VNA}antenna_delay_ns: 1.9e-9", "antenna_delay_ns", "wrong_value", "seconds"),
+    (
+        "analyzer",
+        f"{VNA}accepted_calibrations: []",
+        "accepted_calibrations",
+        "wrong_value",
+        "1 - 5",
+    ),
     ("analyzer", "address: 127.0.0.1", "address", "address", "127.0.0.1"),
     (
         *("analyzer", f"{VNA}accepted_calibrations: [1, 0]", "accepted_calibrations"),

@@ -44,6 +44,7 @@ EMPTIED = ("/tmp", "/var/tmp", "/var/cache")
 OF_MEDIA = ("/media", "/mnt", "/run/media")
 # Smaller, they are a slip of the unit, or none was meant.
 LEAST_RESERVE_MB, SHORTEST_SETTLING_S = 50.0, 0.05
+LEAST_DELAY_NS = 0.001  # 0.15 mm of depth in air
 # Resistors and noise aside, 3.3 V.
 HIGHEST_INPUT_V = 3.6
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
@@ -211,6 +212,18 @@ def _values(reading: Reading, use: Use) -> Iterator[Problem]:
             *(uncalibrated, faults.WRONG_VALUE, ANALYZER_FILE, "accepted_calibrations", 0),
             Message("surveys would be measured without a calibration"),
             "1 - 5",
+        ),
+        (
+            not vna.accepted_calibrations,
+            *(faults.WRONG_VALUE, ANALYZER_FILE, "accepted_calibrations", "[]"),
+            Message("no calibration of the VNA would be accepted"),
+            "1 - 5",
+        ),
+        (
+            0.0 < abs(vna.antenna_delay_ns) < LEAST_DELAY_NS,
+            *(faults.WRONG_VALUE, ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns),
+            Message("it seems to be in seconds; what is found would be too deep"),
+            f"0, or >= {LEAST_DELAY_NS:g} ns",
         ),
         (
             not storage.recorded_topics,
