@@ -66,5 +66,5 @@ scripts/setup.sh --dev
 for installation in "${installations[@]}"; do wait "$installation"; done
 # Many tests wait for the robot more than they compute.
 # A file's tests share its fixtures. The workers get the files in the order of the tests.
-exec "$GPR20_VENV/bin/python" -m pytest --numprocesses $(($(nproc) + 3)) --dist loadfile \
+exec "$GPR20_VENV/bin/python" -m pytest --numprocesses $(($(nproc) + 2)) --dist loadfile \
     --no-loadscope-reorder --max-worker-restart 0 --durations 20 "${options[@]}" "${paths[@]}"

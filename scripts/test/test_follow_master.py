@@ -11,8 +11,8 @@ follow_master = imported("follow_master")
 
 # Writes a line when it starts and one when Ctrl-C ends it.
 COMMAND = """
-echo start >>"$0"
 trap 'echo end >>"$0"; exit 0' INT
+echo start >>"$0"
 while true; do sleep 0.01; done
 """
 
