@@ -300,6 +300,7 @@ class StorageMachine(RuleBasedStateMachine):
         answer = self.request(lambda: self.kit.processing.reopen_survey(name), allowed, failure)
         if answer is None and survey == before:
             self.spoiled = self.spoiled and bool(self.current)
+            known.may_have_ended = known.may_have_ended or not self.current
         if answer is None or isinstance(answer, str):
             return
         known.is_open, known.outcome = True, ""
