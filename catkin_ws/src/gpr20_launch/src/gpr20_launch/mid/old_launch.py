@@ -159,8 +159,7 @@ def _name_of(element: ElementTree.Element, scope: _Scope) -> Optional[str]:
 
 def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
     names = _join(scope.namespace, _text(element, "ns", scope))
-    # As roslaunch: what is inside adds to the same private parameters unless there are none.
-    inner = replace(scope, namespace=names, private=scope.private or {}, depth=scope.depth + 1)
+    inner = replace(scope, namespace=names, depth=scope.depth + 1)
     if element.tag == "arg":
         name = element.get("name", "")
         # A value that was passed to an include replaces the default.
@@ -170,8 +169,9 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
         elif "default" in element.attrib and name not in scope.arguments:
             scope.arguments[name] = _text(element, "default", scope)
     elif element.tag == "group":
-        # An arg inside of a group does not exist behind it.
-        _follow(element, replace(inner, arguments=dict(scope.arguments)), found)
+        # An arg or a private parameter inside of a group does not exist behind it.
+        own_values = {"arguments": dict(scope.arguments), "private": dict(scope.private)}
+        _follow(element, replace(inner, **own_values), found)
     elif element.tag == "node":
         node = _join(names, _text(element, "name", scope))
         own: Dict[str, Any] = {}
@@ -210,7 +210,9 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
         used = [one for one in used if _is_used(one, scope)]
         given = {one.get("name", ""): _text(one, "value", scope) for one in used}
         passed = dict(scope.arguments) if element.get("pass_all_args") == "true" else {}
-        inside = replace(inner, file=path, arguments={**passed, **given})
+        # As roslaunch: a file adds to the private parameters around it unless there are none.
+        private = scope.private or {}
+        inside = replace(inner, file=path, arguments={**passed, **given}, private=private)
         _follow(_root(path, found), inside, found)
 
 
