@@ -1,9 +1,18 @@
 """The tests of the whole project are one run of pytest: see scripts/test.sh."""
 
+import os
+
 from hypothesis import HealthCheck, settings
 
-# No test is about time by the clock of a busy computer.
-settings.register_profile("any_speed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# No test is about time by the clock of a busy computer. Each run draws the same, unless
+# `scripts/test.sh random` asks for more: a test that fails is the fault of a change.
+settings.register_profile(
+    "any_speed",
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    derandomize="GPR20_SEED" not in os.environ,
+    database=None,
+)
 settings.load_profile("any_speed")
 # For another Python: what a test draws is examined under Debian's.
 settings.register_profile("few_examples", settings.get_profile("any_speed"), max_examples=20)

@@ -2,7 +2,7 @@
 # Release the commit that is checked out: version, changelog, commit and tag. Nothing is pushed.
 #   scripts/release.sh [--dry-run] [--no-tests] VERSION|major|minor|patch
 #     --dry-run    change nothing; say what would change
-#     --no-tests   do not run scripts/test.sh [release] first: both have passed for this commit
+#     --no-tests   do not run the tests first: they have passed for this commit
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -59,6 +59,8 @@ if [ "$dry_run" = yes ]; then
     echo "would commit and tag this as $new (was $current)"
     exit
 fi
-if [ "$tests" = yes ]; then scripts/test.sh && scripts/test.sh release; fi
+if [ "$tests" = yes ]; then
+    scripts/test.sh && scripts/test.sh release && scripts/test.sh random unit commands
+fi
 "$bump" bump "${arguments[@]}"
 echo "$new is committed and tagged. To publish it: git push origin main $new"

@@ -3,6 +3,8 @@
 #   scripts/test.sh                  everything but the tests of a release
 #   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, pythons, or test files
 #   scripts/test.sh release          what takes minutes and scripts/release.sh runs too
+#   scripts/test.sh random [PART]    random tests draw other inputs than in each run before;
+#                                    GPR20_SEED=N repeats those of a run
 # The last line counts the tests that passed, failed, were skipped (why) or were repeated.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -19,16 +21,21 @@ for argument in "$@"; do
         commands) paths+=("$GPR20_ROOT/scripts/test") other_pythons=yes ;;
         pythons) paths+=("$GPR20_ROOT/scripts/test/test_other_pythons.py") other_pythons=yes ;;
         release) options+=(-m release) other_pythons=yes ;;
+        random) export GPR20_SEED="${GPR20_SEED:-$RANDOM$RANDOM}" ;;
         *)
             if [ ! -e "${argument%%::*}" ]; then
                 echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros," \
-                    "commands, pythons, release" >&2
+                    "commands, pythons, release, random" >&2
                 exit 2
             fi
             paths+=("$(realpath -s "${argument%%::*}")${argument#"${argument%%::*}"}") ;;
     esac
 done
 cd "$GPR20_ROOT"
+if [ -n "${GPR20_SEED:-}" ]; then
+    echo "test.sh: GPR20_SEED=$GPR20_SEED draws the same again"
+    options+=("--hypothesis-seed=$GPR20_SEED")
+fi
 
 # python_of 3.8: that interpreter, if this machine has it.
 python_of() {

@@ -378,8 +378,9 @@ INCLUDES = st.sampled_from(["", 'ns="x_axis"', 'pass_all_args="true"']).map(
 def elements(leaves, max_size):
     groups = st.recursive(leaves, inside("group"), max_leaves=8)
     return st.lists(groups, max_size=max_size).map(
-        lambda parts: '<arg name="a" default="3"/>'
-        + "".join(parts).replace("$(eval a > 4)", "$(eval a - 2)")
+        lambda parts: (
+            '<arg name="a" default="3"/>' + "".join(parts).replace("$(eval a > 4)", "$(eval a - 2)")
+        )
     )
 
 

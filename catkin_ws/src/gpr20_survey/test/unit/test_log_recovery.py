@@ -23,6 +23,7 @@ from log_examples import (
     marker,
     recovered,
 )
+from run_seed import SEED
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest, sealing
@@ -34,7 +35,6 @@ from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.markers import markers_of
 
 DAMAGES = int(os.environ.get("GPR20_DAMAGES", "120"))
-SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 
 
 @pytest.fixture(params=[True, False], ids=["sealed", "cut off"])

@@ -47,7 +47,7 @@ MOVING = {
 class Accidents(unittest.TestCase):
     def setUp(self) -> None:
         self.data = Path(rospy.get_param("~data"))
-        self.draw = random.Random(int(os.environ.get("GPR20_SEED", "20261127")))
+        self.draw = random.Random(os.environ.get("GPR20_SEED", "1"))
         self.moves: List[str] = []
         self.codes: List[int] = []
         # By the places of their keys.

@@ -110,10 +110,7 @@ class Program(unittest.TestCase):
         self.assertEqual((process.returncode, output), (-signal.SIGTERM, ""))
 
     def test_a_display_that_is_lost_never_crashes_it(self) -> None:
-        # Few moments in each run, and others in the next one.
-        seed = random.SystemRandom().randrange(1_000_000)
-        draw = random.Random(seed)
-        print(f"displays are lost as drawn with seed {seed}")
+        draw = random.Random(os.environ.get("GPR20_SEED", "1"))
         for number in range(LOST_DISPLAYS):
             lost = VirtualScreen()
             process = self.program(display=lost.name)

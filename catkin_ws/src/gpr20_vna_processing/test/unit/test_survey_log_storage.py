@@ -14,6 +14,7 @@ from failing_disk import FailingDisk, Failure
 from fault_kit import raises_fault
 from log_examples import NOW, add_marker, change_digit, entries, make_former, marker
 from planned_survey import METADATA, POINTS, planned_trace
+from run_seed import SEED
 from storage_kit import Kit
 from trace_examples import STARTED_US, SURVEY
 
@@ -32,7 +33,6 @@ from gpr20_vna_processing.mid.new_survey import describe
 
 FORMS = ("survey.json", "log.jsonl")
 FLIPS = int(os.environ.get("GPR20_DAMAGES", "40"))
-SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
 STORED = {"finished": len(POINTS), "stopped": 6, "interrupted": 6, "cut off": 6}
 WRITERS, MARKERS_EACH = 3, 8
@@ -161,7 +161,7 @@ def test_a_marker_damaged_in_both_files_is_taken_from_the_recording(copies):
 def test_every_flip_of_a_sealed_folder_is_found_and_nothing_is_lost_by_it(surveys, copies):
     for number in range(FLIPS):
         chance = random.Random(f"{SEED} {number}")
-        shown = f"{number}: repeat with GPR20_DAMAGE_SEED={SEED}"
+        shown = f"{number}: repeat with GPR20_SEED={SEED}"
         ending = chance.choice(list(STORED))
         folder = copies(ending)
         files = sorted(one for one in folder.rglob("*") if one.is_file())

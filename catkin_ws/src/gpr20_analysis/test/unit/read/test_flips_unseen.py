@@ -1,6 +1,6 @@
 """One changed byte anywhere in a survey's folder: what verify says covers what it has checked.
 
-GPR20_DAMAGES sets how many bytes are changed, GPR20_DAMAGE_SEED repeats those of a run.
+GPR20_DAMAGES sets how many bytes are changed, GPR20_SEED repeats those of a run.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import random
 from contextlib import contextmanager
 
 import pytest
+from run_seed import SEED
 from survey_kit import POINTS, SURVEY, add_marker, make_survey, planned_trace
 
 from gpr20_analysis.read.verification import verify_survey
@@ -21,7 +22,6 @@ from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import Marker, markers_of
 
 FLIPS = int(os.environ.get("GPR20_DAMAGES", "40"))
-SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 SEALED = {"finished": len(POINTS), "stopped": 7, "interrupted": 7}
 UNSEALED = {"cut off": 7, "not sealed": 7}
 
@@ -69,7 +69,7 @@ def changed(surveys, endings, number):
     content[place] ^= rng.choice([1 << rng.randrange(8), rng.randrange(1, 256)])
     path.write_bytes(content)
     try:
-        yield ending, folder, f"{ending}, {path.name} byte {place}, GPR20_DAMAGE_SEED={SEED}"
+        yield ending, folder, f"{ending}, {path.name} byte {place}, GPR20_SEED={SEED}"
     finally:
         path.write_bytes(whole)
 

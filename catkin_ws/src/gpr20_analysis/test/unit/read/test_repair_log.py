@@ -1,6 +1,6 @@
 """What people noted of a survey: repaired from its other form, or named as unconfirmed for ever.
 
-GPR20_DAMAGES sets how many surveys are damaged, GPR20_DAMAGE_SEED repeats those of a run.
+GPR20_DAMAGES sets how many surveys are damaged, GPR20_SEED repeats those of a run.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import string
 from pathlib import Path
 
 import pytest
+from run_seed import SEED
 from survey_kit import POINTS, SURVEY, add_marker, make_survey, remove_marker
 
 from gpr20_analysis.commands.main import main
@@ -29,7 +30,6 @@ from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker, markers_of
 
 DAMAGES = int(os.environ.get("GPR20_DAMAGES", "40"))
-SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 NOW = "2026-11-21T05:10:00.000000Z"
 IDS = [f"7c9e6679-7425-40de-944b-e07fc1f90a{number:02d}" for number in range(5)]
 MARKERS = [
@@ -102,7 +102,7 @@ def damaged(noted, place, number, names):
     chance = random.Random(f"{SEED} {number}")
     folder = Path(shutil.copytree(str(noted), str(place / str(number) / noted.name)))
     done = [spoil(folder / name, chance) for name in chance.choice(names)]
-    return folder, f"{number}: {done}, GPR20_DAMAGE_SEED={SEED}"
+    return folder, f"{number}: {done}, GPR20_SEED={SEED}"
 
 
 ONE_FORM = (

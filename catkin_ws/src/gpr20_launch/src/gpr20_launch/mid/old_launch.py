@@ -170,8 +170,8 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
             scope.arguments[name] = _text(element, "default", scope)
     elif element.tag == "group":
         # An arg or a private parameter inside of a group does not exist behind it.
-        own_values = {"arguments": dict(scope.arguments), "private": dict(scope.private)}
-        _follow(element, replace(inner, **own_values), found)
+        inner = replace(inner, arguments=dict(scope.arguments), private=dict(scope.private))
+        _follow(element, inner, found)
     elif element.tag == "node":
         node = _join(names, _text(element, "name", scope))
         own: Dict[str, Any] = {}
@@ -210,10 +210,9 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
         used = [one for one in used if _is_used(one, scope)]
         given = {one.get("name", ""): _text(one, "value", scope) for one in used}
         passed = dict(scope.arguments) if element.get("pass_all_args") == "true" else {}
+        inner = replace(inner, file=path, arguments={**passed, **given})
         # As roslaunch: a file adds to the private parameters around it unless there are none.
-        private = scope.private or {}
-        inside = replace(inner, file=path, arguments={**passed, **given}, private=private)
-        _follow(_root(path, found), inside, found)
+        _follow(_root(path, found), replace(inner, private=scope.private or {}), found)
 
 
 def _is_used(element: ElementTree.Element, scope: _Scope) -> bool:

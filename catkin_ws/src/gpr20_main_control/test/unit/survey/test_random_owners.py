@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 import pytest
+from run_seed import SEED
 
 pytest.importorskip("gpr20_axis_driver.mid.axis_lease")
 
@@ -34,7 +35,6 @@ from gpr20_survey.faults import LEASE_LAPSED, OTHER_ZEROS
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 ACTIONS = int(os.environ.get("GPR20_FOREIGN_CALLS", "500"))
-SEED = int(os.environ.get("GPR20_FOREIGN_SEED", str(random.SystemRandom().randrange(1 << 32))))
 LIMIT_S = 60.0
 CONTROL, OTHER = "/main_control", "/rostopic_7"
 LEASE_LIMIT_S = 2.0

@@ -1,7 +1,7 @@
 """Random damage to a survey's files: nothing is lost that an intact form holds, nothing is wrong,
 and nothing is called complete that is not.
 
-GPR20_DAMAGES sets how many damages are tried, GPR20_DAMAGE_SEED repeats those of a run.
+GPR20_DAMAGES sets how many damages are tried, GPR20_SEED repeats those of a run.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from annotation_examples import EXAMPLE
 from log_examples import marker
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
+from run_seed import SEED
 from storage_kit import Kit, text_message
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
@@ -27,7 +28,6 @@ from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 
 DAMAGES = int(os.environ.get("GPR20_DAMAGES", "60"))
-SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
 STORED = {"finished": len(POINTS), "stopped": 6, "cut off": 6}
 FORMS = ("json", "bag", "mcap", "survey.json", "log", "manifest")
@@ -191,6 +191,6 @@ def check_reopened(folder, before, after, count, stored) -> None:
 
 def test_no_damage_loses_a_trace_or_makes_a_wrong_one(surveys, tmp_path):
     for number in range(DAMAGES):
-        print(f"{number}: repeat with GPR20_DAMAGE_SEED={SEED}")
+        print(f"{number}: repeat with GPR20_SEED={SEED}")
         check(number, surveys, tmp_path / str(number))
         shutil.rmtree(str(tmp_path / str(number)))

@@ -1,7 +1,7 @@
 """Every key of survey.json changed in turn: it is noticed, and the log corrects it.
 
 GPR20_DAMAGES sets how many random bits are flipped, and that every key is changed with every way
-in which a survey ends; GPR20_DAMAGE_SEED repeats those of a run.
+in which a survey ends; GPR20_SEED repeats those of a run.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from annotation_examples import EXAMPLE
 from log_examples import marker
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
+from run_seed import SEED
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY
 
@@ -31,7 +32,6 @@ from gpr20_survey.recording.recordings import open_recordings
 
 FLIPS = int(os.environ.get("GPR20_DAMAGES", "20"))
 EVERY_ENDING = "GPR20_DAMAGES" in os.environ
-SEED = os.environ.get("GPR20_DAMAGE_SEED") or str(random.SystemRandom().randrange(10**9))
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
 STORED = {"finished": len(POINTS), "stopped": 6, "interrupted": 6, "cut off": 6}
 INSTRUMENT = {"identity": "Anritsu,MS2026C,SIMULATED,1.0", "calibration_status": 1}
@@ -141,7 +141,7 @@ def check(whole, folder, content, ending):
 
 
 def test_no_key_can_be_changed_unseen(surveys, tmp_path):
-    print(f"repeat with GPR20_DAMAGE_SEED={SEED}")
+    print(f"repeat with GPR20_SEED={SEED}")
     rng = random.Random(SEED)
     for ending, whole in surveys.items():
         original = json.loads((whole / "survey.json").read_text())
@@ -155,7 +155,7 @@ def test_no_key_can_be_changed_unseen(surveys, tmp_path):
 
 def test_no_bit_can_be_flipped_unseen(surveys, tmp_path):
     for number in range(FLIPS):
-        print(f"{number}: repeat with GPR20_DAMAGE_SEED={SEED}")
+        print(f"{number}: repeat with GPR20_SEED={SEED}")
         rng = random.Random(f"{SEED} {number}")
         ending = rng.choice(list(STORED))
         content = bytearray((surveys[ending] / "survey.json").read_bytes())
