@@ -73,3 +73,32 @@ def test_a_missing_program_is_a_reason(run, tmp_path, monkeypatch):
     python.symlink_to(os.path.realpath("/usr/bin/python3"))
     monkeypatch.setenv("PATH", str(tmp_path))
     assert "no mounts here: mount: No such file or directory" in run("mounts").outlines[-1]
+
+
+# As for a container or an ordinary user.
+REFUSING = """
+import errno, socket
+
+class Refusing(socket.socket):
+    def setsockopt(self, level, option, value):
+        if option == 26:
+            raise PermissionError(errno.EPERM, "Operation not permitted")
+        super().setsockopt(level, option, value)
+
+socket.socket = Refusing
+"""
+
+
+def test_where_no_socket_filter_can_be_set_only_tests_that_need_one_are_skipped(
+    pytester, monkeypatch
+):
+    pytester.makepyfile(sitecustomize=REFUSING)
+    monkeypatch.setenv("PYTHONPATH", f"{pytester.path}:{os.environ['PYTHONPATH']}")
+    packages = ROOT / "catkin_ws/src"
+    tests = [
+        packages / "gpr20_common/test/unit/test_tcp_keepalive.py",
+        packages / "gpr20_axis_driver/test/ros/axis_unplugged.test",
+    ]
+    ended = pytester.runpytest_subprocess(f"--rootdir={ROOT}", f"-c{ROOT}/pyproject.toml", *tests)
+    reason = "2 x no socket filters here: SO_ATTACH_FILTER: Operation not permitted"
+    assert ended.outlines[-1] == f"2 passed, 0 failed, 2 skipped ({reason}), 0 rerun"

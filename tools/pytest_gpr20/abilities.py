@@ -7,8 +7,11 @@ A rostest names what it needs in its `.test` file: `<arg name="needs" value="mou
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
+import socket
+import struct
 import subprocess
 import tempfile
 from pathlib import Path
@@ -18,6 +21,9 @@ import pytest
 
 MARKER = "needs(ability...): skipped where the machine does not allow that"
 TUN = Path("/dev/net/tun")
+# From <asm-generic/socket.h>, and a filter that lets no byte pass.
+SO_ATTACH_FILTER = 26
+DROP_ALL = struct.pack("=HBBI", 0x06, 0, 0, 0)
 LIMIT_S = 20.0
 
 
@@ -69,6 +75,17 @@ def try_tun() -> None:
         raise NotAllowedError(f"{TUN}: {error.strerror}") from error
 
 
+def try_socket_filters() -> None:
+    """Have the kernel drop what arrives at a socket."""
+    program = ctypes.create_string_buffer(DROP_ALL, len(DROP_ALL))
+    filters = struct.pack("@HP", 1, ctypes.addressof(program))
+    try:
+        with socket.socket() as end:
+            end.setsockopt(socket.SOL_SOCKET, SO_ATTACH_FILTER, filters)
+    except OSError as error:
+        raise NotAllowedError(f"SO_ATTACH_FILTER: {error.strerror}") from error
+
+
 def try_mounts() -> None:
     """Mount a small file system."""
     with tempfile.TemporaryDirectory(prefix="gpr20_try_") as place:
@@ -93,6 +110,7 @@ ABILITIES: Dict[str, Callable[[], None]] = {
     "firewall": try_firewall,
     "terminals": try_terminals,
     "tun": try_tun,
+    "socket filters": try_socket_filters,
     "mounts": try_mounts,
     "packages": try_packages,
 }

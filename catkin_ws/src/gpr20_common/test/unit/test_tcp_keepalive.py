@@ -40,6 +40,7 @@ def test_an_end_that_is_there_is_never_silent_for_long_though_it_sends_nothing(e
     assert 0.5 < longest_s < 3.0
 
 
+@pytest.mark.needs("socket filters")
 def test_an_end_that_vanishes_without_a_word_is_silent_and_found_alive_when_it_comes_back(ends):
     ours, theirs = ends
     keep_alive(ours)
