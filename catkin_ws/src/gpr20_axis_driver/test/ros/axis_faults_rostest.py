@@ -172,7 +172,7 @@ class AxisFaultsTest(unittest.TestCase):
         self.assertIn("/z_axis/set_zero", services)
         self.assertNotIn("/x_axis/set_zero", services)
 
-    def test_a_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(self):
+    def test_a2_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(self):
         self.x.begin_move(FAR_MM)
         pid = self.x.node_pid
         os.kill(pid, signal.SIGSTOP)
