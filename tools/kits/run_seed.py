@@ -8,5 +8,4 @@ from __future__ import annotations
 
 import os
 
-SEED_VARIABLE = "GPR20_SEED"
-SEED = os.environ.get(SEED_VARIABLE, "1")
+SEED = os.environ.get("GPR20_SEED", "1")

@@ -53,15 +53,20 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
     return parse_yaml(text)
 
 
-def parse_yaml(text: Union[str, bytes]) -> Any:
+def parse_yaml(text: Union[str, bytes], odd_numbers: bool = False) -> Any:
     """Return what a text of YAML holds, as `read_yaml` does.
+
+    Args:
+        text: The text.
+        odd_numbers: Whether 013 is 11 and 10:50 is 650, as for ROS; otherwise they are texts.
 
     Raises:
         YamlFileError: It is not YAML, or nested too deeply.
     """
     try:
         _check_depth(text)
-        return yaml.load(text, Loader=_UniqueKeyLoader)  # noqa: S506 - a SafeLoader
+        loader = _OddNumberLoader if odd_numbers else _UniqueKeyLoader
+        return yaml.load(text, Loader=loader)  # noqa: S506 - a SafeLoader
     except YamlFileError:
         raise
     except _REFUSED as error:
@@ -90,6 +95,10 @@ class _UniqueKeyLoader(yaml.SafeLoader):
                     )
                 seen.add(key_node.value)
         return super().construct_mapping(node, deep)
+
+
+class _OddNumberLoader(_UniqueKeyLoader):
+    resolve = yaml.SafeLoader.resolve
 
 
 def _check_depth(text: Union[str, bytes]) -> None:

@@ -6,12 +6,10 @@ found out here is named; nothing is run.
 
 from __future__ import annotations
 
-import ast
-import operator
 import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Union
+from typing import Any, Dict, List, Optional
 from xml.etree import ElementTree
 
 from gpr20_common.errors import Gpr20Error
@@ -19,20 +17,12 @@ from gpr20_common.low.yaml_file import parse_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_launch.errors import OldElementError, OldLaunchError
+from gpr20_launch.mid.launch_texts import BOOLS, FOUND, substituted, typed, unknown
 
 MAX_BYTES = 1 << 20
 # Of groups, nodes and includes in each other; files in all; and parameters in all.
 MAX_DEPTH, MAX_FILES, MAX_VALUES = 32, 64, 10_000
-LONGEST_EXPRESSION = 500
-_UNUSABLE = (TypeError, ValueError, ArithmeticError, LookupError, SyntaxError, RecursionError)
-_SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
 _PRIVATE_ARGUMENT = re.compile(r"_(\w[\w/]*):=(.*)", re.DOTALL)
-# Around the name of a package, whose folder is looked for beside the file that names it.
-_FOUND = "\0"
-_OPERATORS: Mapping[type, Callable[..., Any]] = {
-    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.UAdd: operator.pos},
-    **{ast.Mult: operator.mul, ast.Div: operator.truediv, ast.USub: operator.neg},
-}
 
 
 @dataclass(frozen=True)
@@ -178,31 +168,31 @@ def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameter
         _follow(element, replace(inner, namespace=node, private=own, is_node=True), found)
         # They replace what its rosparams load, wherever these stand: roslaunch sets them last.
         for name, value in {**scope.private, **own}.items():
-            found.values[_join(node, name)] = value
+            _load(value, _join(node, name), found)
         for word in _text(element, "args", scope).split():
             private = _PRIVATE_ARGUMENT.fullmatch(word)
             if private:
-                found.values[_join(node, private.group(1))] = _plain(private.group(2))
+                _load(typed(private.group(2), "yaml"), _join(node, private.group(1)), found)
             elif ":=" not in word:
                 raise OldElementError(Message("only its program knows what its args mean"))
     elif element.tag == "param":
         if "value" not in element.attrib:
             raise OldElementError(Message("its value comes from a command or another file"))
         name = _text(element, "name", scope)
-        text = re.sub(f"{_FOUND}(.*?){_FOUND}", r"$(find \1)", _text(element, "value", scope))
-        value = text if element.get("type") in ("str", "string") else _plain(text)
+        text = re.sub(f"{FOUND}(.*?){FOUND}", r"$(find \1)", _text(element, "value", scope))
+        value = typed(text, element.get("type", "auto").lower().strip())
         if scope.is_node or name.startswith("~"):
             scope.private[name.lstrip("~/")] = value
         else:
-            found.values[_join(scope.namespace, name)] = value
+            _load(value, _join(scope.namespace, name), found)
     elif element.tag == "rosparam" and element.get("command", "load") == "load":
         below = _join(names, _text(element, "param", scope))
         text = element.text or ""
         if "file" in element.attrib:
             text = _bytes(_file(element, scope), found).decode("utf-8", "replace")
         if element.get("subst_value", "false").lower() in ("true", "1") or "$(" in text:
-            text = _substituted(text, scope)
-        _load(parse_yaml(text), below, found)
+            text = substituted(text, scope.arguments, scope.file)
+        _load(parse_yaml(text, odd_numbers=True), below, found)
     elif element.tag == "rosparam" and element.get("command") == "delete":
         raise OldElementError(Message("it deletes parameters"))
     elif element.tag == "include":
@@ -219,77 +209,24 @@ def _is_used(element: ElementTree.Element, scope: _Scope) -> bool:
     for name, wanted in (("if", True), ("unless", False)):
         if name in element.attrib:
             text = _text(element, name, scope).lower()
-            if text not in ("true", "false", "1", "0"):
-                raise _unknown(f"{name}={text}")
-            if (text in ("true", "1")) != wanted:
+            if text not in BOOLS:
+                raise unknown(f"{name}={text}")
+            if BOOLS[text] != wanted:
                 return False
     return True
 
 
-def _unknown(text: str) -> OldElementError:
-    return OldElementError(Message("{text} is not known here", text=text))
-
-
 def _text(element: ElementTree.Element, name: str, scope: _Scope) -> str:
-    return _substituted(element.get(name, ""), scope)
-
-
-def _substituted(text: str, scope: _Scope) -> str:
-    if text.startswith("$(eval ") and text.endswith(")"):
-        return _evaluated(text, scope)
-
-    def value(match: re.Match[str]) -> str:
-        kind, rest = match.group(1), match.group(2) or ""
-        if kind == "arg" and rest in scope.arguments:
-            return scope.arguments[rest]
-        if kind == "dirname":
-            return str(scope.file.absolute().parent)
-        if kind == "find":
-            return f"{_FOUND}{rest}{_FOUND}"
-        if kind == "anon":
-            return rest
-        # Also optenv: only the original's computer knows whether the variable was set.
-        raise _unknown(match.group(0))
-
-    result = _SUBSTITUTION.sub(value, text)
-    if "$(" in result:
-        raise _unknown(result)
-    return result
-
-
-def _evaluated(text: str, scope: _Scope) -> str:
-    """Return the value of an expression of numbers and args."""
-
-    def value(node: ast.AST) -> Any:
-        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            return node.value
-        name = node.id if isinstance(node, ast.Name) else None
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "arg":
-            (name,) = (getattr(one, "value", None) for one in node.args)
-        if isinstance(name, str):
-            number = _plain(scope.arguments[name])
-            return number if type(number) is float else int(number)
-        if isinstance(node, ast.UnaryOp):
-            return _OPERATORS[type(node.op)](value(node.operand))
-        if isinstance(node, ast.BinOp):
-            return _OPERATORS[type(node.op)](value(node.left), value(node.right))
-        raise _unknown(text)
-
-    if len(text) > LONGEST_EXPRESSION:
-        raise _unknown(text[:LONGEST_EXPRESSION])
-    try:
-        return str(value(ast.parse(text[len("$(eval ") : -1].strip(), mode="eval").body))
-    except (*_UNUSABLE, MemoryError) as error:
-        raise _unknown(text) from error
+    return substituted(element.get(name, ""), scope.arguments, scope.file)
 
 
 def _file(element: ElementTree.Element, scope: _Scope) -> Path:
     text = _text(element, "file", scope)
-    if _FOUND not in text:
+    if FOUND not in text:
         return Path(text)
-    before, package, rest = text.split(_FOUND, 2)
-    if before or _FOUND in rest:
-        raise _unknown(element.get("file", ""))
+    before, package, rest = text.split(FOUND, 2)
+    if before or FOUND in rest:
+        raise unknown(element.get("file", ""))
     rest, near = rest.strip("/"), list(scope.file.absolute().parents)[:4]
     inside = [folder for folder in near if folder.name == package]
     inside += [folder / package for folder in near]
@@ -298,7 +235,7 @@ def _file(element: ElementTree.Element, scope: _Scope) -> Path:
     for path in (*(folder / rest for folder in inside), *copied):
         if path.is_file():
             return path
-    raise _unknown(f"$(find {package})/{rest}")
+    raise unknown(f"$(find {package})/{rest}")
 
 
 def _load(values: Any, below: str, found: LaunchParameters) -> None:
@@ -315,13 +252,3 @@ def _join(namespace: str, name: Optional[str]) -> str:
     if not name:
         return namespace
     return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
-
-
-def _plain(text: str) -> Union[int, float, bool, str]:
-    """Return a value as roslaunch understands it without a type."""
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return {"true": True, "false": False}.get(text.lower(), text)
