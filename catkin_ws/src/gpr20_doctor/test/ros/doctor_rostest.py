@@ -37,8 +37,7 @@ MASTER = os.environ["ROS_MASTER_URI"]
 
 
 def doctor(*arguments, **environment):
-    """Return exit status, the worst finding of each check, and the time that it took [s]."""
-    began_s = time.monotonic()
+    """Return exit status and the worst finding of each check."""
     ended = subprocess.run(
         ["rosrun", "gpr20_doctor", "doctor", "--json", "--language", "en", *arguments],
         env={**os.environ, **environment},
@@ -47,7 +46,6 @@ def doctor(*arguments, **environment):
         timeout=LIMIT_S,
         check=False,
     )
-    took_s = time.monotonic() - began_s
     record = json.loads(ended.stdout)
     assert record["status"] == ended.returncode, ended.stderr
     found = {}
@@ -55,7 +53,7 @@ def doctor(*arguments, **environment):
         if one["check"] not in COMPUTER:
             # The worst of several comes first.
             found.setdefault(one["check"], one)
-    return ended.returncode, found, took_s
+    return ended.returncode, found
 
 
 def levels(found, *wanted):
@@ -117,7 +115,7 @@ class DoctorTest(unittest.TestCase):
         shutil.rmtree(cls.config)
 
     def test_1_a_robot_without_a_fault_is_good(self):
-        status, found, _took_s = doctor("--wait", "30")
+        status, found = doctor("--wait", "30")
         # The surveys of this test are in /tmp, which a real robot must not use.
         self.assertEqual(found.pop("config_files")["fault_code"], "config.data_folder")
         self.assertEqual(levels(found, "FAULT", "WARNING", "UNKNOWN"), set(), found)
@@ -134,7 +132,7 @@ class DoctorTest(unittest.TestCase):
     def test_2_what_was_not_asked_for_is_not_called_good_and_a_bundle_has_the_reports(self):
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "help.zip")
-            status, found, _took_s = doctor("--quick", "--bundle", file)
+            status, found = doctor("--quick", "--bundle", file)
             with zipfile.ZipFile(file) as archive:
                 nodes = json.loads(archive.read("diagnostics.json").decode())
         self.assertEqual(levels(found, "UNKNOWN"), {"calibration"})
@@ -145,7 +143,7 @@ class DoctorTest(unittest.TestCase):
         faults = [("vna", "HANG"), ("adc", "STUCK"), ("endstop_x", "STUCK_CLOSED")]
         for device, fault in faults:
             self.set_fault(device, fault, 0)
-        status, found, took_s = doctor()
+        status, found = doctor()
         for device, _fault in faults:
             self.set_fault(device, "none", 0)
         self.assertEqual(status, 2)
@@ -155,11 +153,10 @@ class DoctorTest(unittest.TestCase):
         self.assertIn("endstop_x", levels(found, "WARNING"))
         for one in found.values():
             self.assertTrue(one["remedy"] or one["level"] in ("OK", "NOTE"), one)
-        self.assertLess(took_s, 30.0)
 
     def test_4_the_master_that_has_the_robot_is_named_and_the_advice_leads_there(self):
         wrong = f"http://127.0.0.1:{free_port()}"
-        status, found, took_s = doctor("--quick", ROS_MASTER_URI=wrong)
+        status, found = doctor("--quick", ROS_MASTER_URI=wrong)
         self.assertEqual(status, 2)
         self.assertEqual(found["master"]["fault_code"], "doctor.master_elsewhere")
         self.assertIn(wrong, found["master"]["text"])
@@ -167,8 +164,7 @@ class DoctorTest(unittest.TestCase):
         self.assertEqual(found["parts"]["level"], "UNKNOWN")
         self.assertEqual(levels(found, "FAULT"), {"master"})
         self.assertRegex(found["master"]["remedy"], "export ROS_MASTER_URI=http://.*[0-9]")
-        self.assertLess(took_s, 10.0)
-        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=MASTER)
+        _status, found = doctor("--quick", ROS_MASTER_URI=MASTER)
         self.assertEqual(found["master"]["level"], "OK")
 
     def test_5_different_software_on_two_computers_is_a_warning(self):
@@ -196,7 +192,7 @@ class DoctorTest(unittest.TestCase):
             reports.publish(behind)
 
         timer = rospy.Timer(rospy.Duration(0.2), report)
-        _status, found, _took_s = doctor("--ns", "mixed", "--quick", "--wait", "2")
+        _status, found = doctor("--ns", "mixed", "--quick", "--wait", "2")
         timer.shutdown()
         self.assertEqual(found["clocks"]["fault_code"], "clock.computers_differ")
         self.assertIn("75.", found["clocks"]["text"])
@@ -209,7 +205,7 @@ class DoctorTest(unittest.TestCase):
         port = free_port()
         with master_at(port, delay_s=1):
             master = f"http://127.0.0.1:{port}"
-            _status, found, _took_s = doctor("--quick", "--wait", "6", ROS_MASTER_URI=master)
+            _status, found = doctor("--quick", "--wait", "6", ROS_MASTER_URI=master)
         self.assertIn("has no robot", found["master"]["text"])
 
     def test_7_a_folder_of_no_user_is_a_sentence_and_no_verdict(self):
@@ -226,22 +222,22 @@ class DoctorTest(unittest.TestCase):
         self.assertTrue(ended.stderr.startswith("The doctor could not work: "), ended.stderr)
 
     def test_8_a_wrong_namespace_is_one_fault_and_the_advice_leads_to_the_robot(self):
-        status, found, _took_s = doctor("--quick", ROS_NAMESPACE="field/b")
+        status, found = doctor("--quick", ROS_NAMESPACE="field/b")
         self.assertEqual((status, levels(found, "FAULT", "WARNING")), (2, {"master"}))
         self.assertEqual(found["master"]["fault_code"], "doctor.other_namespace")
         self.assertIn("/field/b", found["master"]["text"])
         namespace = re.search(r"gpr20 doctor --ns (\S+)\.", found["master"]["remedy"]).group(1)
-        _status, found, _took_s = doctor("--quick", "--ns", namespace)
+        _status, found = doctor("--quick", "--ns", namespace)
         self.assertEqual(found["master"]["level"], "OK")
 
     def test_9_a_part_that_hangs_is_found_until_the_robot_has_restarted_it(self):
         halted = process_of("height_sensor")
         os.kill(halted, signal.SIGSTOP)
-        _status, found, _took_s = doctor("--quick")
+        _status, found = doctor("--quick")
         self.assertEqual(found["height_sensor"]["fault_code"], "doctor.node_hangs")
         self.assertIn("Wait one minute", found["height_sensor"]["remedy"])
         wait_until(lambda: process_of("height_sensor") not in (0, halted))
-        _status, found, _took_s = doctor("--quick", "--wait", "30")
+        _status, found = doctor("--quick", "--wait", "30")
         self.assertEqual(levels(found, "FAULT"), set())
 
     def test_a_a_master_that_hangs_is_told_from_one_that_is_missing(self):
@@ -250,24 +246,24 @@ class DoctorTest(unittest.TestCase):
         with master_at(port) as core:
             wait_until(lambda: socket.socket().connect_ex(("127.0.0.1", port)) == 0)
             os.killpg(core.pid, signal.SIGSTOP)
-            _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+            _status, found = doctor("--quick", ROS_MASTER_URI=master)
         self.assertEqual(found["master"]["fault_code"], "doctor.master_hangs")
         self.assertTrue(found["master"]["remedy"].startswith("Switch off the motors' power."))
-        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        _status, found = doctor("--quick", ROS_MASTER_URI=master)
         self.assertEqual(found["master"]["fault_code"], "doctor.master_elsewhere")
 
     def test_b_each_mistake_of_the_configuration_is_found_until_it_is_corrected(self):
         axes = os.path.join(self.config, "axes.yaml")
         with open(axes, "w", encoding="utf-8") as file:
             file.write("x: {dir_pin: 11}\nz: {dir_pin: 11}\n")
-        _status, found, _took_s = doctor("--quick")
+        _status, found = doctor("--quick")
         wrong = found["config_files"]
         self.assertEqual((wrong["level"], wrong["fault_code"]), ("FAULT", "config.pin_conflict"))
         for words in (axes, "x/dir_pin", "z/dir_pin", "pin 11"):
             self.assertIn(words, wrong["text"])
         self.assertIn("pin of its own", wrong["remedy"])
         os.unlink(axes)
-        _status, found, _took_s = doctor("--quick")
+        _status, found = doctor("--quick")
         self.assertNotEqual(found["config_files"]["fault_code"], "config.pin_conflict")
 
     def test_c_a_configuration_that_is_named_is_judged_as_that_of_a_real_robot(self):
@@ -277,13 +273,13 @@ class DoctorTest(unittest.TestCase):
         nobody = {"ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}
         named = ("--quick", "--config", self.config)
         for more, environment in (named, {}), (named, nobody), (("--quick",), nobody):
-            _status, found, _took_s = doctor(*more, **environment)
+            _status, found = doctor(*more, **environment)
             self.assertEqual(found["config_files"]["fault_code"], "config.address")
-        _status, found, _took_s = doctor(*named, "--robot", "simulated", **nobody)
+        _status, found = doctor(*named, "--robot", "simulated", **nobody)
         self.assertEqual(found["config_files"]["level"], "OK")
         self.assertIn("robot:=simulated", found["config_files"]["text"])
         os.unlink(analyzer)
-        _status, found, _took_s = doctor("--quick", GPR20_DATA="surveys", **nobody)
+        _status, found = doctor("--quick", GPR20_DATA="surveys", **nobody)
         self.assertEqual(found["config_files"]["fault_code"], "config.data_folder")
         self.assertIn("environment: GPR20_DATA is surveys", found["config_files"]["text"])
 
@@ -296,16 +292,16 @@ class DoctorTest(unittest.TestCase):
             launch = subprocess.Popen(["roslaunch", "-p", str(port), file.name])
             probe = NodeProbe(master, "/test", "/part", 2.0)
             wait_until(lambda: answers(probe))
-            _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+            _status, found = doctor("--quick", ROS_MASTER_URI=master)
             self.assertNotIn("launch", found)
             launch.kill()
             launch.wait()
-        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        _status, found = doctor("--quick", ROS_MASTER_URI=master)
         self.assertEqual(found["launch"]["fault_code"], "doctor.left_over")
         command = re.search(r"Run: (kill [0-9 ]+)\.", found["launch"]["remedy"]).group(1)
         subprocess.run(["sh", "-ec", command], check=True)
         wait_until(lambda: not answers(probe))
-        _status, found, _took_s = doctor("--quick", ROS_MASTER_URI=master)
+        _status, found = doctor("--quick", ROS_MASTER_URI=master)
         self.assertNotIn("launch", found)
         os.kill(rosgraph.Master("/test", master).getPid(), signal.SIGTERM)
 
