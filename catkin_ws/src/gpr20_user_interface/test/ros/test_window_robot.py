@@ -19,10 +19,10 @@ from window_case import WindowCase, run_on_a_screen, wait_until
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_doctor.mid.node_health import HealthLevel
+from gpr20_operator.high.conversions import parameters_message
 from gpr20_operator.plan.spec import Tile
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.keys import DOWN, STEP
 from gpr20_user_interface.window.rail import TabName

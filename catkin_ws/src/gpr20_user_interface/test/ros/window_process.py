@@ -18,11 +18,11 @@ from window_case import new_interface
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.high.conversions import parameters_message
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.condition import JobLevel
 from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_user_interface.high.conversions import parameters_message
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 

@@ -14,9 +14,9 @@ from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
+from gpr20_operator.high import conversions
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import from_fields
-from gpr20_user_interface.high import conversions
 
 FULL = Message("the disk is full", details="errno 28")
 PAUSED = Message("Paused: {reason}", reason=FULL)

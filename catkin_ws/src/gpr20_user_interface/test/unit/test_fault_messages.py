@@ -13,6 +13,7 @@ from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
 from gpr20_common.sent_message import message_fields, message_from
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CommandResponse
+from gpr20_operator.high.conversions import control_state
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import ControlState
 from gpr20_operator.robot.notices import (
@@ -24,7 +25,6 @@ from gpr20_operator.robot.notices import (
 )
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.high.conversions import control_state
 
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
 FULL = Message("the disk is full", details="errno 28").with_fault(

@@ -11,6 +11,8 @@ from hypothesis import strategies as some
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, Replay, SurveyData
+from gpr20_operator.high import control_client, ros_events
+from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import ControlState, Progress, Request, StopRequested
 from gpr20_operator.robot.replay import PlayerLink, ReplayMark, ReplayPhase
@@ -18,8 +20,6 @@ from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.high import control_client, ros_events
-from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.terminal.follower import ExitStatus
 from gpr20_user_interface.terminal.session import ReplayFollower
 

@@ -18,6 +18,7 @@ from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_operator import faults
+from gpr20_operator.high import request_client
 from gpr20_operator.jobs.job import Delivery, JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.senders import Senders
@@ -26,7 +27,6 @@ from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_field
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.results.volume import volume_fields
-from gpr20_user_interface.high import request_client
 
 TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
 ANSWERS = {

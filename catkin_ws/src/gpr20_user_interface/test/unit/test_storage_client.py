@@ -22,9 +22,9 @@ from gpr20_operator.ground.trace_events import (
     SurveyRead,
     SurveysListed,
 )
+from gpr20_operator.high import storage_client
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.high import storage_client
 
 MARKER = Marker("6ba7b810-9dad-11d1-80b4-00c04fd430c8", 1.0, 2.0, None, "here", "Ana")
 ASKED = {

@@ -18,11 +18,11 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
+from gpr20_operator.high.control_client import ControlClient
+from gpr20_operator.high.master import LinkWatch, join_graph
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, ControlState, Request, StopRequested
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 from gpr20_survey.plan.survey_parameters import check
-from gpr20_user_interface.high.control_client import ControlClient
-from gpr20_user_interface.high.master import LinkWatch, join_graph
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.displays import (
     BarDisplay,

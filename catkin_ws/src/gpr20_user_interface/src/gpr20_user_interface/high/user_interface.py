@@ -26,6 +26,12 @@ from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.high.control_client import ControlClient
+from gpr20_operator.high.master import join_graph
+from gpr20_operator.high.request_client import RequestClient
+from gpr20_operator.high.robot_watch import RobotWatchClient
+from gpr20_operator.high.robots_client import RobotsClient
+from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import CostEstimator
@@ -36,18 +42,12 @@ from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_user_interface.high.control_client import ControlClient
 from gpr20_user_interface.high.display import (
     check_display,
     draw_without_opengl,
     on_display_lost,
     wait_for_display,
 )
-from gpr20_user_interface.high.master import join_graph
-from gpr20_user_interface.high.request_client import RequestClient
-from gpr20_user_interface.high.robot_watch import RobotWatchClient
-from gpr20_user_interface.high.robots_client import RobotsClient
-from gpr20_user_interface.high.storage_client import StorageClient
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in

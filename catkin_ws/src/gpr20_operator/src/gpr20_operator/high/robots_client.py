@@ -11,10 +11,10 @@ from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.periodic import Periodic
 from gpr20_doctor.low.masters import robots_on_master
 from gpr20_msgs.msg import ControlStatus
+from gpr20_operator.high import conversions
+from gpr20_operator.high.ros_events import RosEvents
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_operator.robot.senders import Senders
-from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.ros_events import RosEvents
 
 PERIOD_S = 3.0
 

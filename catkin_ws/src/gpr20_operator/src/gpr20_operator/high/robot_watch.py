@@ -18,12 +18,12 @@ from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_msgs.msg import ServiceStatus
+from gpr20_operator.high.ros_events import RosEvents, in_background
 from gpr20_operator.jobs.job import Delivery, Ticket
 from gpr20_operator.robot.events import ClockOffset, EndstopState, ServiceActivity
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_user_interface.high.ros_events import RosEvents, in_background
 
 ENDSTOP_AXES = (AxisId.X, AxisId.Y)
 

@@ -13,16 +13,8 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
-from gpr20_operator.jobs.job import Delivery, Service, Ticket
-from gpr20_operator.jobs.pictures import Sticks, StoredSurvey
-from gpr20_operator.robot.senders import Senders
-from gpr20_operator.robot.service_model import HeightTested
-from gpr20_survey.results.analyzer_test import analyzer_test_of
-from gpr20_survey.results.focused_image import image_from
-from gpr20_survey.results.hiding_map import hiding_from
-from gpr20_survey.results.volume import volume_from
-from gpr20_user_interface.high.conversions import annotation_message
-from gpr20_user_interface.high.ros_events import (
+from gpr20_operator.high.conversions import annotation_message
+from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
     STORAGE_SILENT,
     RequestError,
@@ -31,6 +23,14 @@ from gpr20_user_interface.high.ros_events import (
     call,
     in_background,
 )
+from gpr20_operator.jobs.job import Delivery, Service, Ticket
+from gpr20_operator.jobs.pictures import Sticks, StoredSurvey
+from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.service_model import HeightTested
+from gpr20_survey.results.analyzer_test import analyzer_test_of
+from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.hiding_map import hiding_from
+from gpr20_survey.results.volume import volume_from
 
 IMAGING_SILENT = Message(
     "the imaging node does not answer; check that it is running on the computer of the storage"

@@ -29,6 +29,14 @@ from gpr20_operator.ground.trace_events import (
     SurveyRead,
     TraceEvent,
 )
+from gpr20_operator.high import conversions
+from gpr20_operator.high.ros_events import (
+    STORAGE_SILENT,
+    RequestError,
+    RosEvents,
+    accepted,
+    call,
+)
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
@@ -36,14 +44,6 @@ from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
-from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.ros_events import (
-    STORAGE_SILENT,
-    RequestError,
-    RosEvents,
-    accepted,
-    call,
-)
 
 READ_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.

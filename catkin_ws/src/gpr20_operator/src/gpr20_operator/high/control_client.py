@@ -29,6 +29,15 @@ from gpr20_msgs.msg import (
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_operator import faults
+from gpr20_operator.high import conversions
+from gpr20_operator.high.master import MasterWatch
+from gpr20_operator.high.robot_stop import RobotStop
+from gpr20_operator.high.ros_events import (
+    CONTROL_SILENT,
+    RosEvents,
+    in_background,
+    no_answer,
+)
 from gpr20_operator.robot.events import (
     Accepted,
     Answer,
@@ -45,15 +54,6 @@ from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.high import conversions
-from gpr20_user_interface.high.master import MasterWatch
-from gpr20_user_interface.high.robot_stop import RobotStop
-from gpr20_user_interface.high.ros_events import (
-    CONTROL_SILENT,
-    RosEvents,
-    in_background,
-    no_answer,
-)
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0

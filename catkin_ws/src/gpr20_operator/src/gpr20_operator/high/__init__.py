@@ -1,0 +1,1 @@
+"""The ROS interface of an operator's screen: topics as events, and requests."""
