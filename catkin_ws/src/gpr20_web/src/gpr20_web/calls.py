@@ -1,0 +1,118 @@
+"""What a page asks and gets: the table of routes is made of these, whatever carries them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any, Callable, Iterator, Mapping, Optional, Tuple, Union
+
+from gpr20_common.catalogue import Language
+from gpr20_common.message import Message
+from gpr20_web.roles import Role
+
+
+@dataclass(frozen=True)
+class Person:
+    """Somebody who is logged in, from one browser.
+
+    Attributes:
+        name: Of the account.
+        session: Secret of the session; it leaves the server only in the cookie.
+        address: Where the request came from.
+    """
+
+    name: str
+    role: Role
+    session: str
+    address: str
+
+
+@dataclass(frozen=True)
+class Call:
+    """A request that was checked: its person has the right of its route.
+
+    Attributes:
+        person: Who asks; None only for routes of Role.NOBODY.
+        address: Where the request came from.
+        values: The JSON object of a POST, or the query of a GET.
+        parts: What the path's pattern names.
+        text: Translates a message into the language of the browser.
+    """
+
+    person: Optional[Person] = None
+    address: str = ""
+    values: Mapping[str, Any] = field(default_factory=dict)
+    parts: Mapping[str, str] = field(default_factory=dict)
+    language: Language = Language.ENGLISH
+    text: Callable[[Message], str] = str
+
+    @property
+    def who(self) -> Person:
+        """The person; the table has checked that there is one."""
+        if self.person is None:
+            raise LookupError("this route is for persons who are logged in")
+        return self.person
+
+
+@dataclass(frozen=True)
+class Body:
+    """An answer that is no JSON object.
+
+    Attributes:
+        content: Bytes, or parts of them as they are made.
+        kind: Media type.
+        name: Of the file that the browser saves; empty: it shows the content.
+    """
+
+    content: Union[bytes, Iterator[bytes]]
+    kind: str
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Cookie:
+    """A JSON answer that sets the session of the browser; empty: ends it."""
+
+    session: str
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Stream:
+    """An answer that lasts: server-sent events with what changes in a document.
+
+    Attributes:
+        document: Returns what the person sees now; it is asked again with every beat.
+    """
+
+    document: Callable[[], Mapping[str, Any]]
+
+
+Answer = Union[Mapping[str, Any], Body, Cookie, Stream]
+
+
+@dataclass(frozen=True)
+class Route:
+    """One thing that a browser can ask for.
+
+    Attributes:
+        method: GET, POST or DELETE; GET changes nothing.
+        pattern: Of the whole path; its named groups are `Call.parts`.
+        right: The least role.
+        answer: Makes the answer.
+        blocking: Whether it waits for files or nodes: then it runs in a thread of its own.
+    """
+
+    method: str
+    pattern: str
+    right: Role
+    answer: Callable[[Call], Answer]
+    blocking: bool = False
+
+    def match(self, path: str) -> Optional[Mapping[str, str]]:
+        """Return the parts of a path that is this route's; else None."""
+        found = re.fullmatch(self.pattern, path)
+        return None if found is None else found.groupdict()
+
+
+Routes = Tuple[Route, ...]

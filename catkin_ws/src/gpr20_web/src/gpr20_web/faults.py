@@ -1,0 +1,35 @@
+"""What can go wrong on the page at a distance, for programs."""
+
+from __future__ import annotations
+
+from gpr20_common import remedies
+from gpr20_common.message import Fault, Message
+
+NOT_LOGGED_IN = Fault("web.not_logged_in", Message("Log in."))
+WRONG_LOGIN = Fault("web.wrong_login", Message("Check name and password, then log in again."))
+TOO_MANY_LOGINS = Fault("web.too_many_logins", remedies.TRY_LATER)
+NOT_ALLOWED = Fault(
+    "web.not_allowed", Message("Ask a person whose account may do it, or the administrator.")
+)
+NOT_ARMED = Fault(
+    "web.not_armed",
+    Message("Ask the person at the robot to allow remote control on the touchscreen."),
+)
+NOT_IN_CONTROL = Fault("web.not_in_control", Message("Take control first."))
+NOT_NOW = Fault("web.not_now", Message("Look at the state of the robot, then decide."))
+BAD_REQUEST = Fault("web.bad_request", Message("Load the page again."))
+NOT_FOUND = Fault("web.not_found", Message("Load the page again."))
+TOO_LARGE = Fault("web.too_large", Message("Send less at once."))
+ACCOUNT = Fault("web.account", remedies.CORRECT_VALUE)
+ACCOUNTS_FILE = Fault(
+    "web.accounts_file",
+    Message("Check the disk, then the file; restore it from a backup or make the accounts again."),
+)
+CERTIFICATE = Fault(
+    "web.certificate",
+    Message("Check that openssl is installed and that the folder of the page can be written."),
+)
+PORT_TAKEN = Fault(
+    "web.port_taken",
+    Message("End the other program, or set another port in web.yaml."),
+)
