@@ -42,8 +42,9 @@ DEBIAN_DEV_PACKAGES=(
     debhelper gettext git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
-# ROS 2's compiler of interfaces, with which the tests build those of ros2/; Ubuntu 20.04 has none.
-[ -n "$(ros_setup_file)" ] || DEBIAN_DEV_PACKAGES+=(rosidl-core)
+# ROS 2's compiler of interfaces, with which the tests build those of ros2/, and the browser in which
+# they open the page of gpr20_web: Ubuntu 20.04 has neither as a package of apt.
+[ -n "$(ros_setup_file)" ] || DEBIAN_DEV_PACKAGES+=(chromium chromium-driver rosidl-core)
 
 dev=no robot=no analysis=no scikit_rf=no mode=install
 for argument in "$@"; do
