@@ -95,3 +95,10 @@ class PortTakenError(WebError, OSError):
     """The page cannot listen at its address."""
 
     fault = faults.PORT_TAKEN
+
+
+class BusyError(WebError, RuntimeError):
+    """Too many requests wait."""
+
+    status = 503
+    fault = faults.BUSY

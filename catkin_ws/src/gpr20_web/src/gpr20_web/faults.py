@@ -33,3 +33,4 @@ PORT_TAKEN = Fault(
     "web.port_taken",
     Message("End the other program, or set another port in web.yaml."),
 )
+BUSY = Fault("web.busy", remedies.TRY_LATER)

@@ -1,0 +1,152 @@
+"""Server-sent events: to each browser what has changed in its document, no faster than it reads."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from dataclasses import dataclass, field
+from typing import Any, Awaitable, Callable, Dict, List, Mapping, Protocol, Tuple
+
+from tornado.iostream import StreamClosedError
+
+from gpr20_common.message import Message
+from gpr20_web.calls import Person, Stream
+from gpr20_web.errors import NotAllowedError, NotLoggedInError
+
+MAX_STREAMS = 64
+MAX_STREAMS_OF_PERSON = 30
+BEAT_S = 0.2
+# Without a change; a browser shows what it has as old after 5 s.
+SIGN_OF_LIFE_S = 1.0
+# How often a stream asks whether its person may still watch.
+SESSION_CHECK_S = 5.0
+
+
+class Sender(Protocol):
+    """An answer that is not finished."""
+
+    def write(self, chunk: str) -> Any:
+        """Add to what is sent."""
+
+    def flush(self) -> Awaitable[Any]:
+        """Return when the browser's connection has taken it."""
+
+
+@dataclass(eq=False)
+class Watcher:
+    """A stream to a browser.
+
+    Attributes:
+        sent: What it knows: the JSON text of each part of the document.
+        busy: Whether its connection has not yet taken what was sent.
+        gone: Set when it has ended.
+    """
+
+    sender: Sender
+    stream: Stream
+    person: Person
+    checked_s: float
+    sent: Mapping[str, str] = field(default_factory=dict)
+    sent_s: float = 0.0
+    busy: bool = False
+    gone: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class EventStreams:
+    """All browsers that watch; belongs to the thread of the event loop.
+
+    Args:
+        check: Raises NotLoggedInError if the person of a session may no longer watch.
+        report: Takes an exception that no error of the project is.
+    """
+
+    def __init__(
+        self, check: Callable[[Person], None], report: Callable[[BaseException], None]
+    ) -> None:
+        self._check, self._report = check, report
+        self._watchers: List[Watcher] = []
+        self._sending: List[asyncio.Future[None]] = []
+
+    def __len__(self) -> int:
+        return len(self._watchers)
+
+    def add(self, sender: Sender, stream: Stream, person: Person) -> Watcher:
+        """Add a browser.
+
+        Raises:
+            NotAllowedError: There are too many.
+        """
+        own = sum(one.person.name == person.name for one in self._watchers)
+        if len(self) >= MAX_STREAMS or own >= MAX_STREAMS_OF_PERSON:
+            raise NotAllowedError(Message("too many pages are open; close one"))
+        watcher = Watcher(sender, stream, person, time.monotonic())
+        self._watchers.append(watcher)
+        return watcher
+
+    def remove(self, watcher: Watcher) -> None:
+        """Remove a browser that has left."""
+        self._watchers.remove(watcher)
+
+    def end(self) -> None:
+        """End all."""
+        for watcher in self._watchers:
+            watcher.gone.set()
+
+    async def run(self) -> None:
+        """Send what changes until this is cancelled."""
+        while True:
+            await asyncio.sleep(BEAT_S)
+            now_s = time.monotonic()
+            # By the identity of a document, which is kept with it: browsers of one language share
+            # it, and its text is made once.
+            texts: Dict[int, Tuple[Mapping[str, Any], Mapping[str, str]]] = {}
+            for watcher in [one for one in self._watchers if not one.busy]:
+                try:
+                    self._send_changes(watcher, texts, now_s)
+                except NotLoggedInError:
+                    watcher.gone.set()
+                except Exception as error:  # one browser's trouble is not that of the others
+                    self._report(error)
+                    watcher.gone.set()
+
+    def _send_changes(
+        self,
+        watcher: Watcher,
+        texts: Dict[int, Tuple[Mapping[str, Any], Mapping[str, str]]],
+        now_s: float,
+    ) -> None:
+        if now_s - watcher.checked_s > SESSION_CHECK_S:
+            watcher.checked_s = now_s
+            self._check(watcher.person)
+        document = watcher.stream.document()
+        if id(document) not in texts:
+            texts[id(document)] = (
+                document,
+                {name: json_text(one) for name, one in document.items()},
+            )
+        parts = texts[id(document)][1]
+        changed = {name: one for name, one in parts.items() if watcher.sent.get(name) != one}
+        if not changed and now_s - watcher.sent_s < SIGN_OF_LIFE_S:
+            return
+        watcher.sent, watcher.sent_s, watcher.busy = parts, now_s, True
+        members = [f"{json_text(name)}:{one}" for name, one in changed.items()]
+        members.append(f'"sent_ms":{time.time() * 1000.0:.0f}')
+        watcher.sender.write(f"data: {{{','.join(members)}}}\n\n")
+        sending = asyncio.ensure_future(_flushed(watcher))
+        self._sending.append(sending)
+        sending.add_done_callback(self._sending.remove)
+
+
+async def _flushed(watcher: Watcher) -> None:
+    """Wait until the browser has taken what was sent: a slow one gets the newest state later."""
+    try:
+        await watcher.sender.flush()
+        watcher.busy = False
+    except StreamClosedError:
+        watcher.gone.set()
+
+
+def json_text(value: Any) -> str:
+    """Return a value as JSON, in one line."""
+    return json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))

@@ -1,0 +1,97 @@
+"""The table of routes over HTTPS, by tornado."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Callable, Optional
+
+from tornado import httpserver, netutil, web
+
+from gpr20_common.message import Message
+from gpr20_web.calls import Person, Routes
+from gpr20_web.errors import PortTakenError
+from gpr20_web.low.event_streams import EventStreams
+from gpr20_web.low.static_files import read_files
+from gpr20_web.low.table_handler import Site, TableHandler
+
+MAX_BODY_BYTES = 64 * 1024
+MAX_HEADER_BYTES = 16 * 1024
+READ_LIMIT_S = 10.0
+IDLE_CONNECTION_S = 120.0
+THREADS = 8
+
+
+class HttpServer:
+    """Answers browsers; belongs to the thread of its event loop.
+
+    Args:
+        routes: Everything that can be asked for; what is not in it cannot be reached.
+        static: Folder of the pages; its files are read once, here.
+        find: Returns the person of a session and an address, or raises NotLoggedInError.
+        report: Takes an exception that no error of the project is, to be logged.
+    """
+
+    def __init__(
+        self,
+        routes: Routes,
+        static: Path,
+        find: Callable[[str, str], Person],
+        report: Callable[[BaseException], None],
+    ) -> None:
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="web")
+        self.streams = EventStreams(lambda one: _ignore(find(one.session, one.address)), report)
+        self._site = Site(routes, read_files(static), find, report, self.streams, self._threads)
+        self._server: Optional[httpserver.HTTPServer] = None
+        self._beats: Optional[asyncio.Future[None]] = None
+
+    def listen(self, address: str, port: int, context: Optional[ssl.SSLContext]) -> int:
+        """Answer from now on; return the port.
+
+        Args:
+            address: Of the interface.
+            port: 0: a free one.
+            context: Key and certificate; None: without encryption, for tests of this class.
+
+        Raises:
+            PortTakenError: The address is not one of this computer, or the port is taken.
+        """
+        table = web.Application([(r".*", TableHandler, {"site": self._site})], log_function=_ignore)
+        try:
+            sockets = netutil.bind_sockets(port, address)
+        except OSError as error:
+            raise PortTakenError(
+                Message(
+                    "the page cannot listen at {address}, port {port}",
+                    address=address,
+                    port=port,
+                    details=error,
+                )
+            ) from error
+        self._server = httpserver.HTTPServer(
+            table,
+            ssl_options=context,
+            max_body_size=MAX_BODY_BYTES,
+            max_header_size=MAX_HEADER_BYTES,
+            body_timeout=READ_LIMIT_S,
+            idle_connection_timeout=IDLE_CONNECTION_S,
+        )
+        self._server.add_sockets(sockets)
+        self._beats = asyncio.ensure_future(self.streams.run())
+        return int(sockets[0].getsockname()[1])
+
+    async def close(self) -> None:
+        """End every answer."""
+        if self._beats is not None:
+            self._beats.cancel()
+        self.streams.end()
+        if self._server is not None:
+            self._server.stop()
+            await self._server.close_all_connections()
+        self._threads.shutdown(wait=False)
+
+
+def _ignore(_answer: object) -> None:
+    """Take what is of no interest: the audit says who did what, not a log of requests."""
