@@ -34,6 +34,9 @@ class JobLevel(enum.Enum):
     REPLAY = "replay"
 
 
+_ASKING = (JobLevel.PAUSED, JobLevel.ATTENTION, JobLevel.FAULT)
+
+
 @dataclass(frozen=True)
 class Condition:
     """What the band says: a level, the state in a word or two, and all of it with its fault."""
@@ -46,6 +49,11 @@ class Condition:
     def remedy(self) -> Optional[Message]:
         """What to do first; None: nothing."""
         return first_step(self.message)
+
+    @property
+    def asked(self) -> Optional[Message]:
+        """What a person has to do now; None: nothing."""
+        return self.remedy if self.level in _ASKING else None
 
 
 MOVES = Message("ROBOT MOVES")

@@ -31,10 +31,6 @@ SIGNS: Dict[JobLevel, str] = {
 }
 
 
-# In these a person has to do something.
-ASKING = (JobLevel.PAUSED, JobLevel.ATTENTION, JobLevel.FAULT)
-
-
 class StateBand(QFrame):
     """The state, what the robot does, and what to do first; a touch opens all of it."""
 
@@ -77,7 +73,7 @@ class StateBand(QFrame):
             set_look(widget, "job", condition.level.value)
         self.restyle()
         self.title.show_text(shown_text(condition.title))
-        remedy = condition.remedy if condition.level in ASKING else None
+        remedy = condition.asked
         words = left or sentence_text(condition.message)
         if remedy is not None:
             words = f"{words.rstrip('.')}. {shown_text(remedy)}"

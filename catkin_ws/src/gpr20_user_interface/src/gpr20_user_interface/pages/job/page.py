@@ -16,7 +16,6 @@ from gpr20_user_interface.look.translation import TranslatedWidget, sentence_tex
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.top_bar import ASKING
 from gpr20_user_interface.widgets.widgets import fill, new_button, space
 
 UNKNOWN = "—"
@@ -86,7 +85,7 @@ class JobPage(TranslatedWidget, Page):
         # Beside a replay, the band says which survey it is.
         message = condition.message if replayed is None else replayed.reason
         self.message.setText(sentence_text(message))
-        asks = condition.remedy is not None and condition.level in ASKING
+        asks = condition.asked is not None
         self.remedy.setText("" if condition.remedy is None else shown_text(condition.remedy))
         self.remedy.setVisible(asks)
         self.card.setVisible(asks)
