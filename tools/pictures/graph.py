@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, List, Tuple
 
 from pictures.svg import Picture
 
@@ -74,7 +74,7 @@ def graph_picture(page: str) -> str:
     """
     nodes = nodes_of(page)
     placed = {name for row in MACHINES.values() for name in row}
-    # The window is a client only, and shares a row of the table with the terminal client.
+    # As a client the window shares a row of the table with the terminal client.
     placed.add(EVERY_NODE)
     beside = [name for name in nodes if name not in placed and "user_interface" not in name]
     chunks = [beside[at : at + COLUMNS] for at in range(0, len(beside), COLUMNS)]
@@ -118,16 +118,10 @@ def _draw(
         picture.box((x + 5 * copy, y + 5 * copy), size, "other" if other else "box")
     title = "x, y, z: <axis>_axis/axis_driver" if name == AXIS else name
     picture.words((x + 10, y + 19), title, "mono title" if len(title) < 24 else "mono")
-    for number, (words, kind) in enumerate(interfaces or _client_words(name)):
+    for number, (words, kind) in enumerate(interfaces):
         line = y + HEAD + LINE * (number + 1)
         picture.words((x + 10, line), words, "mono")
         picture.words((x + WIDTH - 10, line), kind, "small", "end")
-
-
-def _client_words(name: str) -> Iterator[Interface]:
-    if name == "user_interface":
-        yield ("the window; run_survey is", "")
-        yield ("the same in a terminal", "")
 
 
 def _call(
