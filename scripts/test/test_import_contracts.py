@@ -110,6 +110,11 @@ ROS_IN_HIGH = "do it in high/ and pass plain values or a function to the lower l
             "import gpr20_imaging.errors",
             "let gpr20_analysis offer what it needs",
         ),
+        ("gpr20_web/roles.py", "import gpr20_user_interface.window", SHARE),
+        ("gpr20_web/roles.py", "import gpr20_analysis.errors", "ask that worker"),
+        ("gpr20_web/mid/web_page.py", "import rospy", ROS_IN_HIGH),
+        ("gpr20_web/mid/web_page.py", "import tornado.web", "let these offer what is needed"),
+        ("gpr20_web/low/http_server.py", "import apprise", "let these offer what is needed"),
         ("gpr20_analysis/errors.py", "import gpr20_viewer.picks", SHARE),
         ("gpr20_analysis/errors.py", "import gpr20_foreign_formats.kirchhoff", SHARE),
         (
