@@ -8,7 +8,7 @@ from robot_kit import simulated_robot
 from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_user_interface.pages.ground.model import Layer
+from gpr20_operator.ground.model import Layer
 from gpr20_user_interface.window.rail import TabName
 from pictures.kit import shown_window, wait
 

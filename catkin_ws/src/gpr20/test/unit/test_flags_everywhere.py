@@ -23,12 +23,12 @@ from gpr20_analysis.candidates.table import (
 )
 from gpr20_analysis.report import pictures
 from gpr20_analysis.sentences import ENGLISH
+from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
 from gpr20_survey.high import candidate_topics
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.candidates import Flag, UnknownFlag
-from gpr20_user_interface.pages.ground import texts as ground_texts
 
 # As it is documented: docs/imaging.md.
 DOUBTFUL = {"clutter", "sidelobe"}

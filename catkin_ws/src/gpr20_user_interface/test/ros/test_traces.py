@@ -28,9 +28,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import Command, ReadTraces, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.shade_colours import NOT_MEASURED
 from gpr20_operator.high.conversions import parameters_message
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_user_interface.look.shade_colours import NOT_MEASURED
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.terminal.survey_arguments import parse_arguments
 from gpr20_user_interface.window.rail import TabName

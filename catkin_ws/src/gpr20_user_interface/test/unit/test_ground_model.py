@@ -13,6 +13,8 @@ from window_helpers import Storage
 
 from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead
 from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.marks import marks_above, marks_in_section
+from gpr20_operator.ground.model import GroundModel, Layer
 from gpr20_operator.ground.records import Axis, Place
 from gpr20_operator.ground.shown_survey import ShownSurvey
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
@@ -20,8 +22,6 @@ from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_user_interface.pages.ground.marks import marks_above, marks_in_section
-from gpr20_user_interface.pages.ground.model import GroundModel, Layer
 
 TARGET = Place(150.0, 90.0)
 BOTH = (Axis.X_MM, Axis.Y_MM)

@@ -33,13 +33,13 @@ from gpr20_operator.ground.additions import (
 )
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
 from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.model import Layer
 from gpr20_operator.ground.records import Axis, Colours, Place
+from gpr20_operator.ground.shade_colours import LAST_SHADE, NOT_MEASURED
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import Soils
-from gpr20_user_interface.look.shade_colours import LAST_SHADE, NOT_MEASURED
-from gpr20_user_interface.pages.ground.model import Layer
 from gpr20_user_interface.window.rail import TabName
 
 NO_MINE = "No echo does not mean no mine."

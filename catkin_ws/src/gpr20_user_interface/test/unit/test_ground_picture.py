@@ -17,16 +17,16 @@ from test_ground_model import image_of
 from view_kit import make_grid
 
 from gpr20_common.message import verbatim
+from gpr20_operator.ground.cells import TILES, Cell
 from gpr20_operator.ground.coverage import CoverageRuns, MapModel, StopState
 from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.records import Colours, RadarSettings
+from gpr20_operator.ground.shade_colours import NOT_MEASURED
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_user_interface.look.look import Look, Mark
-from gpr20_user_interface.look.shade_colours import NOT_MEASURED
-from gpr20_user_interface.widgets.cells import TILES, Cell
 from gpr20_user_interface.widgets.ground_picture import (
     Frame,
-    GroundMark,
     GroundPicture,
 )
 from gpr20_user_interface.widgets.ink import round_ticks

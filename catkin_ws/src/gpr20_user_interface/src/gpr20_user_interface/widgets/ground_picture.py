@@ -9,17 +9,16 @@ import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, QSizeF, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QImage, QPainter
 
+from gpr20_operator.ground.cells import Cell, hiding_cells
 from gpr20_operator.ground.coverage import MapModel, StopState
 from gpr20_operator.ground.geometry import Area, share_mm, shown_area, survey_area
 from gpr20_operator.ground.grid import Stop, SurveyGrid
 from gpr20_operator.ground.records import Colours, Picture, Place
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_user_interface.look.look import Look, Mark
-from gpr20_user_interface.widgets.cells import Cell, Lattice, hiding_cells
-from gpr20_user_interface.widgets.ink import GroundMark, rimmed
+from gpr20_user_interface.widgets.cells import Lattice
+from gpr20_user_interface.widgets.ink import rimmed
 from gpr20_user_interface.widgets.plot import Plot, extent_of
-
-__all__ = ["Frame", "GroundMark", "GroundPicture"]
 
 SMALLEST_FRAME_PX = 14.0
 FAILED_RING_PX = 11.0

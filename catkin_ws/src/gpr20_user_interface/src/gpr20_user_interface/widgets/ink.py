@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Iterable, List, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QColor, QFont, QFontMetrics, QPainter, QPen, QPolygonF
 
+from gpr20_operator.ground.marks import GroundMark
+from gpr20_operator.ground.shade_colours import NOTICE_GROUND, NOTICE_INK
 from gpr20_user_interface.look.look import TEXT_PX, Look, Mark
-from gpr20_user_interface.look.shade_colours import NOTICE_GROUND, NOTICE_INK
 
 RING_PX, FAR_PX, FLAG_PX = 14.0, 5.0, 26.0
 LINE_PX, HALO_PX = 2.0, 5.0
@@ -21,32 +21,6 @@ STEPS = (1.0, 2.0, 5.0, 10.0, 20.0)
 
 # Numbers of an axis, and where they are on it.
 Ticks = Iterable[Tuple[float, str]]
-
-
-@dataclass(frozen=True)
-class GroundMark:
-    """A candidate is a ring, a marker is a flag.
-
-    Attributes:
-        across_mm: Where it is along the first axis.
-        second_mm: Where it is along the second axis: Y, or the depth.
-        text: Inside of the ring.
-        doubtful: Its ring is dashed.
-        chosen: It is what the operator looks at.
-        measured: Whether the ground there was measured; else the ring is grey and dashed.
-        near: Whether it lies at what is shown; what does not is small and has no text.
-        about: What a touch of it is about.
-    """
-
-    across_mm: float
-    second_mm: float
-    text: str
-    is_flag: bool = False
-    doubtful: bool = False
-    chosen: bool = False
-    measured: bool = True
-    near: bool = True
-    about: object = None
 
 
 def round_ticks(low: float, high: float, most: int) -> np.ndarray:

@@ -20,11 +20,11 @@ from PyQt5.QtGui import (
 )
 from PyQt5.QtWidgets import QGestureEvent, QPinchGesture, QSizePolicy
 
+from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.records import Colours, Picture
+from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_user_interface.look.look import Look, Mark, look_of
-from gpr20_user_interface.look.shade_colours import colour_table, shade_numbers
 from gpr20_user_interface.widgets.ink import (
-    GroundMark,
     Ticks,
     paint_axes,
     paint_mark,

@@ -9,14 +9,15 @@ from PyQt5.QtCore import QSize, pyqtSignal
 from PyQt5.QtGui import QPixmap
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
+from gpr20_operator.ground.cells import Cell
 from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.model import GroundModel, Layer
 from gpr20_operator.ground.records import Axis, Colours
+from gpr20_operator.ground.texts import STATE_NAMES
 from gpr20_survey.radar.soils import Soils, soil_of
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.ground.model import GroundModel, Layer
-from gpr20_user_interface.pages.ground.texts import STATE_NAMES
-from gpr20_user_interface.widgets.cells import Cell, pattern_image
+from gpr20_user_interface.widgets.cells import pattern_image
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import Stepper, new_button
 

@@ -7,10 +7,10 @@ from typing import Optional, Tuple
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidget
 
+from gpr20_operator.ground.texts import place_text
 from gpr20_operator.plan.hold_question import remove_marker_question
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.ground.texts import place_text
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button

@@ -14,6 +14,7 @@ from gpr20_operator.ground.additions import AdditionsPresenter, MarkingFailed
 from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.grid import SurveyGrid
+from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Wanted
 from gpr20_operator.plan.spec import Keys
@@ -29,7 +30,6 @@ from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.ground.finer_sheet import FinerSheet
 from gpr20_user_interface.pages.ground.layers_sheet import LayersSheet
 from gpr20_user_interface.pages.ground.markers_sheet import MarkersSheet
-from gpr20_user_interface.pages.ground.model import GroundModel
 from gpr20_user_interface.pages.ground.view import GroundView
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.page import Page

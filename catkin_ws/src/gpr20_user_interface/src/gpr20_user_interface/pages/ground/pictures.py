@@ -11,8 +11,8 @@ from PyQt5.QtWidgets import QSizePolicy, QWidget
 from gpr20_operator.ground.geometry import divided
 from gpr20_operator.ground.level_scale import LevelScale
 from gpr20_operator.ground.records import Colours
+from gpr20_operator.ground.shade_colours import LAST_SHADE, colour_table
 from gpr20_user_interface.look.look import Mark, look_of
-from gpr20_user_interface.look.shade_colours import LAST_SHADE, colour_table
 from gpr20_user_interface.pages.ground.section import SectionPlot, TracePlot
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.plot import UNIT, Plot

@@ -8,9 +8,10 @@ import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
+from gpr20_operator.ground.cells import TILE_PX, Cell
 from gpr20_operator.ground.records import Axis, Colours, Curve, Picture
 from gpr20_user_interface.look.look import Look, Mark, look_of
-from gpr20_user_interface.widgets.cells import TILE_PX, Cell, pattern_image
+from gpr20_user_interface.widgets.cells import pattern_image
 from gpr20_user_interface.widgets.ink import LINE_PX, Ticks, stroke
 from gpr20_user_interface.widgets.plot import Plot, extent_of
 

@@ -10,12 +10,12 @@ from PyQt5.QtGui import QShowEvent
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 from gpr20_common.message import Message
+from gpr20_operator.ground import texts
+from gpr20_operator.ground.marks import marks_above, marks_in_section
+from gpr20_operator.ground.model import GroundModel, Layer, Shown
 from gpr20_operator.ground.records import Axis, Colours, Picture
 from gpr20_user_interface.look.look import TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
-from gpr20_user_interface.pages.ground import texts
-from gpr20_user_interface.pages.ground.marks import marks_above, marks_in_section
-from gpr20_user_interface.pages.ground.model import GroundModel, Layer, Shown
 from gpr20_user_interface.pages.ground.pictures import GAP_PX, ColourBar, Pictures
 from gpr20_user_interface.pages.ground.section import SectionPlot
 from gpr20_user_interface.widgets.ground_picture import Frame

@@ -23,6 +23,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.records import Colours
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.jobs import result_texts as texts
@@ -40,7 +41,7 @@ from gpr20_user_interface.pages.result.sheets import (
 )
 from gpr20_user_interface.pages.result.stick_sheet import StickSheet
 from gpr20_user_interface.widgets.empty_state import EmptyState
-from gpr20_user_interface.widgets.ground_picture import GroundMark, GroundPicture
+from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import LinesLabel, SurveyBand
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import new_button, set_look

@@ -8,11 +8,11 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES
 from gpr20_operator.ground.grid import Cell
+from gpr20_operator.ground.marks import has_candidate
+from gpr20_operator.ground.model import IMAGES, GroundModel, Layer, Shown
 from gpr20_operator.ground.records import Axis, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
-from gpr20_user_interface.pages.ground.marks import has_candidate
-from gpr20_user_interface.pages.ground.model import IMAGES, GroundModel, Layer, Shown
 
 STATE_NAMES: Dict[StopState, Message] = {
     StopState.DONE: Message("Done"),

@@ -2,16 +2,42 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Optional, Tuple
 
+from gpr20_operator.ground.model import IMAGES, Found, GroundModel, Layer
 from gpr20_operator.ground.records import Axis, Place
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
-from gpr20_user_interface.pages.ground.model import IMAGES, Found, GroundModel, Layer
-from gpr20_user_interface.widgets.ink import GroundMark
 
 # What is nearer than this to a slice or section lies in it.
 NEAR_MM = 25.0
+
+
+@dataclass(frozen=True)
+class GroundMark:
+    """A candidate is a ring, a marker is a flag.
+
+    Attributes:
+        across_mm: Where it is along the first axis.
+        second_mm: Where it is along the second axis: Y, or the depth.
+        text: Inside of the ring.
+        doubtful: Its ring is dashed.
+        chosen: It is what the operator looks at.
+        measured: Whether the ground there was measured; else the ring is grey and dashed.
+        near: Whether it lies at what is shown; what does not is small and has no text.
+        about: What a touch of it is about.
+    """
+
+    across_mm: float
+    second_mm: float
+    text: str
+    is_flag: bool = False
+    doubtful: bool = False
+    chosen: bool = False
+    measured: bool = True
+    near: bool = True
+    about: object = None
 
 
 def marks_above(model: GroundModel) -> Tuple[GroundMark, ...]:
