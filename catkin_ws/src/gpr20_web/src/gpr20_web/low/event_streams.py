@@ -131,7 +131,7 @@ class EventStreams:
             return
         watcher.sent, watcher.sent_s, watcher.busy = parts, now_s, True
         members = [f"{json_text(name)}:{one}" for name, one in changed.items()]
-        members.append(f'"sent_ms":{time.time() * 1000.0:.0f}')
+        members.append(f'"sent_ms":{now_s * 1000.0:.0f}')
         watcher.sender.write(f"data: {{{','.join(members)}}}\n\n")
         sending = asyncio.ensure_future(_flushed(watcher))
         self._sending.append(sending)

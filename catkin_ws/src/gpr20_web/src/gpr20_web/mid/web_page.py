@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Mapping
+from typing import Any, Callable, Mapping
 
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
@@ -25,3 +25,11 @@ class WebPage:
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
+
+    def live(self, text: Callable[[Message], str]) -> Mapping[str, Any]:
+        """Return its part of what every browser is sent as it changes.
+
+        Args:
+            text: Translates a message.
+        """
+        return {}

@@ -1,0 +1,143 @@
+"""NOW: the state of robot and survey as the window shows it, in the language of each browser."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
+from gpr20_operator.robot.job import area_of, line_of, percent_of, progress_of, survey_name
+from gpr20_operator.robot.notices import Notice, fault_notice
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_web.mid.web_page import WebPage
+
+Text = Callable[[Message], str]
+
+
+def sentence(text: Text, message: Optional[Message]) -> str:
+    """Return a message as a sentence of its own; empty without one."""
+    shown = "" if message is None else text(message)
+    return shown[:1].upper() + shown[1:]
+
+
+def notice_values(notice: Notice, text: Text) -> Dict[str, Any]:
+    """Return a card for a browser."""
+    return {
+        "title": text(notice.title),
+        "text": sentence(text, notice.text),
+        "first": sentence(text, notice.first),
+        "then": sentence(text, notice.then),
+        "details": list(notice.details),
+    }
+
+
+class NowPage(WebPage):
+    """The band, the job and the last fault.
+
+    Args:
+        robot: Its name, where there are several; else empty.
+    """
+
+    words: Mapping[str, Message] = {
+        "title": Message("Now"),
+        "stored": Message("Stored"),
+        "traces": Message("{stored} of {planned} traces", stored="", planned=""),
+        "survey": Message("Survey"),
+        "area": Message("Area"),
+        "line": Message("Line"),
+        "position": Message("Antennas at"),
+        "height": Message("Height over the ground"),
+        "last_fault": Message("Last fault"),
+        "first": Message("First"),
+        "details": Message("DETAILS"),
+        "simulated": Message("SIMULATED"),
+        "unknown": Message("not known"),
+    }
+
+    def __init__(self, robot: str) -> None:
+        self._robot = robot
+        self._snapshot: Optional[Snapshot] = None
+        self._named: Tuple[str, str] = ("", "")
+        # The card of the last fault, and the survey it was in.
+        self._fault: Optional[Tuple[str, Notice]] = None
+
+    def on_event(self, event: object) -> None:
+        """Follow the name of the survey."""
+        if isinstance(event, SurveyDescribed):
+            self._named = survey_name(event.text)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Take what is known of the robot now."""
+        self._snapshot = snapshot
+        state = snapshot.state
+        if snapshot.replay is None and state is not None and state.is_fault:
+            self._fault = state.survey_id, fault_notice(state)
+
+    def live(self, text: Text) -> Mapping[str, Any]:
+        """Return band, job and last fault."""
+        snapshot = self._snapshot
+        if snapshot is None:
+            return {}
+        return {
+            "robot": {
+                "name": self._robot,
+                "simulated": snapshot.simulated,
+                "replay": snapshot.replay is not None,
+                "contact": snapshot.control_alive and snapshot.master_alive,
+            },
+            "band": self._band(snapshot, text),
+            "job": self._job(snapshot, text),
+            "fault": self._last_fault(snapshot, text),
+        }
+
+    @staticmethod
+    def _band(snapshot: Snapshot, text: Text) -> Mapping[str, Any]:
+        condition, left = condition_of(snapshot), left_of(snapshot)
+        shows_left = condition.level in (JobLevel.WORKING, JobLevel.PAUSED)
+        return {
+            "level": condition.level.value,
+            "title": text(condition.title),
+            "message": sentence(text, condition.message),
+            "asked": sentence(text, condition.asked),
+            "left": sentence(text, left if shows_left else None),
+        }
+
+    def _job(self, snapshot: Snapshot, text: Text) -> Mapping[str, Any]:
+        progress, parameters = progress_of(snapshot), snapshot.job_parameters
+        state, place = snapshot.state, snapshot.current
+        survey_id, name = self._named
+        known = state is not None and state.survey_id == survey_id
+        return {
+            "running": snapshot.running and snapshot.replay is None,
+            "paused": snapshot.paused,
+            "survey": state.survey_id if state is not None else "",
+            "name": name if known else "",
+            "percent": percent_of(snapshot),
+            "stored": None if progress is None else progress.visited_points,
+            "planned": None if progress is None else progress.total_points,
+            "line": sentence(text, line_of(snapshot)),
+            "area": "" if parameters is None else text(area_of(parameters)),
+            "place": None
+            if place is None
+            else text(
+                Message(
+                    "X {x:.1f} mm, Y {y:.1f} mm, {z:.0f} deg",
+                    x=place.x_mm,
+                    y=place.y_mm,
+                    z=place.z_deg,
+                )
+            ),
+            "height_mm": None if snapshot.height_m is None else round(snapshot.height_m * 1000.0),
+        }
+
+    def _last_fault(self, snapshot: Snapshot, text: Text) -> Optional[Mapping[str, Any]]:
+        """Return the card of the last fault, until another survey runs without one."""
+        if self._fault is None or snapshot.replay is not None:
+            return None
+        survey, notice = self._fault
+        if snapshot.running and snapshot.running_survey != survey:
+            return None
+        state = snapshot.state
+        over = state is None or not state.is_fault
+        return {**notice_values(notice, text), "over": over}

@@ -1,0 +1,103 @@
+"""What every page needs: the words of all of them, the colours of the window, and what is live."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Mapping, Sequence
+
+from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages, read_catalogue
+from gpr20_common.message import Message
+from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_web.calls import Body, Call, Route, Stream
+from gpr20_web.mid.web_page import WebPage
+from gpr20_web.roles import Role
+
+WORDS: Mapping[str, Message] = {
+    "shell.pages": Message("Pages"),
+    "shell.language": Message("Language"),
+    "shell.sun": Message("Sunlight"),
+    "shell.night": Message("Night"),
+    "shell.close": Message("CLOSE"),
+    "shell.connecting": Message("Connecting to the robot's computer."),
+    "shell.stale": Message(
+        "NO CONNECTION: what you see is {seconds} s old. The robot may have moved since.",
+        seconds="",
+    ),
+    "shell.no_answer": Message("The robot's computer does not answer. Check the network."),
+}
+
+
+class Shell(WebPage):
+    """Joins the pages.
+
+    Args:
+        pages: Each with the name under which its script asks for its words.
+    """
+
+    def __init__(self, pages: Mapping[str, WebPage]) -> None:
+        self.pages = pages
+        # By language, until the next refresh.
+        self._documents: Dict[str, Mapping[str, Any]] = {}
+        self.routes = (
+            Route("GET", "/api/words", Role.NOBODY, self._words),
+            Route("GET", "/api/colours.css", Role.NOBODY, lambda _call: _colours()),
+            Route("GET", "/api/live", Role.VIEW, self._live),
+        )
+
+    def on_event(self, event: object) -> None:
+        """Pass an event on."""
+        for page in self.pages.values():
+            page.on_event(event)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Pass on what is known now."""
+        self._documents.clear()
+        for page in self.pages.values():
+            page.refresh(snapshot)
+
+    def all_routes(self) -> Sequence[Route]:
+        """Return the whole table."""
+        return [*self.routes, *(one for page in self.pages.values() for one in page.routes)]
+
+    def document(self, language: Language) -> Mapping[str, Any]:
+        """Return what a browser sees now; it is made once for each language."""
+        code = language.value
+        if code not in self._documents:
+            text = read_catalogue(language).text
+            parts = [page.live(text) for page in self.pages.values()]
+            self._documents[code] = {name: one for part in parts for name, one in part.items()}
+        return self._documents[code]
+
+    def _words(self, call: Call) -> Mapping[str, Any]:
+        words = dict(WORDS)
+        for name, page in self.pages.items():
+            words.update({f"{name}.{key}": one for key, one in page.words.items()})
+        template = read_catalogue(call.language).template
+        return {
+            "language": call.language.value,
+            "languages": [[one.value, one.own_name] for one in languages()],
+            # Templates, not sentences: the script knows the values.
+            "words": {name: template(one.template) for name, one in words.items()},
+        }
+
+    def _live(self, call: Call) -> Stream:
+        return Stream(lambda: self.document(call.language))
+
+
+def _colours() -> Body:
+    """Return the colours of the window as variables of a style sheet."""
+    sheets = []
+    for theme in Theme:
+        lines = [f"--mark-{_name(one.name)}:{one.of(theme)};" for one in Mark]
+        for name, pair in [
+            *((one.name, one.of(theme)) for one in TextColours),
+            *((f"level_{level.value}", one.of(theme)) for level, one in LEVEL_COLOURS.items()),
+        ]:
+            lines += [f"--{_name(name)}-ink:{pair.ink};", f"--{_name(name)}-ground:{pair.ground};"]
+        sheets.append(f':root[data-theme="{theme.value}"]{{{"".join(lines)}}}')
+    return Body("\n".join(sheets).encode(), "text/css; charset=UTF-8")
+
+
+def _name(name: str) -> str:
+    return name.lower().replace("_", "-")

@@ -1,0 +1,216 @@
+// The frame of the page: login, pages, language, theme, and the band over all of them.
+
+import { button, element, field } from "./dom.js";
+import { Notices } from "./notices.js";
+import { Live, Server } from "./server.js";
+import { Top } from "./top.js";
+import audit from "./pages/audit.js";
+import map from "./pages/map.js";
+import now from "./pages/now.js";
+import radar from "./pages/radar.js";
+import robots from "./pages/robots.js";
+import service from "./pages/service.js";
+import surveys from "./pages/surveys.js";
+import users from "./pages/users.js";
+
+const OPERATE = 2;
+const ADMIN = 3;
+const PAGES = [now, map, radar, surveys, robots, service, users, audit];
+const TICK_MS = 200;
+
+class App {
+  constructor() {
+    this.memory = window.localStorage;
+    this.server = new Server(this.memory.getItem("language") ?? navigator.language.slice(0, 2));
+    this.root = document.getElementById("page");
+    this.words = {};
+    this.me = null;
+    this.live = null;
+    this.page = null;
+    document.documentElement.dataset.theme = this.memory.getItem("theme") ?? "sun";
+    window.addEventListener("hashchange", () => this.show());
+  }
+
+  async begin() {
+    const { words, language, languages } = await this.server.ask("GET", "/api/words");
+    Object.assign(this, { words, languages });
+    this.language = language;
+    this.server.language = language;
+    document.documentElement.lang = language;
+    try {
+      this.me = await this.get("/api/me");
+    } catch (error) {
+      if (error.status !== 401) throw error;
+      this.showLogin();
+      return;
+    }
+    this.enter();
+  }
+
+  word(name, values = {}) {
+    const text = this.words[name] ?? name;
+    return text.replaceAll(/\{(\w+)[^}]*\}/g, (field, key) => values[key] ?? field);
+  }
+
+  get(path) {
+    return this.server.ask("GET", path);
+  }
+
+  post(path, values) {
+    return this.server.ask("POST", path, values);
+  }
+
+  remove(path) {
+    return this.server.ask("DELETE", path, {});
+  }
+
+  get state() {
+    return this.live?.state ?? {};
+  }
+
+  get mayOperate() {
+    return this.me.role >= OPERATE;
+  }
+
+  get mayStop() {
+    return this.me.may_stop;
+  }
+
+  get inControl() {
+    return this.state.control?.holder?.mark === this.me.mark;
+  }
+
+  report(error) {
+    const text = error.status ? error.message : this.word("shell.no_answer");
+    const shown = element(
+      "div",
+      { class: "card danger" },
+      element("p", {}, text),
+      element("p", {}, error.remedy ?? ""),
+      button(this.word("shell.close"), () => shown.remove()),
+    );
+    document.getElementById("alerts").replaceChildren(shown);
+    if (error.status === 401) this.leave();
+  }
+
+  showLogin() {
+    const name = element("input", { name: "name", autocomplete: "username", required: true });
+    const password = element("input", {
+      name: "password", type: "password", autocomplete: "current-password", required: true,
+    });
+    const send = async (event) => {
+      event.preventDefault();
+      try {
+        await this.post("/api/login", { name: name.value, password: password.value });
+        this.me = await this.get("/api/me");
+        document.getElementById("alerts").replaceChildren();
+        this.enter();
+      } catch (error) {
+        password.value = "";
+        this.report(error);
+      }
+    };
+    this.root.replaceChildren(
+      element(
+        "form",
+        { class: "card login", onsubmit: send },
+        element("h1", {}, "GPR-20"),
+        field(this.word("login.name"), name),
+        field(this.word("login.password"), password),
+        element("button", { class: "primary" }, this.word("login.log_in")),
+        ...this.choices(),
+      ),
+    );
+  }
+
+  choices() {
+    const language = element(
+      "select",
+      { onchange: () => this.change("language", language.value) },
+      ...this.languages.map(([code, own]) =>
+        element("option", { value: code, lang: code, selected: code === this.language }, own)),
+    );
+    const night = document.documentElement.dataset.theme === "night";
+    const theme = button(this.word(night ? "shell.sun" : "shell.night"), () =>
+      this.change("theme", night ? "sun" : "night"));
+    return [field(this.word("shell.language"), language), theme];
+  }
+
+  change(name, value) {
+    this.memory.setItem(name, value);
+    window.location.reload();
+  }
+
+  enter() {
+    const header = document.getElementById("top");
+    header.hidden = false;
+    this.notices = new Notices(this);
+    this.live = new Live(this.server, (state) => this.update(state), () => this.leave());
+    this.top = new Top(header, this);
+    this.ticks = setInterval(() => this.top.tick(), TICK_MS);
+    this.show();
+  }
+
+  leave() {
+    this.live?.close();
+    clearInterval(this.ticks);
+    window.location.reload();
+  }
+
+  pages() {
+    return PAGES.filter((one) => !one.admin || this.me.role >= ADMIN);
+  }
+
+  show() {
+    if (!this.me) return;
+    const wanted = window.location.hash.slice(1).split("/")[0];
+    const page = this.pages().find((one) => one.name === wanted) ?? now;
+    this.page?.leave?.();
+    this.page = page;
+    const nav = document.getElementById("pages");
+    nav.hidden = false;
+    nav.setAttribute("aria-label", this.word("shell.pages"));
+    nav.replaceChildren(
+      ...this.pages().map((one) =>
+        element(
+          "a",
+          { href: `#${one.name}`, "aria-current": one === page ? "page" : null },
+          this.word(`${one.name}.title`),
+        )),
+    );
+    const title = this.word(`${page.name}.title`);
+    document.title = `${title} – GPR-20`;
+    const section = element("section", { "aria-labelledby": "page-title" });
+    this.root.replaceChildren(element("h1", { id: "page-title" }, title), section, this.foot());
+    page.show(section, this);
+    if (this.state.band) page.update?.(this.state, this);
+  }
+
+  foot() {
+    const end = (path) => async () => {
+      try {
+        await this.post(path);
+        this.leave();
+      } catch (error) {
+        this.report(error);
+      }
+    };
+    return element(
+      "footer",
+      { class: "row" },
+      element("span", {}, this.me.name),
+      button(this.word("login.log_out"), end("/api/logout")),
+      button(this.word("login.log_out_everywhere"), end("/api/logout_everywhere")),
+      ...this.choices(),
+    );
+  }
+
+  update(state) {
+    this.top.update(state);
+    this.notices.update(state);
+    this.page?.update?.(state, this);
+  }
+}
+
+const app = new App();
+app.begin().catch((error) => app.report(error));

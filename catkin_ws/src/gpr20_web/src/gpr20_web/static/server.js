@@ -1,0 +1,97 @@
+// Requests to the robot's computer, and the state that it sends as it changes.
+
+const REQUEST_LIMIT_MS = 30000;
+const AGAIN_MS = 2000;
+
+export class ServerError extends Error {
+  constructor(values, status) {
+    super(values.error ?? "");
+    this.remedy = values.remedy ?? "";
+    this.code = values.code ?? "";
+    this.status = status;
+  }
+}
+
+export class Server {
+  constructor(language) {
+    this.language = language;
+  }
+
+  address(path) {
+    return `${path}${path.includes("?") ? "&" : "?"}language=${this.language}`;
+  }
+
+  async ask(method, path, values, limitMs = REQUEST_LIMIT_MS) {
+    const options = { method, signal: AbortSignal.timeout(limitMs) };
+    if (method !== "GET") {
+      options.headers = { "Content-Type": "application/json" };
+      options.body = JSON.stringify(values ?? {});
+    }
+    const response = await fetch(this.address(path), options);
+    const answer = await response.json();
+    if (!response.ok) throw new ServerError(answer, response.status);
+    return answer;
+  }
+}
+
+// The live document: parts come as they change, and one sign of life a second.
+export class Live {
+  constructor(server, onChange, onEnd) {
+    this.server = server;
+    this.onChange = onChange;
+    this.onEnd = onEnd;
+    this.state = {};
+    this.open();
+  }
+
+  open() {
+    // Between the clocks of both computers, and the fastest way between them.
+    this.offsetMs = Infinity;
+    this.sentMs = null;
+    this.source = new EventSource(this.server.address("/api/live"));
+    this.source.onmessage = (message) => this.take(JSON.parse(message.data));
+    this.source.onopen = () => {
+      this.offsetMs = Infinity;
+    };
+    this.source.onerror = () => {
+      // The browser connects again by itself unless the answer was a refusal.
+      if (this.source.readyState === EventSource.CLOSED) setTimeout(() => this.again(), AGAIN_MS);
+    };
+  }
+
+  async again() {
+    if (this.closed) return;
+    try {
+      await this.server.ask("GET", "/api/me");
+    } catch (error) {
+      if (error.status === 401) {
+        this.onEnd();
+        return;
+      }
+    }
+    this.open();
+  }
+
+  take(changes) {
+    this.sentMs = changes.sent_ms;
+    this.offsetMs = Math.min(this.offsetMs, performance.now() - this.sentMs);
+    delete changes.sent_ms;
+    Object.assign(this.state, changes);
+    this.onChange(this.state, changes);
+  }
+
+  // How old what is shown is [ms]; also of what was long on its way.
+  ageMs() {
+    return this.sentMs === null ? Infinity : performance.now() - this.sentMs - this.offsetMs;
+  }
+
+  // Time until a moment of the robot's clock [s].
+  secondsUntil(untilMs) {
+    return Math.max(0, (untilMs + this.offsetMs - performance.now()) / 1000);
+  }
+
+  close() {
+    this.closed = true;
+    this.source.close();
+  }
+}

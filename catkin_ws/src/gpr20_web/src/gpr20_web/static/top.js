@@ -1,0 +1,226 @@
+// The band on every page: state, sign, what to do, PAUSE or RESUME, STOP, remote control.
+
+import { ask, button, element, write } from "./dom.js";
+
+const SIGNS = {
+  working: "▶", paused: "⏸", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
+};
+export const STALE_MS = 5000;
+const PRESS_LIMIT_MS = 5000;
+const STOP_AGAIN_MS = 2000;
+const STOP_TRIES = 30;
+
+const newPress = () => crypto.randomUUID().replaceAll("-", "");
+
+export class Top {
+  constructor(root, app) {
+    this.app = app;
+    this.pressed = null;
+    const word = (name) => app.word(name);
+    this.sign = element("span", { class: "sign", "aria-hidden": "true" });
+    this.title = element("strong", { id: "state" });
+    this.words = element("span", { class: "words" });
+    this.chips = element("span", { class: "chips" });
+    this.age = element("p", { class: "age", role: "status", hidden: true });
+    this.band = element(
+      "div",
+      { class: "band", role: "status", "aria-live": "polite" },
+      this.sign,
+      element("div", {}, this.title, this.words),
+      this.chips,
+    );
+    this.pause = button("", () => this.pauseOrResume(), { id: "pause", hidden: true });
+    this.start = button(word("commands.start"), () => this.begin(), { id: "start", hidden: true });
+    this.stop = button(word("commands.stop"), () => this.stopNow(), {
+      id: "stop",
+      "aria-describedby": "stop-note",
+    });
+    this.said = element("p", { class: "said", role: "status" });
+    this.remote = element("p", { class: "remote" });
+    root.replaceChildren(
+      element(
+        "div",
+        { class: "bar" },
+        this.band,
+        element(
+          "div",
+          { class: "commands" },
+          this.start,
+          this.pause,
+          element(
+            "div",
+            { class: "stop" },
+            this.stop,
+            element("small", { id: "stop-note" }, word("commands.not_emergency")),
+          ),
+        ),
+      ),
+      this.age,
+      this.said,
+      this.remote,
+    );
+  }
+
+  get stale() {
+    return this.app.live.ageMs() > STALE_MS;
+  }
+
+  update(state) {
+    const { band, robot, can } = state;
+    if (!band) return;
+    this.band.dataset.level = band.level;
+    write(this.sign, SIGNS[band.level] ?? "?");
+    write(this.title, robot.name ? `${robot.name}: ${band.title}` : band.title);
+    write(this.words, [band.left || band.message, band.asked].filter(Boolean).join(" "));
+    write(this.chips, robot.simulated ? this.app.word("now.simulated") : "");
+    const { paused } = state.job;
+    write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
+    this.pause.hidden = !(state.job.running && (!paused || this.app.mayOperate));
+    this.start.hidden = !this.app.mayOperate || !can.start;
+    this.stop.hidden = !can.stop || !this.app.mayStop;
+    this.showCommand(state);
+    this.tick();
+  }
+
+  // What time alone changes, five times a second.
+  tick() {
+    const { state } = this.app.live;
+    const ageMs = this.app.live.ageMs();
+    const { stale } = this;
+    document.body.classList.toggle("stale", stale);
+    this.age.hidden = !stale;
+    if (stale)
+      write(
+        this.age,
+        Number.isFinite(ageMs)
+          ? this.app.word("shell.stale", { seconds: Math.floor(ageMs / 1000) })
+          : this.app.word("shell.connecting"),
+      );
+    if (!state.can) return;
+    const inControl = this.app.inControl;
+    const paused = state.job.paused;
+    this.pause.disabled = stale || (paused ? !(state.can.resume && inControl) : !state.can.pause);
+    this.start.disabled = stale || !inControl;
+    this.showRemote(state);
+  }
+
+  showRemote({ remote, control }) {
+    if (!this.app.mayOperate) {
+      this.remote.hidden = true;
+      return;
+    }
+    this.remote.hidden = false;
+    const { app } = this;
+    const parts = [];
+    if (remote.armed && remote.until_ms !== null) {
+      const seconds = Math.floor(app.live.secondsUntil(remote.until_ms));
+      const time = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+      parts.push(app.word("commands.armed", { time }));
+    } else parts.push(remote.obstacle);
+    const { holder, asked } = control;
+    if (app.inControl) parts.push(app.word("commands.you"));
+    else if (holder) parts.push(app.word("commands.other", { name: holder.name }));
+    else parts.push(app.word("commands.nobody"));
+    if (asked)
+      parts.push(app.word("commands.asked", { name: asked.name, seconds: asked.passes_s }));
+    const key = JSON.stringify([parts.slice(1), holder, asked, app.inControl]);
+    if (key !== this.remoteKey) {
+      this.remoteKey = key;
+      this.armedText = element("span");
+      this.remote.replaceChildren(this.armedText, " ", parts.slice(1).join(" "), " ",
+        ...this.remoteButtons(holder, asked));
+    }
+    write(this.armedText, parts[0]);
+  }
+
+  remoteButtons(holder, asked) {
+    const { app } = this;
+    const send = (path) => () => app.post(path).catch((error) => app.report(error));
+    if (app.inControl && asked)
+      return [
+        button(app.word("commands.pass", { name: asked.name }), send("/api/control/pass")),
+        button(app.word("commands.keep"), send("/api/control/keep")),
+      ];
+    if (app.inControl) return [button(app.word("commands.release"), send("/api/control/release"))];
+    const text = holder
+      ? app.word("commands.ask", { name: holder.name })
+      : app.word("commands.take");
+    return [button(text, send("/api/control/take"), { id: "take" })];
+  }
+
+  async pauseOrResume() {
+    const { state } = this.app.live;
+    if (!state.job.paused) {
+      await this.send("pause", {});
+      return;
+    }
+    const { survey } = state.job;
+    const title = this.app.word("commands.confirm_resume");
+    if (await ask(this.app, title, [element("p", {}, state.job.name || survey)], this.pause.textContent))
+      await this.send("resume", { survey });
+  }
+
+  async begin() {
+    const { plan } = this.app.live.state.remote;
+    if (!plan) return;
+    const rows = plan.rows.map(([name, value]) =>
+      element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value)));
+    const lines = [
+      element("table", { class: "table" }, ...rows),
+      plan.doubt ? element("p", { class: "warn" }, plan.doubt) : null,
+      element("p", { class: "danger" }, plan.warning),
+    ].filter(Boolean);
+    const title = this.app.word("commands.confirm_start");
+    if (await ask(this.app, title, lines, this.app.word("commands.start")))
+      await this.send("start", { plan: plan.id });
+  }
+
+  // Sent once: only the state says whether a command arrived whose answer was lost.
+  async send(name, values) {
+    const press = newPress();
+    const command = this.app.word(`commands.${name}`);
+    this.pressed = { press, command };
+    write(this.said, this.app.word("commands.sent", { command }));
+    try {
+      await this.app.server.ask("POST", `/api/${name}`, { press, ...values }, PRESS_LIMIT_MS);
+    } catch (error) {
+      if (error.status) {
+        this.pressed = null;
+        write(this.said, "");
+        this.app.report(error);
+      } else write(this.said, this.app.word("commands.lost", { command }));
+    }
+  }
+
+  // STOP moves nothing: it is sent until it is answered.
+  async stopNow() {
+    const press = newPress();
+    const command = this.app.word("commands.stop");
+    this.pressed = { press, command };
+    write(this.said, this.app.word("commands.sent", { command }));
+    for (let tries = 0; tries < STOP_TRIES && this.pressed?.press === press; tries += 1) {
+      try {
+        await this.app.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
+        return;
+      } catch (error) {
+        if (error.status) {
+          this.app.report(error);
+          return;
+        }
+        write(this.said, this.app.word("commands.lost", { command }));
+        await new Promise((resolve) => setTimeout(resolve, STOP_AGAIN_MS));
+      }
+    }
+  }
+
+  showCommand({ command }) {
+    if (!command) return;
+    const shown = `${command.press} ${command.outcome} ${command.text}`;
+    if (shown === this.shownCommand) return;
+    this.shownCommand = shown;
+    if (this.pressed?.press === command.press && command.outcome !== "sent") this.pressed = null;
+    const name = this.app.word(`commands.${command.request}`);
+    const said = this.app.word(`commands.${command.outcome}`, { command: name });
+    write(this.said, [`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
+  }
+}
