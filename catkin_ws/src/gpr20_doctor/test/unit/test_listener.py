@@ -65,6 +65,14 @@ def test_waiting_ends_at_its_limit_and_silent_nodes_are_named(listener, clock):
     assert silent == listener.silent() == [EXPECTED_NODES[0]]
 
 
+def test_parts_that_not_every_robot_has_are_judged_only_if_they_report(listener):
+    report_all(listener)
+    assert len(listener.facts().nodes) == len(EXPECTED_NODES)
+    report_all(listener, ("web", "simulator"))
+    assert [one.name for one in listener.facts().nodes][-2:] == ["simulator", "web"]
+    assert listener.silent() == []
+
+
 def test_a_status_without_a_node_is_no_contact(listener):
     facts = listener.facts()
     assert not facts.control_alive and not facts.configured and facts.software == {}

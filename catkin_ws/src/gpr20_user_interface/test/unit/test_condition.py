@@ -268,6 +268,17 @@ def test_a_part_that_a_survey_needs_is_named_within_five_seconds(clock):
             assert shown.message.fault_code == faults.PART_SILENT.code
 
 
+def test_the_web_page_is_listed_once_it_has_reported_and_no_survey_misses_it(clock):
+    tracker = HealthTracker(clock)
+    assert tracker.report().node("web") is None
+    tracker.note(NodeHealth("web", HealthLevel.OK, verbatim("fine"), {}))
+    assert tracker.report().node("web").level is HealthLevel.OK
+    clock.advance(STALE_S + 0.1)
+    report = tracker.report()
+    assert report.node("web").level is HealthLevel.STALE
+    assert str(node_title("web")) not in str(report.trouble)
+
+
 def test_nodes_have_the_time_to_report_once(clock):
     tracker = HealthTracker(clock)
     assert tracker.report().trouble is None

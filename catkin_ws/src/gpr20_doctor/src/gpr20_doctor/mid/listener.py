@@ -13,13 +13,14 @@ from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
     MAX_SENSORS,
+    OPTIONAL_NODES,
     SENSOR_PREFIX,
     HealthLevel,
     NodeHealth,
 )
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 # Endstops are watched and clocks compared for so long at least [s].
@@ -144,7 +145,7 @@ class Listener:
     def _is_listed(self, name: str) -> bool:
         sensors = sum(one.startswith(SENSOR_PREFIX) for one in self._nodes)
         known = name in self._nodes or sensors < MAX_SENSORS
-        return name == SIMULATOR or (name.startswith(SENSOR_PREFIX) and known)
+        return name in OPTIONAL_NODES or (name.startswith(SENSOR_PREFIX) and known)
 
     def _is_complete(self) -> bool:
         with self._lock:

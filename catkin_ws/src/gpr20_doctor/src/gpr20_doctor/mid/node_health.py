@@ -9,10 +9,11 @@ from typing import Dict, Mapping, Optional
 
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE
+from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, SIMULATOR, STORAGE
 
 MAIN_CONTROL = "main_control"
 IMAGING = "imaging"
+WEB = "web"
 
 
 def axis_node(axis_id: AxisId) -> str:
@@ -22,6 +23,8 @@ def axis_node(axis_id: AxisId) -> str:
 
 # In the order in which they are listed.
 EXPECTED_NODES = (MAIN_CONTROL, ANALYZER, STORAGE, IMAGING, *map(axis_node, AxisId), HEIGHT_SENSOR)
+# Not every robot has them: they are listed once they have reported, and missed from then on.
+OPTIONAL_NODES = (SIMULATOR, WEB)
 # Other sensors beside the radar report below this name, and are listed once they have.
 SENSOR_PREFIX = "sensors/"
 MAX_SENSORS = 32
@@ -38,7 +41,8 @@ _TITLES: Dict[str, Message] = {
     "y_axis/axis_driver": Message("Y axis"),
     "z_axis/axis_driver": Message("Z axis"),
     HEIGHT_SENSOR: Message("Height sensor"),
-    "simulator": Message("Simulator"),
+    SIMULATOR: Message("Simulator"),
+    WEB: Message("Web page"),
 }
 
 

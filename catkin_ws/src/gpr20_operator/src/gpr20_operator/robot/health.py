@@ -13,7 +13,9 @@ from gpr20_doctor.mid.node_health import (
     IMAGING,
     MAIN_CONTROL,
     MAX_SENSORS,
+    OPTIONAL_NODES,
     SENSOR_PREFIX,
+    WEB,
     HealthLevel,
     NodeHealth,
     node_title,
@@ -22,10 +24,8 @@ from gpr20_operator import faults
 
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
 STALE_S = 4.0
-# Listed once it has reported.
-SIMULATOR = "simulator"
-# Not what a survey needs: the state says how the main control is, and images can wait.
-NOT_NEEDED = (MAIN_CONTROL, IMAGING)
+# Not what a survey needs: the state says how the main control is, and images and page can wait.
+NOT_NEEDED = (MAIN_CONTROL, IMAGING, WEB)
 
 
 @dataclass(frozen=True)
@@ -80,12 +80,13 @@ class HealthTracker:
 
     def note(self, health: NodeHealth) -> None:
         """Take a report; those of nodes that are not listed are ignored."""
-        if health.name in EXPECTED_NODES or health.name == SIMULATOR or self._is_sensor(health):
+        listed = health.name in (*EXPECTED_NODES, *OPTIONAL_NODES)
+        if listed or self._is_sensor(health):
             self._reports[health.name] = health, self._clock.now_s()
 
     def report(self) -> HealthReport:
         """Return the health of every node now."""
-        more = [SIMULATOR] if SIMULATOR in self._reports else []
+        more = [name for name in OPTIONAL_NODES if name in self._reports]
         names = (*EXPECTED_NODES, *more, *self._sensors())
         settled = self._clock.now_s() - self._begun_s > STALE_S
         return HealthReport(tuple(self._node(name) for name in names), settled)

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Dict, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_doctor.mid.node_health import EXPECTED_NODES
-from gpr20_operator.robot.health import SIMULATOR
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
 
 # Between two events about the same sender [s]: a recording has hundreds of messages a second.
 NEWS_PERIOD_S = 1.0
@@ -43,7 +42,7 @@ class Senders:
         self.namespace = namespace
         self.replay = replay
         self._clock = clock
-        self._robot = frozenset(f"{namespace}{node}" for node in (*EXPECTED_NODES, SIMULATOR))
+        self._robot = frozenset(f"{namespace}{node}" for node in (*EXPECTED_NODES, *OPTIONAL_NODES))
         self._noted_s: Dict[str, float] = {}
 
     def takes(self, sender: str) -> bool:

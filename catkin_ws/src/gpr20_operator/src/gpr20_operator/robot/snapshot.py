@@ -17,8 +17,9 @@ from gpr20_operator.robot.events import (
     RobotFigures,
     TargetPosition,
 )
-from gpr20_operator.robot.health import SIMULATOR, HealthReport
+from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.replay import ReplayView
+from gpr20_survey.plan.robot_description import SIMULATOR
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 
