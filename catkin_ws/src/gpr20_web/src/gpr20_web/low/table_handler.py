@@ -23,6 +23,8 @@ from gpr20_web.roles import Role
 
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
+# In seconds since 1970.
+LONG_AGO = 1.0
 MAX_WAITING = 32
 JSON = "application/json"
 # Nothing from outside, no frame around it, no address of it for others. No HSTS: it would
@@ -201,8 +203,8 @@ class TableHandler(web.RequestHandler):
         elif isinstance(answer, Cookie):
             flags: Dict[str, Any] = {"path": "/", "secure": True, "httponly": True}
             # An empty one has ended: the browser forgets it.
-            age_s = None if answer.session else 0
-            self.set_cookie(COOKIE, answer.session, max_age=age_s, samesite="Strict", **flags)
+            expires = None if answer.session else LONG_AGO
+            self.set_cookie(COOKIE, answer.session, expires=expires, samesite="Strict", **flags)
             self._send_json(answer.values)
         else:
             self._send_json(answer)

@@ -1,0 +1,207 @@
+"""Rights, origin, headers and files of the page, over a real socket."""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+from typing import Any, Iterator
+
+import pytest
+from web_kit import COOKIE, Site
+
+from gpr20_common.message import Message
+from gpr20_web.calls import Body, Call, Cookie, Route, Stream
+from gpr20_web.errors import NotNowError
+from gpr20_web.roles import Role
+
+DOCUMENT = {"band": {"title": "rest"}, "many": list(range(10))}
+
+
+def _fail(_call: Call) -> Any:
+    raise ZeroDivisionError("secret of the program")
+
+
+def _refuse(_call: Call) -> Any:
+    raise NotNowError(Message("not {when}", when="now"))
+
+
+def _parts() -> Iterator[bytes]:
+    for number in range(3):
+        yield bytes([number]) * 100_000
+
+
+ROUTES = [
+    *(Route("GET", f"/api/{role.word}", role, lambda call: {"ok": True}) for role in Role),
+    *(Route("POST", f"/api/{role.word}", role, lambda call: dict(call.values)) for role in Role),
+    *(Route("DELETE", f"/api/{role.word}", role, lambda call: {}) for role in Role),
+    Route("GET", "/api/fail", Role.NOBODY, _fail),
+    Route("GET", "/api/fail_in_thread", Role.NOBODY, _fail, blocking=True),
+    Route("GET", "/api/refuse", Role.NOBODY, _refuse),
+    Route("GET", "/api/thread", Role.NOBODY, lambda _call: {"t": _name()}, blocking=True),
+    Route("GET", "/api/parts", Role.VIEW, lambda _call: Body(_parts(), "x/y", "a.zip")),
+    Route("POST", "/api/enter", Role.NOBODY, lambda _call: Cookie("secret")),
+    Route("POST", "/api/leave", Role.NOBODY, lambda _call: Cookie("")),
+    Route("GET", "/api/part/(?P<name>[a-z]+)", Role.NOBODY, lambda call: dict(call.parts)),
+    Route("GET", "/api/live", Role.VIEW, lambda _call: Stream(lambda: DOCUMENT)),
+]
+
+
+def _name() -> str:
+    return threading.current_thread().name
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[Site]:
+    running = Site(ROUTES)
+    yield running
+    running.close()
+
+
+@pytest.mark.parametrize("method", ["GET", "POST", "DELETE"])
+@pytest.mark.parametrize("needed", list(Role))
+@pytest.mark.parametrize("role", list(Role))
+def test_each_role_may_do_what_needs_it_or_less(
+    site: Site, method: str, needed: Role, role: Role
+) -> None:
+    session = "" if role is Role.NOBODY else role.word
+    reply = site.ask(method, f"/api/{needed.word}", {}, session)
+    if role >= needed:
+        assert reply.status == 200
+    else:
+        assert reply.status == (401 if role is Role.NOBODY else 403)
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": None},
+        {"Origin": "null"},
+        {"Origin": "https://evil.example"},
+        {"Origin": "http://127.0.0.1"},
+        {"Content-Type": "text/plain"},
+        {"Content-Type": "application/x-www-form-urlencoded"},
+        {"Content-Type": None},
+    ],
+)
+def test_a_request_that_another_page_could_send_changes_nothing(site: Site, headers: Any) -> None:
+    reply = site.ask("POST", "/api/admin", {}, "admin", headers)
+    assert reply.status == 403
+
+
+def test_every_answer_forbids_frames_foreign_content_and_guessing_of_types(site: Site) -> None:
+    for path in ("/", "/app.js", "/api/nobody", "/api/admin", "/api/fail", "/nowhere", "/api/x"):
+        headers = site.ask("GET", path).headers
+        assert headers["X-Frame-Options"] == "DENY"
+        assert headers["X-Content-Type-Options"] == "nosniff"
+        policy = headers["Content-Security-Policy"]
+        assert "default-src 'self'" in policy and "unsafe" not in policy
+        assert "Server" not in headers
+
+
+def test_answers_with_data_are_not_kept_by_the_browser(site: Site) -> None:
+    assert site.ask("GET", "/api/nobody").headers["Cache-Control"] == "no-store"
+
+
+def test_cookie_is_for_this_host_secure_and_out_of_reach_of_scripts(site: Site) -> None:
+    cookie = site.ask("POST", "/api/enter").headers["Set-Cookie"]
+    assert cookie.startswith(f"{COOKIE}=secret;")
+    for flag in ("HttpOnly", "Secure", "SameSite=Strict", "Path=/"):
+        assert flag in cookie
+    assert "Domain" not in cookie
+    assert "expires=Thu, 01 Jan 1970" in site.ask("POST", "/api/leave").headers["Set-Cookie"]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/../errors.py", "/%2e%2e/errors.py", "/pages/../../errors.py", "/static/app.js",
+        "//etc/passwd", "/etc/passwd", "/..%2f..%2ferrors.py", "/app.js%00.txt", "/pages",
+        "/%ff", "/index.html/..", "/\\..\\errors.py",
+    ],
+)  # fmt: skip
+def test_only_files_of_the_page_are_served(site: Site, path: str) -> None:
+    assert site.ask("GET", path).status in (400, 404)
+
+
+def test_file_that_the_browser_has_is_not_sent_again(site: Site) -> None:
+    tag = site.ask("GET", "/app.js").headers["ETag"]
+    assert site.ask("GET", "/app.js", headers={"If-None-Match": tag}).status == 304
+
+
+@pytest.mark.parametrize("path", ["/api/fail", "/api/fail_in_thread"])
+def test_fault_of_the_program_is_reported_and_not_shown(site: Site, path: str) -> None:
+    reply = site.ask("GET", path)
+    assert reply.status == 500 and b"secret" not in reply.body
+    assert isinstance(site.reported.pop(), ZeroDivisionError)
+
+
+def test_refusal_says_reason_remedy_and_code(site: Site) -> None:
+    reply = site.ask("GET", "/api/refuse")
+    assert reply.status == 409
+    assert reply.values["error"] == "not now" and reply.values["code"] == "web.not_now"
+    assert reply.values["remedy"]
+
+
+def test_blocking_route_has_a_thread_of_its_own(site: Site) -> None:
+    assert site.ask("GET", "/api/thread").values["t"].startswith("web")
+
+
+def test_language_of_the_page_counts_then_that_of_the_browser(site: Site) -> None:
+    spanish = site.ask("GET", "/api/refuse?language=es").values["remedy"]
+    assert (
+        spanish
+        == site.ask("GET", "/api/refuse", headers={"Accept-Language": "es-PE,en;q=0.5"}).values[
+            "remedy"
+        ]
+    )
+    assert spanish != site.ask("GET", "/api/refuse?language=xx").values["remedy"]
+
+
+@pytest.mark.parametrize(
+    "body", [b"[]", b"nonsense", b'"text"', b'{"a": NaN}', b"[" * 60_000, b"\xff\xfe"]
+)
+def test_body_that_is_no_json_object_is_refused(site: Site, body: bytes) -> None:
+    assert site.ask("POST", "/api/nobody", body=body).status == 400
+
+
+def test_body_that_is_too_large_is_refused(site: Site) -> None:
+    try:
+        status = site.ask("POST", "/api/nobody", body=b"x" * 100_000).status
+    except (ConnectionError, OSError):
+        return  # the server has closed the connection
+    assert status in (400, 413)
+
+
+def test_download_comes_whole_and_named(site: Site) -> None:
+    reply = site.ask("GET", "/api/parts", session="view")
+    assert reply.body == b"".join(_parts())
+    assert reply.headers["Content-Disposition"] == 'attachment; filename="a.zip"'
+
+
+def test_parts_of_the_path_reach_the_route(site: Site) -> None:
+    assert site.ask("GET", "/api/part/abc").values == {"name": "abc"}
+    assert site.ask("GET", "/api/part/ABC").status == 404
+
+
+def test_stream_sends_all_first_and_then_what_changes(site: Site) -> None:
+    connection = site.connect()
+    connection.request("GET", "/api/live", headers={"Cookie": f"{COOKIE}=view"})
+    response = connection.getresponse()
+    assert response.headers["Content-Type"] == "text/event-stream"
+    first = _event(response)
+    assert first["band"] == {"title": "rest"} and first["many"] == DOCUMENT["many"]
+    DOCUMENT["band"] = {"title": "moves"}
+    second = _event(response)
+    while "band" not in second:
+        assert set(second) == {"sent_ms"}
+        second = _event(response)
+    assert second["band"] == {"title": "moves"} and "many" not in second
+    connection.close()
+
+
+def _event(response: Any) -> Any:
+    line = response.readline()
+    assert re.match(rb"data: \{", line)
+    assert response.readline() == b"\n"
+    return json.loads(line[len(b"data: ") :])

@@ -1,0 +1,105 @@
+"""A page on loopback without encryption, and a browser that sends what it is asked to."""
+
+from __future__ import annotations
+
+import asyncio
+import http.client
+import json
+import threading
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+import gpr20_web
+from gpr20_common.message import Message
+from gpr20_web.calls import Person, Route
+from gpr20_web.errors import NotLoggedInError
+from gpr20_web.low.http_server import HttpServer
+from gpr20_web.low.table_handler import COOKIE
+from gpr20_web.roles import Role
+
+STATIC = Path(gpr20_web.__file__).parent / "static"
+LIMIT_S = 20.0
+SESSIONS = {role.word: role for role in Role if role is not Role.NOBODY}
+
+
+def find_person(session: str, address: str) -> Person:
+    """Return the person of a session that is named like its role."""
+    if session not in SESSIONS:
+        raise NotLoggedInError(Message("nobody is logged in"))
+    return Person(session, SESSIONS[session], session, address)
+
+
+class Reply:
+    """What a browser got."""
+
+    def __init__(self, response: http.client.HTTPResponse) -> None:
+        self.status = response.status
+        self.headers = response.headers
+        self.body = response.read()
+
+    @property
+    def values(self) -> Dict[str, Any]:
+        return dict(json.loads(self.body))
+
+
+class Site:
+    """Runs a server in a thread of its own.
+
+    Attributes:
+        reported: Exceptions that no error of the project is.
+    """
+
+    def __init__(self, routes: Sequence[Route], static: Path = STATIC) -> None:
+        self.reported: List[BaseException] = []
+        self.loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+        async def begin() -> None:
+            self.server = HttpServer(tuple(routes), static, find_person, self.reported.append)
+            self.port = self.server.listen("127.0.0.1", 0, None)
+
+        self.call(begin())
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self.loop)
+        self.loop.run_forever()
+
+    def call(self, work: Any) -> Any:
+        return asyncio.run_coroutine_threadsafe(work, self.loop).result(LIMIT_S)
+
+    def close(self) -> None:
+        self.call(self.server.close())
+        self.loop.call_soon_threadsafe(self.loop.stop)
+        self._thread.join(LIMIT_S)
+
+    @property
+    def origin(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    def connect(self) -> http.client.HTTPConnection:
+        return http.client.HTTPConnection("127.0.0.1", self.port, timeout=LIMIT_S)
+
+    def ask(
+        self,
+        method: str,
+        path: str,
+        values: Optional[Mapping[str, Any]] = None,
+        session: str = "",
+        headers: Optional[Mapping[str, str]] = None,
+        body: Optional[bytes] = None,
+    ) -> Reply:
+        """Ask as the page does; `headers` replace its own, None leaves one out."""
+        sent = {"Cookie": f"{COOKIE}={session}"} if session else {}
+        if method != "GET":
+            sent.update({"Origin": self.origin, "Content-Type": "application/json"})
+        sent.update(headers or {})
+        sent = {name: one for name, one in sent.items() if one is not None}
+        if body is None and method != "GET":
+            body = json.dumps(values or {}).encode()
+        connection = self.connect()
+        try:
+            connection.request(method, path, body, sent)
+            return Reply(connection.getresponse())
+        finally:
+            connection.close()
