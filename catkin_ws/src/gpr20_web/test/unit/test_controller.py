@@ -1,0 +1,143 @@
+"""One browser at a time is in control, and none takes it out of sight of the other."""
+
+from __future__ import annotations
+
+from typing import Set
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_web.calls import Person
+from gpr20_web.errors import NotAllowedError
+from gpr20_web.mid.controller import ABSENT_S, ANSWER_S, Controller
+from gpr20_web.roles import Role
+
+ANA, BEN, EVA = (Person(name, Role.OPERATE, f"session of {name}", "") for name in "abe")
+
+
+class Time:
+    def __init__(self) -> None:
+        self.time_s = 100.0
+
+    def now_s(self) -> float:
+        return self.time_s
+
+
+class Room:
+    def __init__(self) -> None:
+        self.time = Time()
+        self.present: Set[str] = {ANA.session, BEN.session, EVA.session}
+        self.controller = Controller(self.time, lambda session: session in self.present)
+
+    def wait(self, time_s: float) -> None:
+        self.time.time_s += time_s
+        self.controller.refresh()
+
+
+def test_first_who_takes_control_has_it() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.check(ANA)
+    with pytest.raises(NotAllowedError, match="another page is in control: a"):
+        room.controller.check(BEN)
+
+
+def test_control_passes_when_its_person_says_so() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.take(BEN)
+    assert room.controller.has(ANA)
+    room.controller.answer(ANA, True)
+    assert room.controller.has(BEN) and room.controller.asked is None
+
+
+def test_control_stays_when_its_person_keeps_it() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.take(BEN)
+    room.controller.answer(ANA, False)
+    room.wait(10 * ANSWER_S)
+    assert room.controller.has(ANA)
+
+
+def test_request_that_nobody_answers_passes_after_it_was_seen_long_enough() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.take(BEN)
+    room.wait(ANSWER_S - 1.0)
+    assert room.controller.has(ANA)
+    room.wait(1.0)
+    assert room.controller.has(BEN)
+
+
+def test_second_request_waits_for_the_first() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.take(BEN)
+    with pytest.raises(NotAllowedError, match="b asks for control already"):
+        room.controller.take(EVA)
+
+
+def test_request_of_a_browser_that_left_is_forgotten() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.take(BEN)
+    room.present.remove(BEN.session)
+    room.wait(ANSWER_S + 1.0)
+    assert room.controller.has(ANA)
+
+
+def test_browser_that_is_gone_for_long_loses_control_to_nobody() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.present.remove(ANA.session)
+    room.wait(ABSENT_S)
+    assert room.controller.has(ANA)
+    room.wait(0.1)
+    assert room.controller.holder is None
+
+
+def test_same_person_in_another_browser_is_another_one() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    twin = Person(ANA.name, ANA.role, "other session", "")
+    with pytest.raises(NotAllowedError):
+        room.controller.check(twin)
+
+
+STEPS = st.one_of(
+    st.tuples(st.sampled_from(["take", "release", "pass", "keep", "leave", "come"]),
+              st.sampled_from([ANA, BEN, EVA])),
+    st.tuples(st.just("wait"), st.floats(0.0, 50.0)),
+)  # fmt: skip
+
+
+@given(st.lists(STEPS, max_size=40))
+def test_control_changes_hands_only_by_its_person_or_after_a_seen_request(steps) -> None:  # type: ignore[no-untyped-def]
+    room = Room()
+    controller, asked_s = room.controller, {}
+    for what, argument in steps:
+        before = controller.holder
+        was_asked = controller.asked
+        try:
+            if what == "wait":
+                room.wait(argument)
+            elif what == "leave":
+                room.present.discard(argument.session)
+            elif what == "come":
+                room.present.add(argument.session)
+            elif what in ("pass", "keep"):
+                controller.answer(argument, what == "pass")
+            else:
+                getattr(controller, what)(argument)
+        except NotAllowedError:
+            pass
+        after = controller.holder
+        if controller.asked is not None and controller.asked is not was_asked:
+            asked_s[controller.asked.person.session] = room.time.time_s
+        if before is None or after is None or before.session == after.session:
+            continue
+        by_person = what in ("pass", "release") and argument.session == before.session
+        waited_s = room.time.time_s - asked_s[after.session]
+        assert by_person or waited_s >= min(ANSWER_S, ABSENT_S)
