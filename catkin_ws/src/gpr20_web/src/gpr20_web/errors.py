@@ -102,3 +102,16 @@ class BusyError(WebError, RuntimeError):
 
     status = 503
     fault = faults.BUSY
+
+
+class AuditFileError(WebError, OSError):
+    """The file that says who did what cannot be read."""
+
+    status = 503
+    fault = faults.AUDIT_FILE
+
+
+class NotifyError(WebError, ValueError):
+    """An address for notifications is not one that apprise knows."""
+
+    fault = faults.NOTIFY

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gpr20_common import remedies
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Fault, Message, Severity
 
 NOT_LOGGED_IN = Fault("web.not_logged_in", Message("Log in."))
 WRONG_LOGIN = Fault("web.wrong_login", Message("Check name and password, then log in again."))
@@ -34,3 +34,10 @@ PORT_TAKEN = Fault(
     Message("End the other program, or set another port in web.yaml."),
 )
 BUSY = Fault("web.busy", remedies.TRY_LATER)
+NOT_SENT = Fault(
+    "web.not_sent",
+    Message("Check disk and network of the computer with the page, then its log."),
+    Severity.WARNING,
+)
+AUDIT_FILE = Fault("web.audit_file", Message("Check the disk, then the file."))
+NOTIFY = Fault("web.notify", Message("Correct notify in web.yaml."))

@@ -11,6 +11,7 @@ import enum
 import os
 import stat
 from pathlib import Path
+from typing import Optional
 
 # What may be taken over from a folder: never the right of everyone to write.
 FILE_MODES, FOLDER_MODES = 0o664, 0o775
@@ -29,18 +30,20 @@ class Readers(enum.Enum):
         return {Readers.OWNER: 0o700, Readers.GROUP: 0o750, Readers.ALL: 0o755}[self]
 
 
-def open_new(path: Path, flags: int) -> int:
-    """Return the descriptor of a file that is made if it is missing; its mode is its folder's.
+def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
+    """Return the descriptor of a file that is made if it is missing.
 
     Args:
         path: The file.
         flags: As for `os.open`; with O_EXCL the file must not exist.
+        mode: Its mode; None: that of its folder.
 
     Raises:
         OSError: The disk refused.
     """
     made = bool(flags & os.O_CREAT)
-    mode = _mode_of(path.parent) & FILE_MODES
+    if mode is None:
+        mode = _mode_of(path.parent) & FILE_MODES
     descriptor = os.open(str(path), flags | os.O_CLOEXEC | os.O_NOFOLLOW, mode)
     try:
         if made and stat.S_IMODE(os.fstat(descriptor).st_mode) != mode:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_survey.files import access
 from gpr20_survey.files.durable_files import ensure_folder, sync_path
@@ -27,8 +27,13 @@ def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
     return known, len(lines) - len(known)
 
 
-def add_line(path: Path, values: Mapping[str, Any]) -> None:
+def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:
     """Add an object and return when it is durable; its folder is made if it is missing.
+
+    Args:
+        path: The file.
+        values: The object.
+        mode: Of the file; None: that of its folder.
 
     Raises:
         OSError: The disk refused; perhaps a part of the line was written.
@@ -36,7 +41,7 @@ def add_line(path: Path, values: Mapping[str, Any]) -> None:
     """
     line = json.dumps(values, allow_nan=False).encode() + b"\n"
     ensure_folder(path.parent)
-    descriptor = access.open_new(path, os.O_RDWR | os.O_CREAT | os.O_APPEND)
+    descriptor = access.open_new(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, mode)
     with os.fdopen(descriptor, "r+b", buffering=0) as file:
         end = file.seek(0, os.SEEK_END)
         # A line that a crash has cut is left as it is, and damages no other.

@@ -1,0 +1,285 @@
+"""Who did what: durable, complete, and nobody waits for it."""
+
+from __future__ import annotations
+
+import json
+import stat
+import threading
+from pathlib import Path
+from typing import Any, Callable, List, Mapping, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.log_record import NOTES, Kind
+from gpr20_survey.folder.survey_metadata import parse_object
+from gpr20_web import calls
+from gpr20_web.errors import AuditFileError, BadRequestError
+from gpr20_web.mid import outbox
+from gpr20_web.mid.audit import Audit, AuditPage
+from gpr20_web.roles import Role
+
+LIMIT_S = 10.0
+ANA = calls.Person("ana", Role.OPERATE, "secret-of-the-session", "10.0.0.7")
+CALL = calls.Call(ANA, "10.0.0.7")
+
+
+class Log:
+    """The logs of the surveys, which may be out of reach."""
+
+    def __init__(self, failures: List[Exception]) -> None:
+        self.failures = failures
+        self.noted: List[Tuple[str, Mapping[str, Any]]] = []
+
+    def __call__(self, survey: str, values: Mapping[str, Any]) -> None:
+        """Note values."""
+        if self.failures:
+            raise self.failures.pop(0)
+        self.noted.append((survey, values))
+
+
+class Heard:
+    """Takes reports and lets a test wait for them."""
+
+    def __init__(self) -> None:
+        self.messages: List[Message] = []
+        self._come = threading.Condition()
+
+    def __call__(self, message: Message) -> None:
+        """Take one."""
+        with self._come:
+            self.messages.append(message)
+            self._come.notify_all()
+
+    def wait_for(self, count: int) -> None:
+        """Return when so many have come."""
+        with self._come:
+            assert self._come.wait_for(lambda: len(self.messages) >= count, LIMIT_S)
+
+
+def _audit(path: Path, log: Any = None, heard: Any = None, **options: Any) -> Audit:
+    return Audit(
+        path / "web" / "audit.jsonl",
+        log or Log([]),
+        heard or Heard(),
+        Clock(),
+        **{"retry_s": 0.001, **options},
+    )
+
+
+def _until(happened: Callable[[], bool]) -> None:
+    clock = Clock()
+    limit_s = clock.now_s() + LIMIT_S
+    while not happened():
+        assert clock.now_s() < limit_s
+
+
+def _lines(path: Path) -> List[Mapping[str, Any]]:
+    return [json.loads(line) for line in (path / "web/audit.jsonl").read_text().splitlines()]
+
+
+def test_an_entry_says_when_who_from_where_what_and_how_it_ended(tmp_path: Path) -> None:
+    audit = _audit(tmp_path)
+    audit.add(CALL, "pause", "done", x=1.5, name="long " * 100)
+    audit.close(LIMIT_S)
+    (entry,) = _lines(tmp_path)
+    assert entry["time"].endswith("+00:00")
+    shown = {key: entry[key] for key in ("user", "role", "address", "command", "outcome")}
+    assert list(shown.values()) == ["ana", "operate", "10.0.0.7", "pause", "done"]
+    assert entry["values"]["x"] == 1.5
+    assert len(entry["values"]["name"]) == 200
+    assert "secret" not in json.dumps(entry)
+
+
+def test_only_the_owner_reads_the_file_whatever_its_folder_allows(tmp_path: Path) -> None:
+    (tmp_path / "web").mkdir(0o755)
+    audit = _audit(tmp_path)
+    audit.add(calls.Call(None, "10.0.0.9"), "failed_login", name="root")
+    audit.close(LIMIT_S)
+    assert stat.S_IMODE((tmp_path / "web/audit.jsonl").stat().st_mode) == 0o600
+    assert _lines(tmp_path)[0]["role"] == "nobody"
+
+
+def test_a_command_for_a_survey_is_in_its_log_in_a_form_that_the_storage_takes(
+    tmp_path: Path,
+) -> None:
+    log = Log([])
+    audit = _audit(tmp_path, log)
+    audit.add(CALL, "stop", "done", survey="5f")
+    audit.close(LIMIT_S)
+    ((survey, values),) = log.noted
+    assert (survey, values["user"], values["command"]) == ("5f", "ana", "stop")
+    assert {"role", "address", "outcome", "time"} <= set(values)
+    assert Kind.AUDIT in NOTES
+    assert parse_object(json.dumps(values), "values_json") == values
+
+
+def test_a_note_that_found_no_storage_is_repeated_and_reported_once(tmp_path: Path) -> None:
+    log, heard = Log([ConnectionRefusedError(), TimeoutError(), TimeoutError()]), Heard()
+    audit = _audit(tmp_path, log, heard)
+    audit.add(CALL, "stop", survey="5f")
+    audit.add(CALL, "pause", survey="5f")
+    heard.wait_for(1)
+    while audit.problems or (audit.entries(0, 9) and len(log.noted) < 2):
+        pass
+    audit.close(LIMIT_S)
+    assert [values["command"] for _survey, values in log.noted] == ["stop", "pause"]
+    assert len(heard.messages) == 1
+    assert heard.messages[0].fault_code == "web.not_sent"
+
+
+def test_a_note_that_is_refused_is_reported_and_does_not_hold_up_the_next(tmp_path: Path) -> None:
+    log, heard = Log([SurveyRefusedError(Message("there is no such survey"))]), Heard()
+    audit = _audit(tmp_path, log, heard)
+    audit.add(CALL, "stop", survey="of long ago")
+    audit.add(CALL, "pause", survey="5f")
+    audit.close(LIMIT_S)
+    assert [survey for survey, _values in log.noted] == ["5f"]
+    assert "there is no such survey" in str(heard.messages[0])
+    assert len(_lines(tmp_path)) == 2
+
+
+def test_a_file_that_cannot_be_written_is_reported_kept_and_written_later(tmp_path: Path) -> None:
+    obstacle, heard = tmp_path / "web", Heard()
+    obstacle.write_text("a file where the folder should be")
+    audit = _audit(tmp_path, heard=heard)
+    audit.add(CALL, "stop")
+    heard.wait_for(1)
+    assert audit.problems
+    obstacle.unlink()
+    audit.add(CALL, "pause")
+    _until(lambda: not audit.problems and not audit._lines.waiting)
+    audit.close(LIMIT_S)
+    assert [one["command"] for one in _lines(tmp_path)] == ["stop", "pause"]
+    assert len(heard.messages) == 1
+
+
+def test_nobody_waits_for_a_log_that_hangs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(outbox, "MOST_WAITING", 20)
+    hang, begun = threading.Event(), threading.Event()
+
+    def note(_survey: str, _values: Mapping[str, Any]) -> None:
+        begun.set()
+        hang.wait(LIMIT_S)
+
+    audit = _audit(tmp_path, note)
+    audit.add(CALL, "stop", survey="5f")
+    assert begun.wait(LIMIT_S)
+    clock = Clock()
+    begun_s = clock.now_s()
+    for _ in range(40):
+        audit.add(CALL, "pause", survey="5f")
+    assert clock.now_s() - begun_s < 2.0
+    assert len(audit._notes.waiting) == 20
+    hang.set()
+    audit.close(LIMIT_S)
+
+
+def test_entries_that_had_no_room_are_counted_in_a_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(outbox, "MOST_WAITING", 3)
+    hang, heard, begun = threading.Event(), Heard(), threading.Event()
+
+    def note(_survey: str, _values: Mapping[str, Any]) -> None:
+        begun.set()
+        hang.wait(LIMIT_S)
+
+    audit = _audit(tmp_path, note, heard)
+    for _ in range(8):
+        audit.add(CALL, "stop", survey="5f")
+        assert begun.wait(LIMIT_S)
+    hang.set()
+    audit.close(LIMIT_S)
+    assert any("5 lost" in str(one) for one in heard.messages)
+
+
+def test_a_full_file_has_one_predecessor_and_the_list_has_both(tmp_path: Path) -> None:
+    audit = _audit(tmp_path, most_bytes=1000)
+    for number in range(12):
+        audit.add(CALL, "note", number=number)
+    audit.close(LIMIT_S)
+    assert sorted(one.name for one in (tmp_path / "web").iterdir()) == [
+        "audit.1.jsonl",
+        "audit.jsonl",
+    ]
+    found = audit.entries(0, 5)
+    assert [one["values"]["number"] for one in found] == [11, 10, 9, 8, 7]
+    again = _audit(tmp_path)
+    older = again.entries(found[-1]["id"], 2)
+    again.close(LIMIT_S)
+    assert [one["values"]["number"] for one in older] == [6, 5]
+
+
+def test_the_list_has_entries_that_are_not_written_yet(tmp_path: Path) -> None:
+    (tmp_path / "web").write_text("")
+    heard = Heard()
+    audit = _audit(tmp_path, heard=heard, retry_s=1000.0)
+    audit.add(CALL, "stop")
+    heard.wait_for(1)
+    (tmp_path / "web").unlink()
+    assert [one["command"] for one in audit.entries(0, 9)] == ["stop"]
+    audit.close(LIMIT_S)
+
+
+def test_a_damaged_line_hides_no_other(tmp_path: Path) -> None:
+    audit = _audit(tmp_path)
+    audit.add(CALL, "stop")
+    audit.close(LIMIT_S)
+    with (tmp_path / "web/audit.jsonl").open("a") as file:
+        file.write('[]\n{"id": []}\n{"id": 7}\nnothing\n')
+    assert len(audit.entries(0, 9)) == 2
+
+
+def test_the_page_searches_and_says_whether_there_are_more(tmp_path: Path) -> None:
+    audit = _audit(tmp_path)
+    for number in range(150):
+        audit.add(CALL, "Stop" if number % 50 == 0 else "note", number=number)
+    audit.close(LIMIT_S)
+    (route,) = AuditPage(audit).routes
+    assert (route.right, route.blocking) == (Role.ADMIN, True)
+    first: Any = route.answer(calls.Call(ANA))
+    assert (len(first["entries"]), first["more"]) == (100, True)
+    before = str(first["entries"][-1]["id"])
+    rest: Any = route.answer(calls.Call(ANA, values={"before": before}))
+    assert (len(rest["entries"]), rest["more"]) == (50, False)
+    found: Any = route.answer(calls.Call(ANA, values={"text": "sTOP"}))
+    assert [one["values"]["number"] for one in found["entries"]] == [100, 50, 0]
+
+
+@given(st.text())
+def test_a_number_that_is_none_is_refused(before: str) -> None:
+    class Empty:
+        """An audit without entries."""
+
+        def entries(self, *_arguments: object) -> List[Any]:
+            """Return none."""
+            return []
+
+    (route,) = AuditPage(Empty()).routes  # type: ignore[arg-type]
+    try:
+        route.answer(calls.Call(ANA, values={"before": before}))
+    except BadRequestError:
+        assert not (before.isascii() and before.isdigit() and len(before) < 17)
+
+
+def test_a_file_that_cannot_be_read_is_an_error_of_the_page(tmp_path: Path) -> None:
+    audit = _audit(tmp_path)
+    (tmp_path / "web").write_text("")
+    with pytest.raises(AuditFileError):
+        audit.entries(0, 1)
+    audit.close(LIMIT_S)
+
+
+@given(st.dictionaries(st.sampled_from("abc"), st.floats() | st.binary() | st.none() | st.text()))
+def test_whatever_an_entry_is_about_it_is_json(values: Any) -> None:
+    kept: List[Any] = []
+    audit = Audit(Path("/dev/null/none"), lambda _id, entry: kept.append(entry), Heard(), Clock())
+    audit.add(CALL, "note", "", "5f", **values)
+    audit._notes.close(LIMIT_S)
+    json.dumps(kept, allow_nan=False)
+    audit.close(LIMIT_S)
