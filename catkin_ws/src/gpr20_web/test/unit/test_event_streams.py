@@ -1,0 +1,146 @@
+"""What browsers that watch are sent, and when."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import Any, Callable, Dict, List
+
+import pytest
+
+from gpr20_common.message import Message
+from gpr20_web.calls import Person, Stream
+from gpr20_web.errors import NotAllowedError, NotLoggedInError
+from gpr20_web.low import event_streams
+from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, EventStreams
+from gpr20_web.roles import Role
+
+LIMIT_S = 10.0
+
+
+class Browser:
+    """Takes what is sent; a slow one takes nothing until it is let."""
+
+    def __init__(self, slow: bool = False) -> None:
+        self.known: Dict[str, Any] = {}
+        self.sent: List[Dict[str, Any]] = []
+        self._free = asyncio.Event()
+        if not slow:
+            self._free.set()
+
+    def write(self, chunk: str) -> None:
+        assert chunk.startswith("data: ") and chunk.endswith("\n\n")
+        self.sent.append(json.loads(chunk[len("data: ") :]))
+
+    async def flush(self) -> None:
+        await self._free.wait()
+        for one in self.sent:
+            self.known.update(one)
+
+    def let(self) -> None:
+        self._free.set()
+
+
+def person(name: str = "ana", session: str = "one") -> Person:
+    return Person(name, Role.VIEW, session, "")
+
+
+def run(work: Callable[[], Any]) -> None:
+    asyncio.run(asyncio.wait_for(work(), LIMIT_S))
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    while not condition():
+        await asyncio.sleep(0.01)
+
+
+def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
+    document: Dict[str, Any] = {"number": 0}
+
+    async def work() -> None:
+        streams, slow, quick = EventStreams(lambda _one: None, print), Browser(True), Browser()
+        for one in (slow, quick):
+            streams.add(one, Stream(lambda: dict(document)), person())
+        running = asyncio.ensure_future(streams.run())
+        for number in range(1, 6):
+            document["number"] = number
+            await until(lambda: quick.known.get("number") == number)  # noqa: B023
+        assert len(slow.sent) == 1
+        slow.let()
+        await until(lambda: slow.known.get("number") == 5)
+        assert len(slow.sent) == 2
+        running.cancel()
+
+    run(work)
+
+
+def test_only_what_changed_is_sent_and_a_sign_of_life_each_second() -> None:
+    document = {"large": "x" * 1000, "small": 1}
+
+    async def work() -> None:
+        streams, browser = EventStreams(lambda _one: None, print), Browser()
+        streams.add(browser, Stream(lambda: dict(document)), person())
+        running = asyncio.ensure_future(streams.run())
+        await until(lambda: len(browser.sent) == 3)
+        document["small"] = 2
+        await until(lambda: browser.known.get("small") == 2)
+        running.cancel()
+        first, *signs, last = browser.sent
+        assert set(first) == {"large", "small", "sent_ms"}
+        assert all(set(one) == {"sent_ms"} for one in signs)
+        assert set(last) == {"small", "sent_ms"}
+        assert [one["sent_ms"] for one in browser.sent] == sorted(
+            one["sent_ms"] for one in browser.sent
+        )
+
+    run(work)
+
+
+def test_stream_ends_with_its_session(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(event_streams, "SESSION_CHECK_S", 0.0)
+
+    def check(one: Person) -> None:
+        if one.session == "over":
+            raise NotLoggedInError(Message("over"))
+
+    async def work() -> None:
+        streams = EventStreams(check, print)
+        over = streams.add(Browser(), Stream(dict), person(session="over"))
+        valid = streams.add(Browser(), Stream(dict), person())
+        running = asyncio.ensure_future(streams.run())
+        await over.gone.wait()
+        assert not valid.gone.is_set()
+        running.cancel()
+
+    run(work)
+
+
+def test_document_that_cannot_be_made_ends_its_stream_and_no_other() -> None:
+    reported: List[BaseException] = []
+
+    def broken() -> Dict[str, Any]:
+        raise ZeroDivisionError
+
+    async def work() -> None:
+        streams, other = EventStreams(lambda _one: None, reported.append), Browser()
+        watcher = streams.add(Browser(), Stream(broken), person())
+        streams.add(other, Stream(lambda: {"a": 1}), person())
+        running = asyncio.ensure_future(streams.run())
+        await watcher.gone.wait()
+        await until(lambda: other.known.get("a") == 1)
+        assert isinstance(reported[0], ZeroDivisionError)
+        running.cancel()
+
+    run(work)
+
+
+def test_one_person_cannot_take_all_streams() -> None:
+    async def work() -> None:
+        streams = EventStreams(lambda _one: None, print)
+        for _ in range(MAX_STREAMS_OF_PERSON):
+            streams.add(Browser(), Stream(dict), person())
+        with pytest.raises(NotAllowedError, match="too many pages"):
+            streams.add(Browser(), Stream(dict), person())
+        streams.add(Browser(), Stream(dict), person("ben"))
+
+    run(work)
