@@ -64,6 +64,17 @@ def test_stop_on_a_real_robot_is_always_its_own(robot, chooses):
     assert f"_choose_robot:={chooses}" in window.args
 
 
+@pytest.mark.parametrize("file", ["survey.launch", "server.launch"])
+def test_the_web_page_runs_where_the_surveys_are_only_if_it_is_asked_for(file):
+    assert "web" not in nodes_of(file)
+    page = nodes_of(file, "web:=true")["web"]
+    assert (page.package, page.type, page.respawn, page.required) == (
+        *("gpr20_web", "web", True, False),
+    )
+    # As the watchdog finds it, and with the section of its own launch.
+    assert page.args.startswith("configuration:=/launch")
+
+
 @pytest.mark.parametrize("file", ["survey.launch", "robot.launch", "server.launch"])
 def test_every_node_of_a_robot_is_in_its_namespace(file):
     nodes = all_nodes(file, "ns:=robot7")

@@ -24,6 +24,7 @@ ROBOT_FILES = {
     "site.yaml",
     "storage.yaml",
     "survey.yaml",
+    "web.yaml",
 }
 
 

@@ -46,9 +46,9 @@ class Nodes:
 
 
 class Robot(Nodes):
-    def __init__(self):
+    def __init__(self, *spared):
         super().__init__()
-        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None)
+        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None, spared)
 
     def run(self, duration_s):
         end_s = self.now + duration_s
@@ -147,3 +147,15 @@ def test_a_node_that_is_not_restarted_makes_the_launch_incomplete(robot):
     robot.found[13], robot.answers[13] = name, ALIVE
     robot.run(PERIOD_S)
     assert robot.watchdog.complete
+
+
+def test_a_spared_node_is_ended_if_it_hangs_but_its_absence_interrupts_nothing():
+    robot = Robot("/vna_processing")
+    robot.run(4.0)
+    robot.answers[STORAGE] = SILENT
+    robot.run(2.0 * RESPAWN_LIMIT_S)
+    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
+    assert robot.watchdog.complete
+    robot.found.pop(CONTROL)
+    robot.run(2.0 * RESPAWN_LIMIT_S)
+    assert not robot.watchdog.complete

@@ -31,7 +31,9 @@ from gpr20_survey.folder.survey_folder import LOG_FILE, SURVEY_FILE
 # Other files of the folder, such as the signing key, are never opened.
 CONFIGURATION = tuple(
     f"{name}.yaml"
-    for name in ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "wiring")
+    for name in (
+        *("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "web", "wiring"),
+    )
 )
 PART_BYTES, SURVEY_BYTES = 1 << 20, 8 << 20
 LIMIT_S = 10.0

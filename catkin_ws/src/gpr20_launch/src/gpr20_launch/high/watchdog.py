@@ -74,9 +74,12 @@ def main() -> int:
         _say("no roslaunch has started this process; nothing to watch")
         return 1
     prefix = rosgraph.names.get_ros_namespace()
-    others = [rosgraph.names.ns_join(prefix, name) for name in given.also]
+    others, spared = (
+        [rosgraph.names.ns_join(prefix, name) for name in names]
+        for names in (given.also, given.spared)
+    )
     siblings = sibling_nodes.SiblingNodes(roslaunch, f"configuration:={given.launch}", others)
-    watchdog = Watchdog(LaunchedNodes(siblings), given.limit, Clock(), _say)
+    watchdog = Watchdog(LaunchedNodes(siblings), given.limit, Clock(), _say, spared)
     service = service_manager()
     try:
         while os.getppid() == roslaunch:
@@ -97,6 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--launch", required=True, help="name of the launch's configuration")
     parser.add_argument("--limit", type=float, required=True, help="longest silence of a node [s]")
     parser.add_argument("--also", nargs="*", default=[], help="nodes without a configuration")
+    parser.add_argument("--spared", nargs="*", default=[], help="nodes that may stay away")
     return parser
 
 

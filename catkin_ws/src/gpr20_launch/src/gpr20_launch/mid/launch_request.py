@@ -30,7 +30,9 @@ LOOPBACK = "127.0.0.1"
 ROTATION_FILE = "~/.gpr20/z_axis_steps"
 _AXES = tuple(f"{axis_id.value}_axis/axis_driver" for axis_id in AxisId)
 _OF_ANALYZER = ("maker", "model", "accepted_calibrations")
-_SERVER_NODES = ("vna_acquisition", "vna_processing", "imaging", "main_control", "visualization")
+_SERVER_NODES = (
+    *("vna_acquisition", "vna_processing", "imaging", "main_control", "visualization", "web"),
+)
 
 
 @dataclass(frozen=True)

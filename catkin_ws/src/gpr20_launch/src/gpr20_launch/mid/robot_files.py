@@ -27,6 +27,7 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_web.mid.web_parameters import WebParameters
 
 DEFAULT_FOLDER = "~/.gpr20/robot"
 AXES_FILE = "axes.yaml"
@@ -65,6 +66,9 @@ FILES: Mapping[str, RobotFile] = {
         ((SENSORS, Sensors),),
     ),
     "site.yaml": RobotFile("this robot, its place and its operator", (("site", Site),)),
+    "web.yaml": RobotFile(
+        "the page that shows this robot to browsers, with web:=true", (("web", WebParameters),)
+    ),
     "wiring.yaml": RobotFile("what a person must still check on this robot", (("wiring", Wiring),)),
 }
 AXIS_SECTIONS = {axis_id.value: f"{axis_id.value}_axis" for axis_id in AxisId}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Mapping, Optional, Protocol, Set
+from typing import Callable, Collection, Dict, Mapping, Optional, Protocol, Set
 
 from gpr20_common.low.clock import Clock
 from gpr20_launch.low.node_answer import Answer
@@ -55,7 +55,12 @@ class Watchdog:
     """Asks every node in turn, and kills one that has been silent for too long."""
 
     def __init__(
-        self, nodes: Nodes, limit_s: float, clock: Clock, say: Callable[[str], None]
+        self,
+        nodes: Nodes,
+        limit_s: float,
+        clock: Clock,
+        say: Callable[[str], None],
+        spared: Collection[str] = (),
     ) -> None:
         """Know nothing yet.
 
@@ -64,11 +69,14 @@ class Watchdog:
             limit_s: How long a node may be silent [s].
             clock: Measures it.
             say: Prints a line.
+            spared: Full names of the nodes without which the launch is complete: they are ended
+                if they hang, but no survey is interrupted because one stays away.
         """
         self._nodes = nodes
         self._limit_s = limit_s
         self._clock = clock
         self._say = say
+        self._spared = frozenset(spared)
         self._silences: Dict[int, _Silence] = {}
         self._missing_since_s: Dict[str, Optional[float]] = {}
         self._due_s = clock.now_s()
@@ -81,7 +89,7 @@ class Watchdog:
         found = self._nodes.find()
         for number in set(self._silences) - set(found):
             del self._silences[number]
-        self._note_missing(set(found.values()))
+        self._note_missing(set(found.values()) - self._spared)
         for number, name in found.items():
             self._look_at(number, name)
         self._due_s = self._clock.now_s() + PERIOD_S

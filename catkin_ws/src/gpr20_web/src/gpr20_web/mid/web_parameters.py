@@ -1,0 +1,96 @@
+"""The parameters of the web page."""
+
+from __future__ import annotations
+
+import ipaddress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
+from gpr20_common.message import Message
+from gpr20_common.mid.checks import ipv4_address
+from gpr20_common.mid.records import bounded
+from gpr20_common.os_reason import os_reason
+
+NOTIFY_FILE = "notify.txt"
+
+
+@dataclass(frozen=True)
+class WebParameters:
+    """Where the web page is, and what it allows.
+
+    Attributes:
+        address: Where it listens: 127.0.0.1 for this computer alone; the address of this computer
+            in the network of the browsers; or 0.0.0.0 for all its networks. IPv6 is possible, in
+            quotes.
+        port: TCP port.
+        folder: Folder of its accounts, key, certificate and audit, and of notify.txt, where a
+            person may write whom to notify: the URL of a service of apprise on each line. These
+            URLs have passwords in them, which do not belong in a file that every node reads.
+        idle_minutes: Who did nothing for this long must log in again [min].
+        session_hours: Everybody must log in again after this long [h].
+        view_may_stop: Whether who may only watch and pause may also stop a survey.
+        tell_candidates: Whether notifications say how many objects were found, and where.
+    """
+
+    address: str = "127.0.0.1"
+    port: int = bounded(1024, 65535, 8443)
+    folder: str = "~/.gpr20/web"
+    idle_minutes: float = bounded(1.0, 1440.0, 30.0)
+    session_hours: float = bounded(0.1, 168.0, 12.0)
+    view_may_stop: bool = True
+    tell_candidates: bool = False
+
+    def __post_init__(self) -> None:
+        if ":" in self.address:
+            _check_ipv6(self.address)
+        else:
+            ipv4_address("address", self.address)
+        if not (self.folder.startswith(("/", "~/")) and self.folder.isprintable()):
+            raise InvalidValueError(
+                Message(
+                    "{name} is {value}; it must be an absolute path, such as {example}",
+                    name="folder",
+                    value=repr(self.folder[:200]),
+                    example=WebParameters.folder,
+                ),
+                fault=CONFIGURATION,
+            )
+
+    @property
+    def path(self) -> Path:
+        """The folder, of the person or the service that runs the page."""
+        return Path(self.folder).expanduser()
+
+    def notified(self) -> Tuple[str, ...]:
+        """Return the URLs of apprise of those that are notified; none without the file.
+
+        Raises:
+            InvalidValueError: The file cannot be read.
+        """
+        file = self.path / NOTIFY_FILE
+        try:
+            lines = file.read_text("utf-8").splitlines()
+        except FileNotFoundError:
+            return ()
+        except (OSError, UnicodeDecodeError) as error:
+            reason = os_reason(error) if isinstance(error, OSError) else str(error)
+            text = Message("{file}: {reason}", file=file, reason=reason)
+            raise InvalidValueError(text, fault=CONFIGURATION) from error
+        return tuple(one.strip() for one in lines if one.strip() and not one.startswith("#"))
+
+
+def _check_ipv6(address: str) -> None:
+    try:
+        ipaddress.IPv6Address(address)
+    except ValueError as error:
+        raise InvalidValueError(
+            Message(
+                "{name} is {value}; it must be an IPv4 address, such as 192.168.1.10, or an IPv6 "
+                "address",
+                name="address",
+                value=repr(address[:64]),
+            )
+        ) from error
