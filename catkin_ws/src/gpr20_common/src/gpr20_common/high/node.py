@@ -27,7 +27,7 @@ ANSWER_LIMIT_S = 1.0
 Parameters = TypeVar("Parameters")
 
 
-def run_node(name: str, build: Callable[[], Any]) -> None:
+def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
     """Run a node until ROS shuts down.
 
     A node whose name is taken by one that lives is not started: ROS would end the other one,
@@ -40,9 +40,10 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
         name: Default name of the node.
         build: Reads the parameters, builds the objects and connects them. What it
             returns is kept for the life of the node.
+        needed: Whether its launch ends if it cannot start; else it is started again and again.
     """
     enable_line_buffering()
-    _refuse_second(_full_name(name))
+    _refuse_second(_full_name(name), needed)
     try:
         # Its handlers end the node in the main thread, which has locks of rospy while it starts.
         rospy.init_node(name, disable_signals=True)
@@ -56,7 +57,8 @@ def run_node(name: str, build: Callable[[], Any]) -> None:
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
-        _end_first_launch()
+        if needed:
+            _end_first_launch()
         sys.exit(1)
     if configuration_name():
         rospy.set_param(_started_name(), True)
@@ -72,6 +74,7 @@ def run_device(
     parameter_class: Type[Parameters],
     build: Callable[[Parameters], Any],
     section: str = "",
+    needed: bool = True,
 ) -> None:
     """Run the node of one device until ROS shuts down.
 
@@ -80,8 +83,9 @@ def run_device(
         parameter_class: Dataclass of the device's parameters.
         build: Builds the node from its parameters. What it returns is kept for its life.
         section: Part of the configuration that holds the parameters; empty: named like the node.
+        needed: Whether its launch ends if it cannot start; else it is started again and again.
     """
-    run_node(name, lambda: build(read_parameters(parameter_class, section or name)))
+    run_node(name, lambda: build(read_parameters(parameter_class, section or name)), needed)
 
 
 def _end_first_launch() -> None:
@@ -105,7 +109,7 @@ def _full_name(name: str) -> str:
     return str(rosgraph.names.resolve_name(given, rosgraph.names.get_ros_namespace() + "node"))
 
 
-def _refuse_second(name: str) -> None:
+def _refuse_second(name: str, needed: bool) -> None:
     probe = NodeProbe(rosgraph.get_master_uri(), name, name, ANSWER_LIMIT_S)
     try:
         process = probe.process()
@@ -117,7 +121,7 @@ def _refuse_second(name: str) -> None:
         "ns:=robot2",
         file=sys.stderr,
     )
-    launch = roslaunch_number() if configuration_name() else None
+    launch = roslaunch_number() if needed and configuration_name() else None
     if launch is not None:
         say(f"{name} ends the launch, because it cannot start", file=sys.stderr)
         end_with_roslaunch(launch)
