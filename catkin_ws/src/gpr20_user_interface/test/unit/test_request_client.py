@@ -35,6 +35,8 @@ ANSWERS = {
     Service.EXPORT: {"files": ["GPR20/a.pdf"]},
     Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
     Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
+    Service.LIST: {"surveys": [], "more": False},
+    Service.MARK: {"survey_id": SURVEY, "markers_json": "[]"},
     Service.NOTE: message_fields(verbatim("noted")),
     Service.ANNOTATE: message_fields(verbatim("stored")),
     Service.MOVE: message_fields(verbatim("The y axis is at 20 mm.")),

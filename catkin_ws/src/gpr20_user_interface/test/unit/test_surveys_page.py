@@ -16,13 +16,13 @@ from window_helpers import click, close, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable
+from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.look.translation import Languages, shown_text
-from gpr20_user_interface.pages.surveys.survey_list import thumbnail_picture, title_of
+from gpr20_user_interface.pages.surveys.survey_list import thumbnail_picture
 from gpr20_user_interface.window.rail import TabName
 
 RUNS, ENDED = (

@@ -53,6 +53,20 @@ def survey_label(name: str, survey_id: str, local_time: str) -> Message:
     )
 
 
+def title_of(survey: SurveySummary) -> str:
+    """Return what people call a survey: its name, or when it was measured."""
+    # That of a folder of others may have several lines.
+    return " ".join(survey.name.split()) or survey.local_time()
+
+
+def present_verdict(survey: SurveySummary) -> Optional[Message]:
+    """Return the verdict on a survey that is not whole; None: it is not true any more, or none."""
+    verdict, stored = survey.verdict, survey.stored_traces
+    # Traces may have been lost since the verdict on the end.
+    is_true = verdict is not None and verdict.values.get("stored", stored) == stored
+    return verdict if is_true and stored < survey.planned_traces else None
+
+
 def past_band(label: Message, outcome: str) -> Message:
     """Return what pages say of a survey that is not the one of the robot."""
     if outcome == IMPORTED:

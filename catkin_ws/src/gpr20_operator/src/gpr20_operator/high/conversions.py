@@ -15,6 +15,7 @@ from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, Replay, RobotConfiguration, SurveyCoverage, SurveyData
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator import faults
+from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
 from gpr20_operator.robot.events import (
@@ -26,6 +27,7 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
 from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
@@ -109,6 +111,30 @@ def surveys_listed(before: str, response: Any) -> SurveysListed:
     """Convert the answer of `list_surveys`."""
     surveys = tuple(summary_from(one) for one in response.surveys)
     return SurveysListed(before, surveys, response.more)
+
+
+def marker_fields(marker: Marker) -> Dict[str, Any]:
+    """Return what `mark_survey` is sent of a marker."""
+    depth_mm = marker.depth_mm
+    return {
+        "marker_id": marker.marker_id,
+        "x_mm": marker.x_mm,
+        "y_mm": marker.y_mm,
+        "has_depth": depth_mm is not None,
+        "depth_mm": 0.0 if depth_mm is None else depth_mm,
+        "text": marker.text,
+        "author": marker.author,
+    }
+
+
+def markers_stored(response: Any) -> MarkersStored:
+    """Convert the answer of `mark_survey`.
+
+    Raises:
+        InvalidValueError: A marker is not as the storage writes it.
+    """
+    description = {"markers": json.loads(response.markers_json)}
+    return MarkersStored(response.survey_id, present_markers(description))
 
 
 def _reasons(texts: Sequence[str], messages_json: Sequence[str]) -> Dict[int, Message]:

@@ -13,7 +13,12 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
-from gpr20_operator.high.conversions import annotation_message
+from gpr20_operator.high.conversions import (
+    annotation_message,
+    marker_fields,
+    markers_stored,
+    surveys_listed,
+)
 from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
     STORAGE_SILENT,
@@ -86,6 +91,14 @@ OFFERS: Dict[Service, _Offer] = {
         *(srv.ReadSurvey, SHORT_TIMEOUT_S, STORAGE_SILENT),
         lambda one: StoredSurvey(accepted(one).metadata_json, len(one.stored_indices)),
     ),
+    Service.LIST: _Offer(
+        *(srv.ListSurveys, SHORT_TIMEOUT_S, STORAGE_SILENT),
+        lambda one: surveys_listed("", accepted(one)),
+    ),
+    Service.MARK: _Offer(
+        *(srv.MarkSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT),
+        lambda one: markers_stored(accepted(one)),
+    ),
     Service.NOTE: _Offer(srv.NoteSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.ANNOTATE: _Offer(srv.AnnotateSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
@@ -116,11 +129,24 @@ class RequestClient(RosEvents):
         """Call a service in the background, and let the ticket take the answer."""
         if service.can_be_cancelled:
             fields["request_id"] = ticket.request_id
-        if "annotation" in fields:
-            fields["annotation"] = annotation_message(fields["annotation"])
         if service is Service.EXPORT:
             self._exporting = ticket
         in_background(lambda: self._emit(Delivery(self._answer(service, ticket, fields))))
+
+    def wait_for(self, service: Service, **fields: Any) -> Any:
+        """Call a service in this thread, and return what its answer becomes.
+
+        Raises:
+            RequestError: Its node does not answer, or refuses.
+            Gpr20Error: The answer is not as it should be.
+        """
+        if "annotation" in fields:
+            fields["annotation"] = annotation_message(fields["annotation"])
+        if "marker" in fields:
+            fields.update(marker_fields(fields.pop("marker")))
+        offer = OFFERS[service]
+        response = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
+        return offer.convert(response)
 
     def cancel(self, request_id: str) -> None:
         """Ask to end a request of a ticket."""
@@ -138,10 +164,8 @@ class RequestClient(RosEvents):
         self, service: Service, ticket: Ticket[Any], fields: Dict[str, Any]
     ) -> Callable[[], None]:
         """Return what is to be called in the thread of the job."""
-        offer = OFFERS[service]
         try:
-            response = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
-            return partial(ticket.done, offer.convert(response))
+            return partial(ticket.done, self.wait_for(service, **fields))
         except (RequestError, Gpr20Error) as error:
             return partial(ticket.fail, error.message)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from typing import Any, Callable, List, Optional, Tuple
 
@@ -107,31 +106,18 @@ class StorageClient(RosEvents):
 
     def add_marker(self, survey: str, marker: Marker) -> None:
         """Ask to store a marker of a survey, by its id."""
-        depth_mm = marker.depth_mm
-        self._change_markers(
-            survey,
-            marker.marker_id,
-            x_mm=marker.x_mm,
-            y_mm=marker.y_mm,
-            has_depth=depth_mm is not None,
-            depth_mm=0.0 if depth_mm is None else depth_mm,
-            text=marker.text,
-            author=marker.author,
-        )
+        self._change_markers(survey, **conversions.marker_fields(marker))
 
     def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
         """Ask to remove a marker of a survey, by its id."""
-        self._change_markers(survey, marker_id, remove=True, author=author)
+        self._change_markers(survey, marker_id=marker_id, remove=True, author=author)
 
-    def _change_markers(self, survey: str, marker_id: str, **fields: Any) -> None:
-        request = {"survey": survey, "marker_id": marker_id, **fields}
-
+    def _change_markers(self, survey: str, **fields: Any) -> None:
         def ask() -> MarkersStored:
-            answer = _answer(self._mark, CHANGE_TIMEOUT_S, **request)
-            description = {"markers": json.loads(answer.markers_json)}
-            return MarkersStored(answer.survey_id, present_markers(description))
+            answer = _answer(self._mark, CHANGE_TIMEOUT_S, survey=survey, **fields)
+            return conversions.markers_stored(answer)
 
-        self._emit_answer(ask, partial(MarkingFailed, survey, marker_id))
+        self._emit_answer(ask, partial(MarkingFailed, survey, fields["marker_id"]))
 
     def _related(self, survey: str, description: Any) -> List[RelatedSurvey]:
         found = []

@@ -57,9 +57,15 @@ def band(result: SurveyResult) -> Optional[Message]:
     return past_band(label, record.outcome)
 
 
-def headline(found: CandidateList, first: int = 0) -> Message:
-    """Return how many places there are, and which are shown, from a number on (from 0)."""
-    shown = len(found.candidates[first : first + PLACES_SHOWN])
+def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> Message:
+    """Return how many places there are, and which are shown, from a number on (from 0).
+
+    Args:
+        found: The list.
+        first: Number of the first place that is shown, from 0.
+        most: How many are shown at most.
+    """
+    shown = len(found.candidates[first : first + most])
     last = first + shown
     if not found.total:
         return NOTHING_FOUND

@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.ground.past_surveys import Listed, PastSurveys
+from gpr20_operator.ground.past_surveys import Listed, PastSurveys, present_verdict, title_of
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -28,7 +28,6 @@ from gpr20_user_interface.pages.surveys.survey_list import (
     SURVEY,
     SurveyRow,
     SurveysModel,
-    title_of,
 )
 from gpr20_user_interface.touch.scrolling import FingerList
 from gpr20_user_interface.widgets.empty_state import EmptyState
@@ -243,10 +242,8 @@ class SurveysPage(TranslatedWidget, Page):
             self.tr("{count} traces").format(count=survey.stored_traces),
             sentence_text(self._surveys.ending(survey)),
         ]
-        verdict, stored = survey.verdict, survey.stored_traces
-        # Traces may have been lost since the verdict on the end.
-        is_true = verdict is not None and verdict.values.get("stored", stored) == stored
-        if verdict is not None and is_true and stored < survey.planned_traces:
+        verdict = present_verdict(survey)
+        if verdict is not None:
             lines.append(sentence_text(verdict))
         return [one for one in lines if one]
 

@@ -9,7 +9,7 @@ from PyQt5.QtGui import QBrush, QColor, QFont, QPainter, QPixmap, QPixmapCache
 from PyQt5.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.look.icons import sign
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, look_of
@@ -65,12 +65,6 @@ class SurveysModel(QAbstractListModel):
         if role == SURVEY:
             return survey
         return title_of(survey) if role == int(Qt.ItemDataRole.DisplayRole) else None
-
-
-def title_of(survey: SurveySummary) -> str:
-    """Return what people call a survey: its name, or when it was measured."""
-    # That of a folder of others may have several lines.
-    return " ".join(survey.name.split()) or survey.local_time()
 
 
 class SurveyRow(QStyledItemDelegate):
