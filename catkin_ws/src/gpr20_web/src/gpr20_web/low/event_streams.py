@@ -84,6 +84,10 @@ class EventStreams:
         self._watchers.append(watcher)
         return watcher
 
+    def has(self, session: str) -> bool:
+        """Return whether a browser of a session watches now."""
+        return any(one.person.session == session for one in self._watchers)
+
     def remove(self, watcher: Watcher) -> None:
         """Remove a browser that has left."""
         self._watchers.remove(watcher)

@@ -20,14 +20,13 @@ export class Top {
     this.sign = element("span", { class: "sign", "aria-hidden": "true" });
     this.title = element("strong", { id: "state" });
     this.words = element("span", { class: "words" });
-    this.chips = element("span", { class: "chips" });
+    this.chip = element("span", { class: "chip simulated" });
     this.age = element("p", { class: "age", role: "status", hidden: true });
     this.band = element(
       "div",
       { class: "band", role: "status", "aria-live": "polite" },
       this.sign,
-      element("div", {}, this.title, this.words),
-      this.chips,
+      element("div", {}, this.title, this.chip, this.words),
     );
     this.pause = button("", () => this.pauseOrResume(), { id: "pause", hidden: true });
     this.start = button(word("commands.start"), () => this.begin(), { id: "start", hidden: true });
@@ -71,8 +70,10 @@ export class Top {
     this.band.dataset.level = band.level;
     write(this.sign, SIGNS[band.level] ?? "?");
     write(this.title, robot.name ? `${robot.name}: ${band.title}` : band.title);
-    write(this.words, [band.left || band.message, band.asked].filter(Boolean).join(" "));
-    write(this.chips, robot.simulated ? this.app.word("now.simulated") : "");
+    const words = band.left || band.message;
+    write(this.words, band.asked ? `${words.replace(/\.$/, "")}. ${band.asked}` : words);
+    write(this.chip, this.app.word("now.simulated"));
+    this.chip.hidden = !robot.simulated;
     const { paused } = state.job;
     write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
     this.pause.hidden = !(state.job.running && (!paused || this.app.mayOperate));
