@@ -1,0 +1,312 @@
+"""Who may command the robot from a distance, and when."""
+
+from __future__ import annotations
+
+import itertools
+import uuid
+from dataclasses import replace
+from typing import Any, Dict, List, Optional
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Fault, Message, Severity
+from gpr20_operator.robot.events import Answer, ControlState, Request
+from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.calls import Call, Person
+from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
+from gpr20_web.mid.commands import Commands, Outcome, Robot, plan_id
+from gpr20_web.mid.controller import Controller
+from gpr20_web.roles import Role
+
+SURVEY = "c0ffee00-0000-4000-8000-000000000001"
+PARAMETERS = SurveyParameters(
+    vna_address="127.0.0.1",
+    start_frequency_hz=600e6,
+    stop_frequency_hz=6e9,
+    frequency_points=201,
+    x_start_mm=0.0,
+    x_stop_mm=100.0,
+    x_points=5,
+    y_start_mm=0.0,
+    y_stop_mm=100.0,
+    y_points=5,
+)
+PLAN = RemotePlan(PARAMETERS, EMPTY, "", 4.0)
+ON_REQUEST = Message("paused").with_fault(Fault("test.asked", None, Severity.NOTE))
+ANA = Person("ana", Role.OPERATE, "one", "10.0.0.5")
+BEN = Person("ben", Role.OPERATE, "two", "10.0.0.6")
+
+
+class Time:
+    def __init__(self) -> None:
+        self.time_s = 1000.0
+
+    def now_s(self) -> float:
+        return self.time_s
+
+
+class Control:
+    """Remembers what was asked of the robot."""
+
+    def __init__(self) -> None:
+        self.asked: List[Any] = []
+
+    def stop(self) -> None:
+        self.asked.append("stop")
+
+    def pause_survey(self) -> None:
+        self.asked.append("pause")
+
+    def resume_survey(self, *arguments: Any, **named: Any) -> None:
+        assert not arguments and not named  # the paused survey, and nothing that is accepted
+        self.asked.append("resume")
+
+    def start_survey(self, *arguments: Any) -> None:
+        self.asked.append(("start", *arguments))
+
+
+class Desk:
+    """The commands, a robot in a state, and what was noted."""
+
+    def __init__(self, view_may_stop: bool = True) -> None:
+        self.time = Time()
+        self.model, self.control = SurveyModel(self.time), Control()
+        self.allowance = RemoteAllowance(self.time)
+        self.audited: List[Dict[str, Any]] = []
+        self.commands = Commands(
+            Robot(self.model, self.control, self.allowance, self.time),
+            Controller(self.time, lambda _session: True),
+            self._note,
+            view_may_stop,
+        )
+        self.be(SurveyState.CONFIGURED)
+
+    def _note(self, call: Call, what: str, outcome: str = "", survey: str = "", **_: Any) -> None:
+        self.audited.append(
+            {"who": call.who.name, "what": what, "outcome": outcome, "survey": survey}
+        )
+
+    def be(self, code: SurveyState, message: Optional[Message] = None) -> None:
+        self.model.handle(ControlState(code, message or Message("so it is"), SURVEY, True))
+        self.commands.refresh(self.model.snapshot())
+
+    def allow(self, plan: Optional[RemotePlan] = PLAN) -> None:
+        self.commands.on_event(RemoteArmed(True, 600.0, plan))
+
+    def ask(self, name: str, person: Person = ANA, press: str = "", **values: Any) -> Any:
+        route = next(one for one in self.commands.routes if one.pattern == f"/api/{name}")
+        if person.role < route.right:
+            raise NotAllowedError(Message("no right"))
+        press = press or uuid.uuid4().hex
+        return route.answer(Call(person, person.address, {"press": press, **values}))
+
+    def start(self, person: Person = ANA, **values: Any) -> Any:
+        return self.ask("start", person, **{"plan": plan_id(PLAN), **values})
+
+    @property
+    def shown(self) -> Any:
+        return self.commands.live(str)
+
+
+def armed() -> Desk:
+    desk = Desk()
+    desk.allow()
+    desk.ask("control/take")
+    return desk
+
+
+def test_start_measures_the_plan_that_the_person_at_the_robot_shows() -> None:
+    desk = armed()
+    desk.start()
+    assert desk.control.asked == [("start", PARAMETERS, EMPTY, "", 4.0)]
+
+
+def test_start_and_resume_wait_for_somebody_at_the_robot() -> None:
+    desk = Desk()
+    desk.ask("control/take")
+    with pytest.raises(NotNowError) as refused:
+        desk.start()
+    assert refused.value.message.fault_code == "web.not_armed"
+    desk.be(SurveyState.PAUSED)
+    with pytest.raises(NotNowError):
+        desk.ask("resume", survey=SURVEY)
+    assert desk.control.asked == []
+
+
+def test_start_and_resume_need_control() -> None:
+    desk = armed()
+    with pytest.raises(NotAllowedError, match="another page is in control: ana"):
+        desk.start(BEN)
+    desk.ask("control/release")
+    with pytest.raises(NotAllowedError, match="not in control"):
+        desk.start()
+    assert desk.control.asked == []
+
+
+def test_start_of_a_plan_that_was_changed_since_is_refused() -> None:
+    desk = armed()
+    desk.allow(replace(PLAN, permittivity=9.0))
+    with pytest.raises(NotNowError, match="changed"):
+        desk.start()
+    desk.allow(None)
+    with pytest.raises(NotNowError, match="not complete"):
+        desk.start()
+
+
+def test_resume_continues_the_survey_that_was_seen_paused() -> None:
+    desk = armed()
+    desk.be(SurveyState.SURVEYING)
+    desk.be(SurveyState.PAUSED, ON_REQUEST)
+    desk.allow()
+    with pytest.raises(NotNowError, match="another survey"):
+        desk.ask("resume", survey="c0ffee00-0000-4000-8000-000000000002")
+    desk.ask("resume", survey=SURVEY)
+    assert desk.control.asked == ["resume"]
+
+
+def test_fault_ends_the_permission() -> None:
+    desk = armed()
+    desk.be(SurveyState.SURVEYING)
+    desk.be(SurveyState.PAUSED, Message("unknown fault of another version"))
+    assert not desk.shown["remote"]["armed"]
+    with pytest.raises(NotNowError):
+        desk.ask("resume", survey=SURVEY)
+
+
+def test_permission_that_is_not_repeated_is_over() -> None:
+    desk = armed()
+    desk.time.time_s += 4.0
+    with pytest.raises(NotNowError):
+        desk.start()
+
+
+def test_pause_needs_neither_permission_nor_control() -> None:
+    desk = Desk()
+    desk.be(SurveyState.SURVEYING)
+    desk.ask("pause", Person("eva", Role.VIEW, "three", ""))
+    assert desk.control.asked == ["pause"]
+
+
+@pytest.mark.parametrize("code", list(SurveyState))
+def test_stop_is_passed_on_in_every_state(code: SurveyState) -> None:
+    desk = Desk()
+    desk.be(code)
+    desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
+    assert desk.control.asked == ["stop"]
+
+
+def test_site_can_keep_stop_from_those_who_only_watch() -> None:
+    desk = Desk(view_may_stop=False)
+    with pytest.raises(NotAllowedError):
+        desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
+    desk.ask("stop")
+
+
+def test_press_that_is_sent_twice_is_carried_out_once() -> None:
+    desk, press = armed(), uuid.uuid4().hex
+    for _ in range(3):
+        desk.start(press=press)
+    assert len(desk.control.asked) == 1
+
+
+@pytest.mark.parametrize("press", ["x", "../" * 8, "0" * 31, "Z" * 32, 7, None, ["0" * 32]])
+def test_press_without_a_proper_mark_is_refused(press: Any) -> None:
+    desk = armed()
+    with pytest.raises(BadRequestError):
+        desk.commands.routes[1].answer(Call(ANA, "", {"press": press}))
+    assert desk.control.asked == []
+
+
+def test_answer_becomes_the_outcome_and_is_noted_in_the_log_of_the_survey() -> None:
+    desk = armed()
+    desk.start()
+    assert desk.shown["command"]["outcome"] == "sent"
+    desk.commands.on_event(Answer(Request.START, True, Message("started"), survey_id=SURVEY))
+    assert desk.shown["command"]["outcome"] == "done"
+    assert {"who": "ana", "what": "start", "outcome": "done: started", "survey": SURVEY} in (
+        desk.audited
+    )
+
+
+def test_lost_answer_is_unknown() -> None:
+    desk = Desk()
+    desk.be(SurveyState.SURVEYING)
+    desk.ask("pause")
+    desk.time.time_s += 60.0
+    desk.be(SurveyState.SURVEYING)
+    assert desk.shown["command"]["outcome"] == Outcome.UNKNOWN.value
+
+
+def test_answer_to_another_window_is_not_the_outcome_of_a_command() -> None:
+    desk = Desk()
+    desk.commands.on_event(Answer(Request.PAUSE, True, Message("pausing")))
+    assert desk.shown["command"] is None
+
+
+ROLES = [Person(role.word, role, role.word, "") for role in Role if role is not Role.NOBODY]
+STEPS = st.one_of(
+    st.tuples(
+        st.sampled_from(["start", "resume", "pause", "stop", "control/take", "control/release"]),
+        st.sampled_from([*ROLES, ANA, BEN]),
+    ),
+    st.tuples(st.just("allow"), st.booleans()),
+    st.tuples(st.just("be"), st.sampled_from(list(SurveyState))),
+    st.tuples(st.just("wait"), st.floats(0.0, 20.0)),
+)
+
+
+@given(st.lists(STEPS, max_size=60))
+def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
+    desk = Desk()
+    allowed_until_s, holder = -1.0, None
+    for what, argument in steps:
+        asked = len(desk.control.asked)
+        if what == "allow":
+            desk.commands.on_event(RemoteArmed(argument, 600.0 if argument else 0.0, PLAN))
+            allowed_until_s = desk.time.time_s + 3.0 if argument else -1.0
+        elif what == "be":
+            desk.be(argument)
+        elif what == "wait":
+            desk.time.time_s += argument
+        else:
+            try:
+                desk.ask(what, argument, plan=plan_id(PLAN), survey=SURVEY)
+            except Gpr20Error:
+                assert len(desk.control.asked) == asked
+            else:
+                if what == "control/take" and holder is None:
+                    holder = argument.session
+                elif what == "control/release" and holder == argument.session:
+                    holder = desk.commands._controller.holder
+                    holder = None if holder is None else holder.session
+                if desk.commands._controller.holder is not None:
+                    holder = desk.commands._controller.holder.session
+        for command in itertools.islice(desk.control.asked, asked, None):
+            if command == "resume" or command[0] == "start":
+                assert argument.role >= Role.OPERATE
+                assert desk.time.time_s <= allowed_until_s
+                assert argument.session == holder
+
+
+def test_plan_is_shown_before_it_is_started() -> None:
+    desk = armed()
+    plan = desk.shown["remote"]["plan"]
+    assert plan["id"] == plan_id(PLAN)
+    assert any("100" in value for _name, value in plan["rows"])
+    assert "Hands clear" in plan["warning"]
+
+
+def test_snapshot_of_a_replay_offers_nothing() -> None:
+    desk = armed()
+    snapshot: Snapshot = replace(desk.model.snapshot(), replay=ReplayView(ReplayMark(), True))
+    desk.commands.refresh(snapshot)
+    assert not any(desk.shown["can"].values())
