@@ -1,0 +1,348 @@
+"""The accounts and their file."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import threading
+import unicodedata
+from pathlib import Path
+from typing import Any, Dict, Optional, Tuple
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from login_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
+
+from gpr20_survey.files.folder_lock import locked
+from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
+from gpr20_web.low import account_file
+from gpr20_web.low.account_file import AccountFile, checked_name, role_of
+from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.mid.accounts import Accounts
+from gpr20_web.roles import Role
+
+
+@pytest.fixture
+def accounts(tmp_path: Path) -> Accounts:
+    return make_accounts(tmp_path)
+
+
+def _file(tmp_path: Path) -> Path:
+    return tmp_path / "web" / "accounts.json"
+
+
+def test_there_is_no_account_and_no_password_by_default(accounts: Accounts) -> None:
+    assert accounts.all() == []
+    for name in ("admin", "root", "", "gpr20"):
+        with pytest.raises(WrongLoginError):
+            accounts.check(name, "")
+
+
+def test_an_account_can_be_logged_in_to_with_its_password_alone(accounts: Accounts) -> None:
+    made = accounts.add("Ana", Role.VIEW, PASSWORD)
+    assert accounts.check("ana", PASSWORD) == made == accounts.check("ANA", PASSWORD)
+    for name, password in [("ana", OTHER_PASSWORD), ("ana", ""), ("eva", PASSWORD)]:
+        with pytest.raises(WrongLoginError):
+            accounts.check(name, password)
+
+
+def test_a_wrong_name_says_the_same_and_is_as_slow_as_a_wrong_password(
+    accounts: Accounts, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    accounts.add("ana", Role.VIEW, PASSWORD)
+    hashed = []
+    fits = PasswordHash.fits
+
+    def count(known: PasswordHash, password: str) -> bool:
+        hashed.append((known.n, known.r, known.p))
+        return fits(known, password)
+
+    monkeypatch.setattr(PasswordHash, "fits", count)
+    said = set()
+    for name in ("ana", "eva"):
+        with pytest.raises(WrongLoginError) as refused:
+            accounts.check(name, OTHER_PASSWORD)
+        said.add(str(refused.value))
+    assert len(said) == 1
+    assert hashed == [(CHEAP.n, CHEAP.r, CHEAP.p)] * 2
+
+
+def test_only_their_owner_reads_folder_and_file(accounts: Accounts, tmp_path: Path) -> None:
+    (tmp_path / "web").mkdir(0o755)
+    accounts.add("ana", Role.ADMIN, PASSWORD)
+    assert stat.S_IMODE((tmp_path / "web").stat().st_mode) == 0o700
+    assert stat.S_IMODE(_file(tmp_path).stat().st_mode) == 0o600
+    assert PASSWORD not in _file(tmp_path).read_text()
+
+
+def test_the_folder_of_another_user_is_left_alone(
+    accounts: Accounts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "web").mkdir(0o755)
+    monkeypatch.setattr("os.geteuid", lambda: 12345)
+    with pytest.raises(AccountsFileError, match="belongs to"):
+        accounts.add("ana", Role.ADMIN, PASSWORD)
+    assert not _file(tmp_path).exists()
+
+
+@pytest.mark.parametrize("name", ["", "a", ".a", "-a", "_a", "a b", "a/b", "ñu", "a" * 41, "a\n"])
+def test_names_that_could_be_something_else_are_refused(accounts: Accounts, name: str) -> None:
+    with pytest.raises(AccountError, match="a name has"):
+        accounts.add(name, Role.VIEW, PASSWORD)
+
+
+def test_a_name_is_there_once_in_whatever_letters(accounts: Accounts) -> None:
+    accounts.add("ana", Role.VIEW, PASSWORD)
+    with pytest.raises(AccountError, match="already"):
+        accounts.add("Ana", Role.ADMIN, OTHER_PASSWORD)
+    assert accounts.check("ana", PASSWORD).role is Role.VIEW
+
+
+def test_roles_are_known_words_and_nobody_is_none() -> None:
+    assert [role_of(one) for one in ("view", "operate", "admin")] == list(Role)[1:]
+    for word in ("nobody", "Admin", "", None, 3, []):
+        with pytest.raises(AccountError):
+            role_of(word)
+
+
+@pytest.mark.parametrize("action", ["remove", "demote"])
+def test_the_last_administrator_stays_unless_the_command_says_so(
+    accounts: Accounts, action: str
+) -> None:
+    def act(name: str, keep_admin: bool = True) -> None:
+        if action == "remove":
+            accounts.remove(name, keep_admin)
+        else:
+            accounts.change(name, Role.VIEW, keep_admin=keep_admin)
+
+    accounts.add("ana", Role.ADMIN, PASSWORD)
+    accounts.add("eva", Role.ADMIN, PASSWORD)
+    accounts.add("leo", Role.OPERATE, PASSWORD)
+    act("eva")
+    with pytest.raises(AccountError, match="last administrator"):
+        act("ana")
+    found = accounts.find("ana")
+    assert found is not None and found.role is Role.ADMIN
+    act("ana", keep_admin=False)
+    assert all(one.role is not Role.ADMIN for one in accounts.all())
+
+
+def test_each_change_has_another_generation_also_after_removal(accounts: Accounts) -> None:
+    seen = {accounts.add("ana", Role.VIEW, PASSWORD).generation}
+    seen.add(accounts.change("ana", password=OTHER_PASSWORD).generation)
+    seen.add(accounts.change("ana", role=Role.ADMIN).generation)
+    accounts.remove("ana", keep_admin=False)
+    seen.add(accounts.add("ana", Role.VIEW, PASSWORD).generation)
+    assert len(seen) == 4
+
+
+def test_what_is_not_there_cannot_be_changed(accounts: Accounts) -> None:
+    with pytest.raises(AccountError, match="no account"):
+        accounts.change("ana", role=Role.VIEW)
+    with pytest.raises(AccountError, match="no account"):
+        accounts.remove("ana")
+
+
+def test_another_program_s_change_is_noticed_at_once(accounts: Accounts, tmp_path: Path) -> None:
+    other = make_accounts(tmp_path)
+    other.add("ana", Role.ADMIN, PASSWORD)
+    assert accounts.find("ana") is not None
+    other.remove("ana", keep_admin=False)
+    assert accounts.find("ana") is None
+    other.add("eva", Role.VIEW, PASSWORD)
+    assert accounts.find("eva") is not None
+    _file(tmp_path).unlink()
+    assert accounts.all() == []
+
+
+def test_the_file_is_read_only_when_it_has_changed(
+    accounts: Accounts, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    accounts.add("ana", Role.VIEW, PASSWORD)
+    accounts.find("ana")
+
+    def read_no_more(_path: Path) -> bytes:
+        raise AssertionError
+
+    monkeypatch.setattr(account_file, "read_regular", read_no_more)
+    assert accounts.find("ana") is not None
+
+
+def test_changes_at_the_same_time_are_all_kept(tmp_path: Path) -> None:
+    names = [f"user{number}" for number in range(12)]
+    threads = [
+        threading.Thread(
+            target=lambda own, name: own.add(name, Role.VIEW, PASSWORD),
+            args=(make_accounts(tmp_path), name),
+        )
+        for name in names
+    ]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    assert [one.name for one in make_accounts(tmp_path).all()] == sorted(names)
+
+
+def test_a_file_that_another_program_holds_is_named(
+    accounts: Accounts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    accounts.add("ana", Role.VIEW, PASSWORD)
+    monkeypatch.setattr(account_file, "SHORT_WAIT_S", 0.0)
+    with locked(tmp_path / "web"), pytest.raises(AccountsFileError, match="another program"):
+        accounts.add("eva", Role.VIEW, PASSWORD)
+
+
+def _damaged(change: Any) -> bytes:
+    entry = {
+        "name": "ana",
+        "role": "admin",
+        "hash": str(CHEAP.of(PASSWORD)),
+        "created": "2026-01-01",
+        "generation": 7,
+    }
+    content: Dict[str, Any] = {"format": "gpr20-accounts/1", "accounts": [entry]}
+    change(content, entry)
+    return json.dumps(content).encode()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content, entry: content.update(format="gpr20-accounts/2"),
+        lambda content, entry: content.pop("accounts"),
+        lambda content, entry: content["accounts"].append(entry),
+        lambda content, entry: content["accounts"].append(None),
+        lambda content, entry: entry.update(role="nobody"),
+        lambda content, entry: entry.update(name="Ana"),
+        lambda content, entry: entry.update(name=["ana"]),
+        lambda content, entry: entry.update(hash="scrypt:2:1:1::"),
+        lambda content, entry: entry.update(generation="7"),
+        lambda content, entry: entry.update(generation=-1),
+        lambda content, entry: entry.update(admin=True),
+        lambda content, entry: entry.pop("hash"),
+    ],
+)
+def test_a_damaged_file_is_named_and_is_never_an_empty_list(tmp_path: Path, change: Any) -> None:
+    accounts = make_accounts(tmp_path)
+    accounts.add("ana", Role.ADMIN, PASSWORD)
+    _file(tmp_path).write_bytes(_damaged(lambda content, entry: None))
+    assert accounts.find("ana") is not None
+    _file(tmp_path).write_bytes(_damaged(change))
+    for act in (
+        lambda: accounts.find("ana"),
+        lambda: accounts.check("ana", PASSWORD),
+        lambda: accounts.add("eva", Role.ADMIN, PASSWORD),
+        lambda: accounts.remove("ana"),
+    ):
+        with pytest.raises(AccountsFileError, match=r"accounts\.json") as refused:
+            act()
+        assert refused.value.message.remedy is not None
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.one_of(
+        st.binary(),
+        st.recursive(
+            st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+            lambda inner: (
+                st.lists(inner)
+                | st.dictionaries(
+                    st.sampled_from(["format", "accounts", "name", "role", "x"]), inner
+                )
+            ),
+        ).map(lambda value: json.dumps(value).encode()),
+    )
+)
+def test_random_bytes_are_a_damaged_file(tmp_path: Path, data: bytes) -> None:
+    (tmp_path / "web").mkdir(exist_ok=True)
+    _file(tmp_path).write_bytes(data)
+    with pytest.raises(AccountsFileError):
+        AccountFile(tmp_path / "web").read()
+
+
+@pytest.mark.parametrize("kind", ["folder", "pipe", "deep"])
+def test_what_is_no_file_of_accounts_is_refused_without_waiting(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "web").mkdir()
+    if kind == "folder":
+        _file(tmp_path).mkdir()
+    elif kind == "pipe":
+        os.mkfifo(str(_file(tmp_path)))
+    else:
+        _file(tmp_path).write_text("[" * 200_000)
+    with pytest.raises(AccountsFileError):
+        make_accounts(tmp_path).all()
+
+
+NAMES = st.one_of(st.sampled_from(["ana", "Eva", "leo.1"]), st.text(max_size=45))
+PASSWORDS = st.one_of(st.sampled_from([PASSWORD, OTHER_PASSWORD]), st.text(max_size=210))
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(["add", "password", "role", "remove"]),
+            NAMES,
+            st.sampled_from(list(Role)[1:]),
+            PASSWORDS,
+        ),
+        max_size=12,
+    )
+)
+def test_random_changes_leave_what_a_simple_list_of_accounts_says(
+    tmp_path_factory: pytest.TempPathFactory, changes: list
+) -> None:
+    accounts = make_accounts(tmp_path_factory.mktemp("random"))
+    model: Dict[str, Tuple[Role, str]] = {}
+    for what, name, role, password in changes:
+        after = _expected(model, what, name, role, password)
+        try:
+            if what == "add":
+                accounts.add(name, role, password)
+            elif what == "password":
+                accounts.change(name, password=password)
+            elif what == "role":
+                accounts.change(name, role=role)
+            else:
+                accounts.remove(name)
+            assert after is not None
+            model = after
+        except AccountError:
+            assert after is None
+        assert {one.name: one.role for one in accounts.all()} == {
+            one: role for one, (role, _password) in model.items()
+        }
+    for one, (role, password) in model.items():
+        assert accounts.check(one, password).role is role
+
+
+def _expected(
+    model: Dict[str, Tuple[Role, str]], what: str, name: str, role: Role, password: str
+) -> Optional[Dict[str, Tuple[Role, str]]]:
+    """Return what a change leads to; None: it is refused."""
+    after = dict(model)
+    try:
+        small = checked_name(name)
+    except AccountError:
+        return None
+    length = len(unicodedata.normalize("NFC", password))
+    allowed = 12 <= length <= 200 and password.casefold() != small
+    if (what == "add") == (small in model):
+        return None
+    if what in ("add", "password") and not allowed:
+        return None
+    if what == "add":
+        after[small] = role, password
+        return after
+    if what == "remove":
+        del after[small]
+    else:
+        after[small] = (role, after[small][1]) if what == "role" else (after[small][0], password)
+    admins = [
+        sum(one is Role.ADMIN for one, _password in known.values()) for known in (model, after)
+    ]
+    return None if admins[0] and not admins[1] else after
