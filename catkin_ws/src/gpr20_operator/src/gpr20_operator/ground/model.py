@@ -100,6 +100,30 @@ class GroundModel:
         self._echoes = EchoSource(survey.radar)
         self._forget("")
 
+    def show(
+        self,
+        settings: RadarSettings,
+        layers: FrozenSet[Layer],
+        place: Optional[Place],
+        permittivity: Optional[float],
+    ) -> None:
+        """Show what another client chose, and nothing of what was chosen before.
+
+        Args:
+            settings: All but their permittivity.
+            layers: What is drawn.
+            place: Where the crosshair is; None: it follows.
+            permittivity: That of the pictures; None: that of the survey.
+        """
+        self.follow(True)
+        self.settings, self.layers, self.hyperbola = settings, layers, None
+        self._chosen_permittivity = permittivity
+        self.take_soil(*self._soil)
+        self.notice_survey()
+        self.set_depth(settings.depth_m)
+        if place is not None:
+            self.choose_place(place.x_mm, place.y_mm)
+
     def notice_survey(self) -> None:
         """Begin again if another survey has begun, and leave a mark that is gone."""
         if self.survey.survey_id != self._survey_id:
@@ -201,7 +225,7 @@ class GroundModel:
         shown = self.survey
         state = (
             *(shown, shown.radar.revision, shown.map.revision, self._chosen, self.layers),
-            *(self.settings.polarization, self.additions.revision),
+            *(self.settings.polarization, self.additions.revision, self.additions.permittivity),
         )
         if state != self._placed[0]:
             self._placed = state, self._find_place()

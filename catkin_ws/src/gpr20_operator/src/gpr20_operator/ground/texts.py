@@ -38,12 +38,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
     if isinstance(mark, Candidate):
         return candidate_lines(mark, model.is_measured(mark.x_mm, mark.y_mm))
     if isinstance(mark, Marker):
-        made = f"{mark.time[:16].replace('T', ' ')} UTC {mark.author}".strip()
-        return (
-            Message("Marker: {text}", text=mark.text or UNKNOWN),
-            place_text(mark.x_mm, mark.y_mm, mark.depth_mm),
-            verbatim(made),
-        )
+        return marker_lines(mark)
     if model.survey.map.grid is None:
         return ()
     if place is None or model.stop is None:
@@ -53,6 +48,16 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
         *_level(model, shown),
         *_state(model),
         *(summary_lines(model) if model.follows else ()),
+    )
+
+
+def marker_lines(marker: Marker) -> Lines:
+    """Return what is known of a marker."""
+    made = f"{marker.time[:16].replace('T', ' ')} UTC {marker.author}".strip()
+    return (
+        Message("Marker: {text}", text=marker.text or UNKNOWN),
+        place_text(marker.x_mm, marker.y_mm, marker.depth_mm),
+        verbatim(made),
     )
 
 

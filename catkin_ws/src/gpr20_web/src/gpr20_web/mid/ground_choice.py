@@ -1,0 +1,123 @@
+"""What a browser wants to see of the ground, checked."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, FrozenSet, Mapping, NamedTuple, Optional, Tuple, TypeVar
+
+from gpr20_common.message import Message
+from gpr20_operator.ground.model import IMAGES, Layer
+from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
+from gpr20_operator.ground.sources import MAX_DEPTH_M
+from gpr20_operator.palette import Theme
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.trace.trace import MAX_COORDINATE
+from gpr20_web.errors import BadRequestError
+
+MM_PER_M = 1000.0
+MAX_GAIN_DB_PER_NS, MAX_POLARIZATIONS = 20.0, 64
+MAX_CHARACTERS = 32
+FLAGS = {"0": False, "1": True}
+ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
+COLOURS = {one.value: one for one in Colours}
+THEMES = {one.value: one for one in Theme}
+IMAGES_BY_NAME = {one.value: one for one in IMAGES}
+LAYERS = {one: one for one in ("coverage", "hiding", "loading", *IMAGES_BY_NAME)}
+
+Chosen = TypeVar("Chosen")
+
+
+class GroundChoice(NamedTuple):
+    """Everything that a picture depends on, besides the survey; places as in a GroundModel.
+
+    Attributes:
+        layer: One of LAYERS.
+        settings: All but their permittivity.
+        alongs: Of the sections that are asked for.
+    """
+
+    layer: str
+    theme: Theme
+    settings: RadarSettings
+    place: Optional[Place]
+    permittivity: Optional[float]
+    alongs: Tuple[Axis, ...]
+
+    @property
+    def layers(self) -> FrozenSet[Layer]:
+        """The layers of a GroundModel, of both images one at most."""
+        image = IMAGES_BY_NAME.get(self.layer)
+        return (frozenset(Layer) - IMAGES) | ({image} if image else set())
+
+
+class Values:
+    """The fields of a query or an object; each method raises BadRequestError."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self._values = values
+
+    def number(self, name: str, low: float, high: float) -> Optional[float]:
+        """Return a number between limits; None: there is none."""
+        found = self._values.get(name)
+        if found is None or found == "":
+            return None
+        number = math.nan
+        if type(found) in (str, int, float) and len(str(found)) <= MAX_CHARACTERS:
+            try:
+                number = float(found)
+            except ValueError as error:
+                raise _wrong(name) from error
+        # Written so that NaN is refused too.
+        if not low <= number <= high:
+            raise _wrong(name)
+        return number
+
+    def one(self, name: str, choices: Mapping[str, Chosen], preset: Chosen) -> Chosen:
+        """Return what a word stands for; the preset if there is none."""
+        found = self._values.get(name, "")
+        if found == "":
+            return preset
+        if not isinstance(found, str) or found not in choices:
+            raise _wrong(name)
+        return choices[found]
+
+    @property
+    def survey(self) -> str:
+        """The folder of a survey; empty: the running one."""
+        found = self._values.get("survey", "")
+        if not isinstance(found, str) or (found and not FOLDER_NAME.fullmatch(found)):
+            raise _wrong("survey")
+        return found
+
+    @property
+    def permittivity(self) -> Optional[float]:
+        """That of the pictures; None: that of the survey."""
+        return self.number("permittivity", MIN_PERMITTIVITY, LARGEST_PERMITTIVITY)
+
+    @property
+    def choice(self) -> GroundChoice:
+        """What is to be shown."""
+        preset = RadarSettings()
+        places = [self.number(one, -MAX_COORDINATE, MAX_COORDINATE) for one in ("x", "y")]
+        depth_mm = self.number("depth", 0.0, MAX_DEPTH_M * MM_PER_M)
+        settings = RadarSettings(
+            polarization=int(self.number("polarization", 0, MAX_POLARIZATIONS) or 0),
+            remove_background=self.one("background", FLAGS, True),
+            gain_db_per_ns=self.number("gain", 0.0, MAX_GAIN_DB_PER_NS) or 0.0,
+            depth_m=preset.depth_m if depth_mm is None else depth_mm / MM_PER_M,
+            along=self.one("along", ALONG, preset.along),
+            colours=self.one("colours", COLOURS, preset.colours),
+        )
+        return GroundChoice(
+            self.one("layer", LAYERS, "coverage"),
+            self.one("theme", THEMES, Theme.SUN),
+            settings,
+            None if None in places else Place(*places),  # type: ignore[arg-type]
+            self.permittivity,
+            (settings.along,) if self.one("section", FLAGS, False) else (),
+        )
+
+
+def _wrong(name: str) -> BadRequestError:
+    return BadRequestError(Message("the value {name} is not one of this page", name=name))

@@ -1,0 +1,235 @@
+"""MAP and RADAR: the ground of the running survey, or of a past one, as the window shows it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, Dict, Mapping, Optional
+
+import numpy as np
+
+from gpr20_common.message import Message
+from gpr20_operator.ground.cells import TILE_PX, Cell
+from gpr20_operator.ground.traces import TraceSource
+from gpr20_operator.jobs.job import Job, Requests, Service
+from gpr20_operator.jobs.pictures import FEWEST_TRACES, NOT_KNOWN, Imaging
+from gpr20_operator.palette import Theme
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.trace.trace import Trace
+from gpr20_web.calls import Body, Call, Route
+from gpr20_web.errors import BusyError, NotNowError
+from gpr20_web.mid.ground_choice import THEMES, Values
+from gpr20_web.mid.ground_document import Text, document
+from gpr20_web.mid.shown_ground import ShownGround, pattern_png
+from gpr20_web.mid.web_page import WebPage
+from gpr20_web.roles import Role
+
+# What has come is taken so often: each picture is made at most so often, for all browsers.
+PERIOD_S = 1.0
+# Of past surveys, whose echoes need up to 256 MB each.
+MOST_PAST = 3
+# A past survey at which nobody has looked for so long gives room, or is forgotten.
+ROOM_S, FORGOTTEN_S = 10.0, 120.0
+PNG = "image/png"
+CELLS = {one.name.lower(): one for one in Cell}
+TARGETS = {one.value.name: one.value.name for one in Targets}
+SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
+
+
+class GroundPage(WebPage):
+    """What MAP and RADAR ask for.
+
+    Args:
+        source: The storage; its events come back by `on_event`.
+        requests: The imaging node.
+        now_s: A clock that never goes back [s].
+        report: Called with the reason why a trace or a survey cannot be shown.
+    """
+
+    def __init__(
+        self,
+        source: TraceSource,
+        requests: Requests,
+        now_s: Callable[[], float],
+        report: Callable[[Message], None],
+    ) -> None:
+        self._source, self._now_s, self._report = source, now_s, report
+        imaging = Imaging(requests, now_s)
+        self._pictures = imaging.pictures
+        self._live = ShownGround(source, self._pictures, report)
+        self._past: Dict[str, ShownGround] = {}
+        self._snapshot: Optional[Snapshot] = None
+        self._refreshed_s = self._traced_s = -math.inf
+        self._jobs: Dict[str, Job[Any]] = {
+            "focus": imaging.job(Service.FOCUS, self._pictures.add_image),
+            "hide": imaging.job(Service.HIDE, self._pictures.add_hiding),
+        }
+        # The survey that each of them is for.
+        self._asked: Dict[str, str] = {}
+        self.routes = (
+            Route("GET", "/api/ground", Role.VIEW, self._ground),
+            Route("GET", r"/api/ground/(?P<kind>map|section|bar)\.png", Role.VIEW, self._png),
+            Route("GET", r"/api/ground/sign\.png", Role.VIEW, self._sign),
+            Route("POST", "/api/ground/focus", Role.VIEW, self._focus),
+            Route("POST", "/api/ground/hide", Role.OPERATE, self._hide),
+            Route("POST", "/api/ground/cancel", Role.OPERATE, self._cancel),
+        )
+
+    def on_event(self, event: object) -> None:
+        """Take traces, and what belongs to surveys."""
+        if isinstance(event, Trace):
+            self._traced_s = self._now_s()
+        for ground in (self._live, *self._past.values()):
+            ground.on_event(event)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Follow the running survey; a search that would disturb one that begins ends."""
+        self._snapshot, now_s = snapshot, self._now_s()
+        if snapshot.running and self._jobs["hide"].running:
+            self._jobs["hide"].end(SURVEY_RUNS)
+        if now_s - self._refreshed_s < PERIOD_S:
+            return
+        self._refreshed_s = now_s
+        self._live.traces.note_state(snapshot)
+        self._live.refresh(can_read=snapshot.replay is None)
+        for folder, ground in tuple(self._past.items()):
+            ground.refresh(can_read=True)
+            if now_s - ground.used_s > FORGOTTEN_S:
+                del self._past[folder]
+
+    def live(self, text: Text) -> Mapping[str, Any]:
+        """Return which pictures of the running survey are the newest."""
+        survey = self._live.survey_id if "coverage" in self._live.patterns() else ""
+        return {"ground": {"survey": survey, "revision": self._live.revision}}
+
+    def _ground(self, call: Call) -> Mapping[str, Any]:
+        """Return a survey; if its revision is known already, only what changes all the time."""
+        values = Values(call.values)
+        ground, choice = self._shown(values), values.choice
+        ground.is_outdated |= call.values.get("again") == "1"
+        found = {
+            **self._about(ground, call.text),
+            **{name: self._job(name, ground, call.text) for name in self._jobs},
+        }
+        if call.values.get("known") != ground.revision:
+            found["ground"] = document(ground, choice, call.text)
+        return found
+
+    def _png(self, call: Call) -> Body:
+        values = Values(call.values)
+        return Body(self._shown(values).png(call.parts["kind"], values.choice), PNG)
+
+    def _sign(self, call: Call) -> Body:
+        """Return the pattern of a cell, for a legend."""
+        values = Values(call.values)
+        cells = np.full((1, 1), values.one("cell", CELLS, Cell.BLANK), np.uint8)
+        return Body(pattern_png(cells, values.one("theme", THEMES, Theme.SUN), 2 * TILE_PX), PNG)
+
+    def _focus(self, call: Call) -> Mapping[str, Any]:
+        return self._ask("focus", call)
+
+    def _hide(self, call: Call) -> Mapping[str, Any]:
+        if self._snapshot is not None and self._snapshot.running:
+            raise NotNowError(SURVEY_RUNS)
+        target = Values(call.values).one("target", TARGETS, next(iter(TARGETS)))
+        return self._ask("hide", call, target=target)
+
+    def _cancel(self, call: Call) -> Mapping[str, Any]:
+        for job in self._jobs.values():
+            job.end()
+        return {}
+
+    def _ask(self, name: str, call: Call, **fields: str) -> Mapping[str, Any]:
+        """Ask the imaging node, if that is possible now."""
+        values, job = Values(call.values), self._jobs[name]
+        ground, permittivity = self._shown(values), values.permittivity
+        if self._is_replay:
+            raise NotNowError(Message("This is not possible during a replay."))
+        if ground.traces.shown.loading.stored < FEWEST_TRACES:
+            raise NotNowError(Message("This takes at least {count} traces.", count=FEWEST_TRACES))
+        if job.running:
+            raise NotNowError(Message("The imaging node is at work already. Wait for its answer."))
+        self._asked[name] = ground.survey_id
+        grid = ground.traces.shown.map.grid
+        known = permittivity or (grid and grid.permittivity) or NOT_KNOWN
+        job.ask(survey=ground.survey_id, permittivity=known, **fields)
+        return self._job(name, ground, call.text)
+
+    @property
+    def _is_replay(self) -> bool:
+        return self._snapshot is not None and self._snapshot.replay is not None
+
+    def _job(self, name: str, ground: ShownGround, text: Text) -> Dict[str, Any]:
+        job, own = self._jobs[name], self._asked.get(name) == ground.survey_id
+        said = (job.stage or job.problem) if own else None
+        return {
+            "running": job.running,
+            "seconds": int(job.running_s),
+            "said": "" if said is None else text(said),
+        }
+
+    def _about(self, ground: ShownGround, text: Text) -> Dict[str, Any]:
+        """Return which survey is shown, so that none is taken for another one."""
+        is_live, snapshot, plan = ground is self._live, self._snapshot, ground.traces.shown.map
+        current = snapshot.current if is_live and snapshot is not None else None
+        target = plan.grid.place_of(plan.current) if plan.grid and plan.current else None
+        age_s = self._now_s() - self._traced_s
+        return {
+            "title": text(self._title(ground)),
+            "past": not is_live or self._is_replay,
+            "folder": ground.folder if ground.additions.can_mark else "",
+            "revision": ground.revision,
+            "carriage": None if current is None else [current.x_mm, current.y_mm],
+            "target": None if target is None else [target.x_mm, target.y_mm],
+            "age_s": int(age_s) if is_live and math.isfinite(age_s) else None,
+        }
+
+    def _title(self, ground: ShownGround) -> Message:
+        snapshot = self._snapshot
+        if ground is not self._live:
+            return ground.traces.band or ground.problem or Message("Loading…")
+        if snapshot is not None and snapshot.replay is not None:
+            return Message("REPLAY: {survey}", survey=snapshot.replay.mark.survey)
+        if not ground.survey_id:
+            return Message("No survey yet.")
+        if snapshot is not None and snapshot.running_survey == ground.survey_id:
+            return Message("The survey that runs")
+        return Message("The last survey; it does not run now")
+
+    def _shown(self, values: Values) -> ShownGround:
+        """Return the survey that a browser asks for; a past one is read first."""
+        folder, live = values.survey, self._live
+        if not folder:
+            return live
+        if folder not in self._past:
+            self._make_room()
+            self._past[folder] = ShownGround(self._source, self._pictures, self._report, folder)
+        ground = self._past[folder]
+        ground.used_s = self._now_s()
+        ground.open()
+        # Of the running survey the live one knows more.
+        return live if ground.survey_id and ground.survey_id == live.survey_id else ground
+
+    def _make_room(self) -> None:
+        """Forget the past survey that was looked at longest ago, if there are many."""
+        if len(self._past) < MOST_PAST:
+            return
+        oldest = min(self._past.values(), key=lambda one: one.used_s)
+        if self._now_s() - oldest.used_s < ROOM_S:
+            text = "{count} past surveys are looked at now; wait until one is closed"
+            raise BusyError(Message(text, count=MOST_PAST))
+        del self._past[oldest.opened]
+
+
+class MapPage(WebPage):
+    """The words of MAP, and of RADAR as far as it has the same."""
+
+    words: Mapping[str, Message] = {
+        "title": Message("Map"),
+    }
+
+
+class RadarPage(WebPage):
+    """The words of RADAR."""
+
+    words: Mapping[str, Message] = {"title": Message("Radar")}

@@ -1,0 +1,115 @@
+"""A web page of the ground without ROS, and surveys for it."""
+
+import io
+
+import numpy as np
+from PIL import Image
+from result_kit import Requests
+from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
+
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.grid import grid_from_description
+from gpr20_operator.ground.trace_events import (
+    SurveyDescribed,
+    SurveyRead,
+    SurveysListed,
+    TracesRead,
+)
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_web.calls import Call, Person
+from gpr20_web.mid.ground_page import PERIOD_S, GroundPage
+from gpr20_web.roles import Role
+
+PLANNED = 40
+ANA = Person("Ana", Role.VIEW, "secret", "10.0.0.7")
+
+
+class Storage:
+    """Answers nothing, remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def list_surveys(self, before):
+        self.asked.append(("list", before))
+
+    def read_survey(self, folder):
+        self.asked.append(("survey", folder))
+
+    def read_traces(self, survey, indices):
+        self.asked.append(("traces", survey, indices))
+
+    def read_additions(self, survey):
+        self.asked.append(("additions", survey))
+
+    def add_marker(self, survey, marker):
+        raise AssertionError("the surveys page adds markers")
+
+    remove_marker = add_marker
+
+    def of(self, kind):
+        return [one[1:] for one in self.asked if one[0] == kind]
+
+
+class Server:
+    """A page with what its node does for it."""
+
+    def __init__(self):
+        self.now_s = 1000.0
+        self.storage, self.node, self.problems = Storage(), Requests(), []
+        self.page = GroundPage(
+            self.storage, self.node, lambda: self.now_s, lambda one: self.problems.append(str(one))
+        )
+        self.snapshot = snapshot()
+
+    def tick(self, seconds=PERIOD_S, **state):
+        """Let time pass; say what the robot does."""
+        if state:
+            self.snapshot = snapshot(**state)
+        self.now_s += seconds
+        self.page.refresh(self.snapshot)
+
+    def route(self, path, method="GET"):
+        for route in self.page.routes:
+            parts = route.match(path)
+            if route.method == method and parts is not None:
+                return route, parts
+        raise AssertionError(path)
+
+    def ask(self, path="/api/ground", method="GET", **values):
+        route, parts = self.route(path, method)
+        return route.answer(Call(ANA, ANA.address, values, parts))
+
+    def pixels(self, kind="map", **values):
+        """Return red, green, blue and alpha of a picture."""
+        body = self.ask(f"/api/ground/{kind}.png", **values)
+        assert body.kind == "image/png"
+        return np.array(Image.open(io.BytesIO(body.content)).convert("RGBA"))
+
+    def run(self, stored=PLANNED, s21=None, code=SurveyState.SURVEYING):
+        """Let a survey run of which the first traces are stored and here."""
+        text = description()
+        grid = grid_from_description(text)
+        self.page.on_event(SurveyDescribed(text))
+        runs = ((0, stored), (1, 0)) if stored < PLANNED else ((0,), (1,))
+        self.page.on_event(CoverageRuns(SURVEY, PLANNED, *runs))
+        for index in range(stored):
+            self.page.on_event(trace_at(grid, index, s21=depth_echo(0.1) if s21 is None else s21))
+        self.snapshot = snapshot(code)
+        if self.snapshot.state is not None:
+            object.__setattr__(self.snapshot.state, "survey_id", SURVEY)
+        self.tick()
+        return grid
+
+    def open_past(self, stored=PLANNED, depth_m=0.2, **asked):
+        """Ask for a past survey, and let the storage answer."""
+        self.ask(survey=FOLDER, **asked)
+        self.page.on_event(SurveysListed("", (past_survey(),), False))
+        text = description(survey_id=PAST)
+        self.page.on_event(SurveyRead(FOLDER, text, tuple(range(stored))))
+        grid = grid_from_description(text)
+        traces = [trace_at(grid, index, s21=depth_echo(depth_m)) for index in range(stored)]
+        self.page.on_event(TracesRead(0, TraceBlock.of(PAST, traces), {}))
+        self.tick()
+        return grid

@@ -1,0 +1,347 @@
+"""MAP and RADAR for browsers: the pictures are those of the window, and none shows a wrong one."""
+
+import contextlib
+
+import numpy as np
+import pytest
+from ground_kit import FOLDER, PAST, PERIOD_S, SURVEY, Server
+from hypothesis import given
+from hypothesis import strategies as st
+from map_kit import focused
+from view_kit import depth_echo, trace_at
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_operator.ground.additions import AdditionsRead
+from gpr20_operator.ground.cells import MARKS, TILES, Cell
+from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
+from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
+from gpr20_operator.ground.sources import EchoSource
+from gpr20_operator.palette import Theme
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
+from gpr20_web.roles import Role
+
+TARGETED = Place(150.0, 90.0)
+
+
+@pytest.fixture
+def server():
+    return Server()
+
+
+def radar_of(server):
+    return server.page._live.traces.live.radar
+
+
+def painted(picture, colours=Colours.ENVELOPE, upwards=True):
+    """Return the colours in which the window paints a picture, from the top."""
+    shades = picture.shades[::-1] if upwards else picture.shades
+    return colour_table(colours)[shade_numbers(shades, picture.signed)]
+
+
+def test_the_map_has_the_colours_of_the_window(server):
+    server.run()
+    settings = RadarSettings(depth_m=0.1)
+    expected = painted(EchoSource(radar_of(server)).slice(settings))
+    assert (server.pixels(layer="echoes", depth="100", permittivity="4") == expected).all()
+    assert expected.shape[:2] == (4, 5)
+
+
+@pytest.mark.parametrize("along", ["x", "y"])
+@pytest.mark.parametrize("colours", list(Colours))
+def test_a_section_has_the_colours_of_the_window(server, along, colours):
+    server.run()
+    settings = RadarSettings(
+        polarization=1, permittivity=6.0, gain_db_per_ns=2.0, remove_background=False,
+        along=Axis(along), colours=colours,
+    )  # fmt: skip
+    expected = EchoSource(radar_of(server)).line(TARGETED, settings)
+    found = server.pixels(
+        *("section",), section="1", x="150", y="90", along=along, polarization="1",
+        permittivity="6", gain="2", background="0", colours=colours.value,
+    )  # fmt: skip
+    assert (found == painted(expected, colours, upwards=False)).all()
+
+
+@pytest.mark.parametrize("theme", list(Theme))
+def test_the_coverage_has_the_signs_of_the_window(server, theme):
+    server.run(stored=4)
+    found = server.pixels(layer="coverage", theme=theme.value)
+    assert found.shape[:2] == (4 * 8, 5 * 8)
+    colours = [(0, 0, 0, 0), *((*bytes.fromhex(one.of(theme)[1:]), 255) for one in MARKS)]
+    # The first row of the plan is the lowest one of the picture.
+    done, missing = found[-8:, :8], found[:8, :8]
+    for cells, cell in ((done, Cell.DONE), (missing, Cell.MISSING)):
+        tile = TILES[cell][: 8 if cell is Cell.MISSING else None, :8][-8:]
+        assert (cells == np.array(colours)[tile]).all()
+
+
+def test_signs_for_the_legend_differ_without_their_colours(server):
+    shapes = set()
+    for cell in Cell:
+        found = server.pixels("sign", cell=cell.name.lower())
+        shapes.add((found != found[1, 1]).any(axis=2).tobytes())
+    # Of DONE and BLANK, which are plain, one is filled and one is empty.
+    assert len(shapes) == len(Cell) - 1
+
+
+def test_what_loads_is_not_shown_as_missing(server):
+    server.open_past(stored=12)
+    server.page._past[FOLDER].traces.shown.radar.begin(
+        server.page._past[FOLDER].traces.shown.map.grid
+    )
+    server.tick()
+    answer = server.ask(survey=FOLDER)
+    assert "loading" in answer["ground"]["layers"]
+    assert any("loading 0/12" in one for one in answer["ground"]["notes"])
+    loading = server.pixels(survey=FOLDER, layer="loading")
+    assert loading[:, :, 3].any()
+    assert not loading[:8, :8, 3].any()
+
+
+def test_a_place_is_said_in_words(server):
+    server.run(stored=4)
+    ground = server.ask(x="100", y="50", depth="100", layer="echoes")["ground"]
+    assert ground["lines"][0] == "X 100, Y 50, depth 100 mm"
+    assert "above the noise" in ground["lines"][1]
+    far = server.ask(x="200", y="110", layer="echoes")["ground"]
+    assert far["lines"][1:] == ["Missing", "No trace to show"]
+    assert ground["counts"][0] == ["done", "Done", 2]
+
+
+def test_the_section_says_where_it_is_and_what_its_axes_are(server):
+    server.run()
+    section = server.ask(x="150", y="90", depth="100", section="1")["ground"]["section"]
+    assert section["titles"] == ["X mm", "Depth mm, at Y 90 mm"]
+    assert section["at"] == [150.0, 100.0]
+    assert section["extent"][:2] == [87.5, 212.5]
+    assert section["columns"] == 5
+
+
+def test_no_choice_of_a_browser_changes_what_others_see(server):
+    server.run()
+    before = server.ask(section="1")
+    pictures = server.pixels(layer="echoes"), server.pixels("section", section="1")
+    server.ask(
+        *("/api/ground",), x="200", y="50", depth="20", permittivity="9", polarization="1",
+        layer="echoes", gain="5", background="0", along="y",
+    )  # fmt: skip
+    assert server.ask(section="1") == before
+    assert (server.pixels(layer="echoes") == pictures[0]).all()
+    assert (server.pixels("section", section="1") == pictures[1]).all()
+
+
+def test_a_past_survey_is_never_shown_as_the_running_one(server):
+    server.run(stored=4)
+    live = server.ask()
+    server.open_past()
+    past = server.ask(survey=FOLDER)
+    assert past["title"].startswith("PAST SURVEY: 2026-11-21 ")
+    assert past["past"]
+    assert past["age_s"] is None
+    assert past["carriage"] is None
+    assert not live["past"]
+    assert live["title"] == "The survey that runs"
+    assert server.ask()["ground"]["counts"] == live["ground"]["counts"]
+    assert past["ground"]["counts"] != live["ground"]["counts"]
+    assert server.page.live(str)["ground"]["survey"] == SURVEY
+
+
+def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
+    server.run()
+    assert server.ask(survey=FOLDER)["title"] == "Loading…"
+    assert server.storage.of("survey") == [(FOLDER,)]
+    server.ask(survey=FOLDER)
+    assert len(server.storage.of("survey")) == 1
+
+
+def test_traces_of_the_running_survey_do_not_reach_a_past_one(server):
+    grid = server.run(stored=4)
+    server.open_past(stored=12)
+    shown = server.page._past[FOLDER].traces
+    server.page.on_event(trace_at(grid, 4))
+    server.tick()
+    assert shown.live.survey_id == ""
+    assert shown.shown.radar.count == 12
+    assert radar_of(server).count == 5
+
+
+def test_the_folder_of_the_running_survey_shows_it_live(server):
+    server.run(stored=4)
+    server.ask(survey=FOLDER)
+    server.page._past[FOLDER].traces._opened = server.page._live.traces.live
+    assert not server.ask(survey=FOLDER)["past"]
+
+
+def test_a_replay_is_called_a_replay(server):
+    server.run(code=None)
+    mark = ReplayMark(SURVEY, "2026-11-21T05:10:00", FOLDER)
+    server.tick(code=SurveyState.SURVEYING, replay=ReplayView(mark, True))
+    answer = server.ask()
+    assert answer["title"].startswith("REPLAY: ")
+    assert answer["past"]
+    with pytest.raises(NotNowError):
+        server.ask("/api/ground/focus", "POST")
+
+
+def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server, monkeypatch):
+    grid = server.run(stored=20)
+    made = []
+    model = server.page._live.model
+    pictures = model.pictures
+    monkeypatch.setattr(model, "pictures", lambda alongs: made.append(1) or pictures(alongs))
+    for _browser in range(20):
+        for number in range(24):
+            server.page.on_event(trace_at(grid, 20, s21=depth_echo(0.1 + number / 1000)))
+            server.tick(0.0)
+        server.ask(layer="echoes", section="1")
+        server.pixels(layer="echoes", section="1")
+        server.pixels("section", layer="echoes", section="1")
+    assert len(made) == 1
+    server.tick(PERIOD_S)
+    server.ask(layer="echoes", section="1")
+    assert len(made) == 2
+
+
+def test_what_is_known_is_not_sent_again(server):
+    server.run()
+    revision = server.ask()["revision"]
+    assert "ground" not in server.ask(known=revision)
+    server.page.on_event(AdditionsRead(SURVEY, (), ()))
+    assert "ground" in server.ask(known=revision)
+
+
+def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
+    folders = [f"20261121T05100{number}_7c9e6679" for number in range(MOST_PAST + 1)]
+    for folder in folders[:-1]:
+        server.ask(survey=folder)
+        server.tick(1.0)
+    with pytest.raises(BusyError):
+        server.ask(survey=folders[-1])
+    server.tick(ROOM_S)
+    server.ask(survey=folders[-1])
+    assert set(server.page._past) == set(folders[1:])
+    server.tick(FORGOTTEN_S + 1.0)
+    assert not server.page._past
+
+
+def test_markers_are_read_again_when_a_browser_asks(server):
+    server.run()
+    before = len(server.storage.of("additions"))
+    for _again in range(5):
+        server.ask(again="1")
+    server.tick()
+    assert len(server.storage.of("additions")) == before + 1
+
+
+def test_an_image_is_asked_for_once_and_shown_with_its_candidates(server):
+    server.run()
+    asked = server.ask("/api/ground/focus", "POST", permittivity=4.0)
+    assert asked["running"]
+    assert server.node.of("focus") == [(SURVEY, 4.0)]
+    with pytest.raises(NotNowError):
+        server.ask("/api/ground/focus", "POST")
+    server.node.ticket("focus").done(focused())
+    answer = server.ask(layer="focused")
+    ground = answer["ground"]
+    assert not answer["focus"]["running"]
+    assert ground["traces_focused"] == 9
+    marks = [one for one in ground["marks"] if one["candidate"]]
+    assert {one["number"] for one in marks} == {"1", "2"}
+    assert marks[-1]["lines"][:2] == ["Candidate 1", "X 125, Y 90, depth 85 mm"]
+    assert server.pixels(layer="focused").shape[:2] == (2, 3)
+
+
+def test_an_image_of_another_permittivity_is_not_shown(server):
+    server.run()
+    server.ask("/api/ground/focus", "POST")
+    server.node.ticket("focus").done(focused())
+    other = server.ask(layer="focused", permittivity="12")["ground"]
+    assert not other["marks"]
+    assert other["notice"] == ["The image is not focused yet. These are the echoes."]
+    assert server.ask(layer="focused")["ground"]["marks"]
+
+
+def test_too_few_traces_are_not_focused(server):
+    server.run(stored=8)
+    with pytest.raises(NotNowError):
+        server.ask("/api/ground/focus", "POST")
+
+
+def test_hiding_places_are_never_searched_beside_a_survey(server):
+    server.run()
+    with pytest.raises(NotNowError):
+        server.ask("/api/ground/hide", "POST")
+    server.tick(code=SurveyState.FINISHED)
+    server.ask("/api/ground/hide", "POST")
+    assert server.node.of("hide") == [(SURVEY, 0.0, "pmn")]
+    server.tick(0.0, code=SurveyState.SURVEYING)
+    assert server.node.cancelled
+    assert not server.ask()["hide"]["running"]
+    assert "A survey is running" in server.ask()["hide"]["said"]
+
+
+def test_who_only_watches_cannot_search_hiding_places(server):
+    rights = {route.pattern: route.right for route in server.page.routes}
+    assert rights["/api/ground/hide"] is Role.OPERATE
+    assert all(right >= Role.VIEW for right in rights.values())
+
+
+def test_without_a_survey_nothing_is_shown(server):
+    server.tick()
+    answer = server.ask(section="1")
+    assert answer["title"] == "No survey yet."
+    assert answer["ground"]["area"] is None
+    assert answer["ground"]["section"] is None
+    assert server.page.live(str)["ground"]["survey"] == ""
+    for kind, layer in (("map", "coverage"), ("map", "echoes"), ("section", "echoes")):
+        with pytest.raises(NotFoundError):
+            server.pixels(kind, layer=layer, section="1")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("depth", one) for one in ("nan", "-1", "1e9", "inf", "x", "1" * 99)),
+        *(("x", one) for one in ("nan", "1e300")),
+        *(("survey", one) for one in ("../etc", "/", "20261121T051000_7c9e6679/..", "a" * 999)),
+        *(("layer", one) for one in ("markers", "__class__")),
+        *(("along", one) for one in ("depth", "z")),
+        *(("polarization", one) for one in ("-1", "65", "nan")),
+        *(("permittivity", one) for one in ("0", "1000", True, [1], {})),
+    ],
+)
+def test_what_no_page_sends_is_refused(server, name, value):
+    server.run()
+    with pytest.raises(BadRequestError):
+        server.ask(**{name: value})
+
+
+NAMES = [
+    *("survey", "layer", "theme", "x", "y", "depth", "along", "polarization", "permittivity"),
+    *("gain", "background", "section", "known", "again", "cell", "target", "colours"),
+]
+WORDS = [
+    *("", "0", "1", "nan", "-0", "150", "1e1", "x", "y", "echoes", "focused", "hiding", "loading"),
+    *("night", "grey", FOLDER, SURVEY, PAST, "done", "pmn", "7", "64", "0.5", "-1", "envelope"),
+]
+VALUES = st.one_of(
+    st.sampled_from(WORDS), st.text(max_size=40), st.integers(), st.floats(), st.none(),
+    st.booleans(), st.lists(st.integers(), max_size=2), st.dictionaries(st.text(), st.integers()),
+)  # fmt: skip
+
+
+class TestRandomQueries:
+    server = Server()
+    server.run(stored=17)
+    server.open_past(stored=9)
+
+    @given(st.integers(0, 5), st.dictionaries(st.sampled_from(NAMES), VALUES, max_size=8))
+    def test_random_queries_raise_no_other_errors(self, number, values):
+        paths = ["/api/ground", *(f"/api/ground/{one}.png" for one in ("map", "section", "bar"))]
+        posts = ["/api/ground/focus", "/api/ground/hide"]
+        method = "GET" if number < len(paths) else "POST"
+        with contextlib.suppress(Gpr20Error):
+            self.server.ask((paths + posts)[number], method, **values)
