@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from hashlib import sha256
-from typing import Any, Callable, Iterator, Mapping, Optional, Tuple, Union
+from typing import Any, Callable, Iterator, Mapping, Optional, Protocol, Tuple, Union
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
@@ -122,3 +122,12 @@ class Route:
 
 
 Routes = Tuple[Route, ...]
+
+
+class Audited(Protocol):
+    """Notes who did what; never waits."""
+
+    def __call__(
+        self, call: Call, what: str, outcome: str = "", survey: str = "", **values: Any
+    ) -> None:
+        """Note it, in the survey's log too if one is named."""

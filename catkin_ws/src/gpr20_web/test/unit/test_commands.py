@@ -23,8 +23,10 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.commands import Commands, Outcome, Robot, plan_id
-from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.controller import Controller, ControlPage
+from gpr20_web.mid.presses import Outcome
+from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.roles import Role
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
@@ -82,18 +84,24 @@ class Desk:
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
         self.audited: List[Dict[str, Any]] = []
+        self.controller = Controller(self.time, lambda _session: True)
         self.commands = Commands(
             Robot(self.model, self.control, self.allowance, self.time),
-            Controller(self.time, lambda _session: True),
+            self.controller,
             self._note,
             view_may_stop,
         )
+        self.control_page = ControlPage(self.controller, self.time, self._note)
         self.be(SurveyState.CONFIGURED)
 
     def _note(self, call: Call, what: str, outcome: str = "", survey: str = "", **_: Any) -> None:
         self.audited.append(
             {"who": call.who.name, "what": what, "outcome": outcome, "survey": survey}
         )
+
+    @property
+    def routes(self) -> Any:
+        return (*self.commands.routes, *self.control_page.routes)
 
     def be(self, code: SurveyState, message: Optional[Message] = None) -> None:
         self.model.handle(ControlState(code, message or Message("so it is"), SURVEY, True))
@@ -103,7 +111,7 @@ class Desk:
         self.commands.on_event(RemoteArmed(True, 600.0, plan))
 
     def ask(self, name: str, person: Person = ANA, press: str = "", **values: Any) -> Any:
-        route = next(one for one in self.commands.routes if one.pattern == f"/api/{name}")
+        route = next(one for one in self.routes if one.pattern == f"/api/{name}")
         if person.role < route.right:
             raise NotAllowedError(Message("no right"))
         press = press or uuid.uuid4().hex
@@ -286,10 +294,10 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
                 if what == "control/take" and holder is None:
                     holder = argument.session
                 elif what == "control/release" and holder == argument.session:
-                    holder = desk.commands._controller.holder
+                    holder = desk.controller.holder
                     holder = None if holder is None else holder.session
-                if desk.commands._controller.holder is not None:
-                    holder = desk.commands._controller.holder.session
+                if desk.controller.holder is not None:
+                    holder = desk.controller.holder.session
         for command in itertools.islice(desk.control.asked, asked, None):
             if command == "resume" or command[0] == "start":
                 assert argument.role >= Role.OPERATE

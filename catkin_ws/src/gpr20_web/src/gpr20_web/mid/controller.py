@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Callable, Optional
+from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web import faults
-from gpr20_web.calls import Person
+from gpr20_web.calls import Audited, Call, Person, Route
 from gpr20_web.errors import NotAllowedError
+from gpr20_web.mid.web_page import WebPage
+from gpr20_web.roles import Role
 
 # Who does not answer the request of another one for so long [s] is not there.
 ANSWER_S = 20.0
@@ -110,3 +114,65 @@ class Controller:
 
     def _give(self, person: Person) -> None:
         self.holder, self.asked, self._seen_s = person, None, self._now_s()
+
+
+class ControlPage(WebPage):
+    """Taking, passing and giving up control, in sight of everybody."""
+
+    words: Mapping[str, Message] = {
+        "take": Message("Take control"),
+        "ask": Message("Ask {name} for control", name=""),
+        "release": Message("Give control up"),
+        "pass": Message("Pass control to {name}", name=""),
+        "keep": Message("Keep control"),
+        "nobody": Message("Nobody is in control."),
+        "you": Message("You are in control."),
+        "other": Message("{name} is in control.", name=""),
+        "asked": Message("{name} asks for control. It passes in {seconds} s.", name="", seconds=""),
+    }
+
+    def __init__(self, controller: Controller, clock: Clock, audit: Audited) -> None:
+        self._controller, self._clock, self._audit = controller, clock, audit
+        steps = {"take": self._take, "release": self._release, "pass": self._pass}
+        steps["keep"] = self._keep
+        self.routes = tuple(
+            Route("POST", f"/api/control/{name}", Role.OPERATE, step)
+            for name, step in steps.items()
+        )
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Let control pass when its time has come."""
+        self._controller.refresh()
+
+    def live(self, text: Callable[[Message], str]) -> Mapping[str, Any]:
+        """Return who is in control, and who asks for it."""
+        holder, asked = self._controller.holder, self._controller.asked
+        waits = None
+        if asked is not None:
+            left_s = max(0.0, asked.passes_s - self._clock.now_s())
+            waits = {**_browser(asked.person), "passes_s": math.ceil(left_s)}
+        return {"control": {"holder": None if holder is None else _browser(holder), "asked": waits}}
+
+    def _take(self, call: Call) -> Mapping[str, Any]:
+        self._controller.take(call.who)
+        self._audit(call, "control", "taken" if self._controller.has(call.who) else "asked for")
+        return {}
+
+    def _release(self, call: Call) -> Mapping[str, Any]:
+        self._controller.release(call.who)
+        self._audit(call, "control", "given up")
+        return {}
+
+    def _pass(self, call: Call) -> Mapping[str, Any]:
+        self._controller.answer(call.who, True)
+        self._audit(call, "control", "passed")
+        return {}
+
+    def _keep(self, call: Call) -> Mapping[str, Any]:
+        self._controller.answer(call.who, False)
+        self._audit(call, "control", "kept")
+        return {}
+
+
+def _browser(person: Person) -> Dict[str, Any]:
+    return {"name": person.name, "mark": person.mark}

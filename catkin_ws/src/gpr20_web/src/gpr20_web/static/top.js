@@ -119,11 +119,11 @@ export class Top {
       parts.push(app.word("commands.armed", { time }));
     } else parts.push(remote.obstacle);
     const { holder, asked } = control;
-    if (app.inControl) parts.push(app.word("commands.you"));
-    else if (holder) parts.push(app.word("commands.other", { name: holder.name }));
-    else parts.push(app.word("commands.nobody"));
+    if (app.inControl) parts.push(app.word("control.you"));
+    else if (holder) parts.push(app.word("control.other", { name: holder.name }));
+    else parts.push(app.word("control.nobody"));
     if (asked)
-      parts.push(app.word("commands.asked", { name: asked.name, seconds: asked.passes_s }));
+      parts.push(app.word("control.asked", { name: asked.name, seconds: asked.passes_s }));
     const key = JSON.stringify([parts.slice(1), holder, asked, app.inControl]);
     if (key !== this.remoteKey) {
       this.remoteKey = key;
@@ -139,13 +139,13 @@ export class Top {
     const send = (path) => () => app.post(path).catch((error) => app.report(error));
     if (app.inControl && asked)
       return [
-        button(app.word("commands.pass", { name: asked.name }), send("/api/control/pass")),
-        button(app.word("commands.keep"), send("/api/control/keep")),
+        button(app.word("control.pass", { name: asked.name }), send("/api/control/pass")),
+        button(app.word("control.keep"), send("/api/control/keep")),
       ];
-    if (app.inControl) return [button(app.word("commands.release"), send("/api/control/release"))];
+    if (app.inControl) return [button(app.word("control.release"), send("/api/control/release"))];
     const text = holder
-      ? app.word("commands.ask", { name: holder.name })
-      : app.word("commands.take");
+      ? app.word("control.ask", { name: holder.name })
+      : app.word("control.take");
     return [button(text, send("/api/control/take"), { id: "take" })];
   }
 

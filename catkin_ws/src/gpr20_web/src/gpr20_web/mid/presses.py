@@ -1,0 +1,115 @@
+"""The commands that were pressed, what became of each, and who pressed it."""
+
+from __future__ import annotations
+
+import enum
+import re
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Any, Callable, List, Mapping, Optional
+
+from gpr20_common.message import Message
+from gpr20_operator.robot.events import Answer, Request
+from gpr20_web.calls import Call
+from gpr20_web.errors import BadRequestError
+
+# The browser makes a new one for each press.
+_PRESS_ID = re.compile("[0-9a-f]{32}")
+# A press that is sent again within this many others is not carried out again.
+KNOWN_PRESSES = 500
+# An answer that has not come by then [s] is called unknown; homing may take longer than the rest.
+ANSWER_S = {Request.STOP: 5.0, Request.PAUSE: 12.0, Request.START: 1200.0, Request.RESUME: 1200.0}
+
+
+class Outcome(enum.Enum):
+    """What is known of a command."""
+
+    SENT = "sent"
+    DONE = "done"
+    REFUSED = "refused"
+    UNKNOWN = "unknown"
+
+
+@dataclass
+class Command:
+    """A press, and what became of it.
+
+    Attributes:
+        answered: Whether its answer came, or another one of the same kind.
+    """
+
+    press: str
+    request: Request
+    call: Call
+    sent_s: float
+    outcome: Outcome = Outcome.SENT
+    said: Optional[Message] = None
+    answered: bool = False
+
+
+class Presses:
+    """The last commands of all persons.
+
+    Attributes:
+        last: The last one; None: there was none.
+    """
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[str, Command] = OrderedDict()
+        self.last: Optional[Command] = None
+
+    def find(self, press: str) -> Optional[Command]:
+        """Return the command of a press that was sent before; None: it is new."""
+        return self._known.get(press)
+
+    def add(self, press: str, request: Request, call: Call, now_s: float) -> Command:
+        """Note a command that was passed on."""
+        self.last = self._known[press] = Command(press, request, call, now_s)
+        while len(self._known) > KNOWN_PRESSES:
+            self._known.popitem(last=False)
+        return self.last
+
+    def waiting(self, request: Request) -> List[Command]:
+        """Return those that are not answered yet."""
+        known = self._known.values()
+        return [one for one in known if one.request is request and not one.answered]
+
+    def end(self, answer: Answer) -> List[Command]:
+        """Take an answer; return the commands that it ends."""
+        ended = self.waiting(answer.request)
+        outcome = Outcome.DONE if answer.success else Outcome.REFUSED
+        for one in ended:
+            one.answered, one.said = True, answer.message
+            one.outcome = outcome if answer.contact else Outcome.UNKNOWN
+        return ended
+
+    def refresh(self, now_s: float) -> None:
+        """Call the last one unknown when its answer is late."""
+        last = self.last
+        if last is not None and not last.answered and now_s - last.sent_s > ANSWER_S[last.request]:
+            last.outcome = Outcome.UNKNOWN
+
+    def values(self, text: Callable[[Message], str]) -> Optional[Mapping[str, Any]]:
+        """Return the last one for browsers."""
+        last = self.last
+        if last is None:
+            return None
+        return {
+            "press": last.press,
+            "request": last.request.value,
+            "name": last.call.who.name,
+            "outcome": last.outcome.value,
+            "text": "" if last.said is None else text(last.said),
+        }
+
+
+def press_of(call: Call) -> str:
+    """Return the mark of a press.
+
+    Raises:
+        BadRequestError: It has none.
+    """
+    press = call.values.get("press")
+    if not isinstance(press, str) or not _PRESS_ID.fullmatch(press):
+        raise BadRequestError(Message("the request has no mark of its press"))
+    return press
