@@ -1,0 +1,111 @@
+"""users: the accounts of the page, from the command line of its computer; ROS need not run."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import sys
+from pathlib import Path
+from typing import Callable
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
+from gpr20_web.errors import AccountError
+from gpr20_web.low.account_file import AccountFile, checked_name, role_of
+from gpr20_web.mid.accounts import Accounts
+from gpr20_web.mid.web_parameters import WebParameters
+from gpr20_web.roles import Role
+
+
+def main() -> int:
+    """Do what the command line asks; return the exit status."""
+    given = _parser().parse_args()
+    accounts = Accounts(AccountFile(given.folder.expanduser().absolute()), Clock())
+    try:
+        given.act(accounts, given)
+        if given.act is not _list and all(one.role is not Role.ADMIN for one in accounts.all()):
+            say("users: no account may manage the others on the page", file=sys.stderr)
+        return 0
+    except Gpr20Error as error:
+        remedy = [] if error.message.remedy is None else [f"-> {error.message.remedy}"]
+        say(f"users: {error}", *remedy, file=sys.stderr)
+    except KeyboardInterrupt:
+        say("users: nothing was changed", file=sys.stderr)
+    return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="users", description="Manage the accounts of the page for browsers."
+    )
+    actions = parser.add_subparsers(dest="action", metavar="ACTION")
+    actions.required = True
+    roles = [one.word for one in Role if one is not Role.NOBODY]
+
+    def add(name: str, act: Callable[..., None], text: str) -> argparse.ArgumentParser:
+        one = actions.add_parser(name, help=text, description=text)
+        one.set_defaults(act=act)
+        one.add_argument("--folder", type=Path, default=WebParameters.folder, help="of the page")
+        if name != "list":
+            one.add_argument("name", metavar="NAME")
+        return one
+
+    add("list", _list, "show the accounts")
+    new = add("add", _add, "make an account")
+    new.add_argument("--role", choices=roles, required=True)
+    password = add("password", _password, "give an account another password")
+    add("role", _role, "give an account another role").add_argument("role", choices=roles)
+    add("remove", _remove, "remove an account")
+    for one in (new, password):
+        one.add_argument("--stdin", action="store_true", help="read the password as one line")
+    return parser
+
+
+def _list(accounts: Accounts, _given: argparse.Namespace) -> None:
+    found = accounts.all()
+    if found:
+        say(*(f"{one.name:40} {one.role.word:8} {one.created[:10]}" for one in found))
+    else:
+        say("users: there are no accounts", file=sys.stderr)
+
+
+def _add(accounts: Accounts, given: argparse.Namespace) -> None:
+    if accounts.find(checked_name(given.name)) is not None:
+        raise AccountError(Message("there is an account {name} already", name=given.name))
+    made = accounts.add(given.name, role_of(given.role), _asked_password(given.stdin))
+    say(f"{made.name}: account made, {made.role.word}")
+
+
+def _password(accounts: Accounts, given: argparse.Namespace) -> None:
+    if accounts.find(given.name) is None:
+        raise AccountError(Message("there is no account {name}", name=given.name))
+    changed = accounts.change(given.name, password=_asked_password(given.stdin))
+    say(f"{changed.name}: password changed; whoever was logged in is so no longer")
+
+
+def _role(accounts: Accounts, given: argparse.Namespace) -> None:
+    changed = accounts.change(given.name, role_of(given.role), keep_admin=False)
+    say(f"{changed.name}: {changed.role.word}; whoever was logged in is so no longer")
+
+
+def _remove(accounts: Accounts, given: argparse.Namespace) -> None:
+    accounts.remove(given.name, keep_admin=False)
+    say(f"{given.name}: removed")
+
+
+def _asked_password(from_stdin: bool) -> str:
+    """Return a new password; a person types it twice, because nobody sees it."""
+    if from_stdin:
+        # Bytes that are no text make no password, which is refused like any other.
+        line = sys.stdin.buffer.readline()
+        return line.decode("utf-8", "surrogateescape").rstrip("\r\n")
+    try:
+        password = getpass.getpass("New password: ")
+        again = getpass.getpass("Again: ")
+    except EOFError as error:
+        raise AccountError(Message("no password was given")) from error
+    if password != again:
+        raise AccountError(Message("the two passwords are different"))
+    return password
