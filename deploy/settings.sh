@@ -3,7 +3,7 @@
 # real robot instead of the simulated one, or leave the firewall away.
 # shellcheck shell=sh
 
-GPR20_SETTINGS="ROBOT SERVER ADMIN FIREWALL DATA CONFIG LAUNCH_ARGUMENTS WINDOW_ARGUMENTS"
+GPR20_SETTINGS="ROBOT SERVER ADMIN FIREWALL WEB DATA CONFIG LAUNCH_ARGUMENTS WINDOW_ARGUMENTS"
 
 # gpr20_read_settings FILE: check the file and export what it sets. What the caller has set already
 # stays. On a mistake: a sentence, and status 1.

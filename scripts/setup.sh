@@ -26,7 +26,7 @@ PACKAGES_MB=1600
 PYTHON_MB=1000
 
 DEBIAN_PACKAGES=(
-    cmake g++ make openssh-client python3-dev python3-venv python3-numpy python3-pyqt5
+    cmake g++ make openssh-client openssl python3-dev python3-venv python3-numpy python3-pyqt5
     python3-pyqt5.qtsvg x11-xserver-utils
 )
 # Packages of ROS: the name in Debian and, behind the colon, in ROS.
@@ -42,8 +42,8 @@ DEBIAN_DEV_PACKAGES=(
     debhelper gettext git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
-# ROS 2's compiler of interfaces, with which the tests build those of ros2/, and the browser in which
-# they open the page of gpr20_web: Ubuntu 20.04 has neither as a package of apt.
+# ROS 2's compiler of interfaces, with which the tests build those of ros2/, and the browser in
+# which they open the page of gpr20_web: Ubuntu 20.04 has neither as a package of apt.
 [ -n "$(ros_setup_file)" ] || DEBIAN_DEV_PACKAGES+=(chromium chromium-driver rosidl-core)
 
 dev=no robot=no analysis=no scikit_rf=no mode=install

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import re
 import shutil
@@ -12,8 +13,9 @@ from pathlib import Path
 import install_page
 import package_files
 import pytest
-from network_namespaces import ROBOT, SERVER, two_machines
+from network_namespaces import ROBOT, ROBOT_STRANGER, SERVER, two_machines
 from package_files import unit_values
+from test_firewall import PORT, listening
 from user_shell import ROOT, wait_until
 
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
@@ -230,6 +232,56 @@ def test_without_a_link_or_switched_off_there_are_no_rules(environment, changed)
     assert rules_after(f"{FIREWALL} load", **other) == "", file
 
 
+NETWORKS = f"{ADMIN} 10.9.8.7"
+ONE_MACHINE = {"GPR20_ROBOT": "", "GPR20_SERVER": "", "GPR20_ADMIN": ""}
+
+
+def port_rules(rules, port):
+    return [line.strip() for line in rules.splitlines() if f"tcp dport {port} " in line]
+
+
+@needs_network
+@pytest.mark.parametrize("text, port", [("", 8443), ("#port: 1\nport: 9443  # own\n", 9443)])
+def test_the_web_page_is_reached_from_its_networks_alone(environment, tmp_path, text, port):
+    program("nft")
+    (tmp_path / "web.yaml").write_text(text)
+    settings = environment(GPR20_WEB=NETWORKS, GPR20_CONFIG=tmp_path)
+    accepted = [f"ip saddr {one} tcp dport {port} accept" for one in NETWORKS.split()]
+    rules = rules_after(f"{FIREWALL} load", **settings)
+    assert port_rules(rules, port) == accepted and "policy drop" in rules
+    # Where nothing else is protected, it is.
+    settings = environment(GPR20_WEB=NETWORKS, GPR20_CONFIG=tmp_path, **ONE_MACHINE)
+    rules = rules_after(f"{FIREWALL} load", **settings)
+    assert port_rules(rules, port) == [*accepted, f"tcp dport {port} drop"]
+    assert "policy accept" in rules and "dport 22" not in rules
+    settings = environment(GPR20_WEB="none", GPR20_CONFIG=tmp_path, **ONE_MACHINE)
+    rules = rules_after(f"{FIREWALL} load", **settings)
+    assert port_rules(rules, port) == [f"tcp dport {port} drop"]
+
+
+@needs_network
+def test_a_browser_gets_through_from_a_network_of_the_page_and_from_no_other(environment, tmp_path):
+    (tmp_path / "web.yaml").write_text(f"port: {PORT}\n")
+    with two_machines() as (server, robot), listening(server, SERVER):
+        for web, link in itertools.product((ROBOT_STRANGER, ADMIN), ({}, ONE_MACHINE)):
+            settings = environment(GPR20_WEB=web, GPR20_CONFIG=tmp_path, **link)
+            printed_by(*server.prefix, FIREWALL, "load", **settings)
+            reached = robot.reached(ROBOT_STRANGER, SERVER, [PORT])
+            assert reached == ({PORT} if web == ROBOT_STRANGER else set()), (web, link)
+
+
+@needs_network
+@pytest.mark.parametrize(
+    "text", ["{port: 9443}", "'port': 9443", "port: 0x1F90", "port: 8443\nport: 9443"]
+)
+def test_a_port_of_the_page_that_the_firewall_cannot_read_is_refused(environment, tmp_path, text):
+    (tmp_path / "web.yaml").write_text(text)
+    settings = environment(GPR20_WEB="none", GPR20_CONFIG=tmp_path)
+    # Not on this computer, whose firewall it would be.
+    said = printed_by("unshare", "--net", FIREWALL, "load", status=1, **settings)
+    assert f"{tmp_path}/web.yaml cannot be read; write port: and a number" in said
+
+
 WRONG = {
     "nobody could get in": ({"GPR20_ADMIN": ""}, "GPR20_ADMIN is empty"),
     "no address": ({"GPR20_ROBOT": "10.20.0.256"}, "GPR20_ROBOT is '10.20.0.256'"),
@@ -237,6 +289,7 @@ WRONG = {
     "the same": ({"GPR20_SERVER": ROBOT}, "must differ"),
     "everybody gets in": ({"GPR20_ADMIN": "0.0.0.0/0"}, "GPR20_ADMIN is '0.0.0.0/0'"),
     "a command": ({"GPR20_ADMIN": "1.2.3.4 accept; drop"}, "GPR20_ADMIN is 'accept;'"),
+    "every browser gets in": ({"GPR20_WEB": "0.0.0.0/0"}, "GPR20_WEB is '0.0.0.0/0'"),
     "neither on nor off": ({"GPR20_FIREWALL": "OFF"}, "GPR20_FIREWALL is 'OFF'"),
     "a comment": ({"GPR20_SERVER": "10.20.0.2 # pc"}, "GPR20_SERVER has a comment behind it"),
 }

@@ -49,6 +49,17 @@ def test_the_real_robot_runs_only_if_it_is_named(machine):
     assert "must name the robot" in done.stderr
 
 
+WEB = SHIPPED.replace("GPR20_WEB=", "GPR20_WEB=192.168.1.0/24")
+TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2", "ROS_IP": "127.0.0.1"}
+
+
+def test_the_web_page_runs_beside_the_surveys_if_a_network_may_reach_it(machine):
+    assert "<web:=true>" in machine(WEB).stdout
+    assert "<web:=true>" in machine(WEB, "server", **TWO).stdout
+    for done in (machine(SHIPPED), machine(SHIPPED, "server", **TWO)):
+        assert done.returncode == 0 and "web" not in done.stdout, done.stderr
+
+
 WRONG = {
     "space before": (f" {SIMULATED}", "is not NAME=value"),
     "export": (f"export {SIMULATED}", "is not NAME=value"),
