@@ -1,0 +1,96 @@
+"""What a browser shows of a stored survey, in the sentences of the window."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, Dict, List, Optional
+
+from gpr20_common.message import Message
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys, present_verdict, title_of
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.pictures import StoredSurvey
+from gpr20_operator.jobs.result import SurveyResult, list_sum
+from gpr20_operator.plan.annotation import annotation_texts
+from gpr20_operator.plan.fields import PEOPLE
+from gpr20_operator.words import size_text
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import present_markers
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_web.mid.now_page import Text, sentence
+
+
+def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, Any]:
+    """Return a row of the list."""
+    ending = past.ending_of(survey)
+    return {
+        "folder": survey.folder,
+        "title": title_of(survey),
+        "time": survey.local_time(),
+        "ending": sentence(text, past.ending(survey)),
+        "state": ending.value,
+        "simulated": survey.simulated and ending is not Ending.UNREADABLE,
+        "people": " · ".join(one for one in (survey.site, survey.operator) if one),
+    }
+
+
+def lines_of(past: PastSurveys, survey: SurveySummary, text: Text) -> List[str]:
+    """Return the size of a survey, and how it ended."""
+    area, count = survey.thumbnail, survey.stored_traces
+    lines = (
+        size_text(round(area.width_mm), round(area.height_mm)) if area.width_mm else None,
+        Message("{count} traces", count=count) if survey.problem is None else None,
+        past.ending(survey),
+        present_verdict(survey),
+    )
+    return [sentence(text, one) for one in lines if one is not None]
+
+
+def written_of(stored: Optional[StoredSurvey], text: Text) -> Dict[str, Any]:
+    """Return what people have written about a survey.
+
+    Raises:
+        Gpr20Error: It is damaged.
+    """
+    values = {} if stored is None else parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
+    notes = annotation_texts(annotation_of(values))
+    return {
+        "notes": [(text(one.title), notes[one.name]) for one in PEOPLE if notes[one.name]],
+        "markers": [asdict(one) for one in present_markers(values)],
+    }
+
+
+def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
+    """Return what was found in a survey, and its candidates if they are known."""
+    record, image = result.record, result.image
+    found = () if record is None else record.found
+    shown: Dict[str, Any] = {"found": [sentence(text, texts.found_line(one)) for one in found]}
+    if image is None:
+        return shown
+    places, soil = result.places, texts.soil_lines(result)
+    notes = [NO_CLEARANCE, *([] if places else [texts.NOT_SAFE]), *texts.notices(result)]
+    if image.found.simulated:
+        notes.insert(0, SIMULATED)
+    shown["candidates"] = {
+        "headline": sentence(text, texts.headline(image.found, most=len(places))),
+        "notes": [text(one) for one in (*notes, texts.FROM_MARK)],
+        "soil": ": ".join(map(text, soil)),
+        "list": list_sum(image.found),
+        "places": [_place(result, one, text) for one in places],
+    }
+    return shown
+
+
+def _place(result: SurveyResult, place: Candidate, text: Text) -> Dict[str, Any]:
+    found = result.find_at(place)
+    return {
+        "id": place.id,
+        "number": place.number,
+        "place": text(texts.whole_place(place)),
+        "doubtful": place.is_doubtful,
+        "line": sentence(text, texts.why_line(place)),
+        "why": [sentence(text, one) for one in texts.why_lines(place)],
+        "found": "" if found is None else sentence(text, texts.found_line(found)),
+    }

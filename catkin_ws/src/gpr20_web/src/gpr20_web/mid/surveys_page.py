@@ -1,0 +1,261 @@
+"""SURVEYS: the stored surveys as the window lists them, what people add to them, and downloads."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+import uuid
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Callable, Dict, Mapping, Tuple
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
+from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.result import SURVEY_RUNS, list_sum
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.found import What
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.trace import utc_time
+from gpr20_web.calls import Body, Call, Route
+from gpr20_web.errors import BadRequestError, NotFoundError, NotNowError
+from gpr20_web.mid import survey_files, survey_values
+from gpr20_web.mid.candidate_search import CandidateSearches, SurveyServices
+from gpr20_web.mid.now_page import sentence
+from gpr20_web.mid.web_page import WebPage
+from gpr20_web.roles import Role
+
+SURVEYS_PER_PAGE = 50
+MOST_CHARACTERS = 2000
+SURVEY = f"/api/surveys/(?P<folder>{FOLDER_NAME.pattern})"
+FORMS = "|".join(map(re.escape, survey_files.FILES))
+OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")
+
+
+class SurveysPage(WebPage):
+    """The stored surveys.
+
+    Args:
+        services: Storage and imaging node.
+        data: The data folder, on this computer.
+        audit: Notes what a person has written, see `Audit.add`.
+        in_background: Calls something in a thread of its own.
+    """
+
+    words: Mapping[str, Message] = {
+        "title": Message("Surveys"),
+        "search": Message("Search"),
+        "hint": Message("Name, site, operator, date"),
+        "all": Message("All"),
+        "not complete": Message("Not complete"),
+        "imported": Message("Imported"),
+        "older": Message("Older"),
+        "none": Message("No survey fits the search."),
+        "simulated": Message("SIMULATED"),
+        "notes": Message("Notes"),
+        "add": Message("Add"),
+        "markers": Message("Markers"),
+        "x": Message("X (mm)"),
+        "y": Message("Y (mm)"),
+        "depth": Message("Depth (mm), if known"),
+        "text": Message("Text"),
+        "remove": Message("Remove"),
+        "found": Message("Found"),
+        "place": Message("Place"),
+        "candidates": Message("Candidates"),
+        "find": Message("Search for candidates"),
+        "searching": Message("Searching for places: {seconds} s", seconds=""),
+        "downloads": Message("Downloads"),
+        "whole": Message("whole survey as ZIP"),
+        **{one.value: text for one, text in texts.FINDS.items()},
+    }
+
+    def __init__(
+        self,
+        services: SurveyServices,
+        data: Path,
+        audit: Callable[..., None],
+        in_background: Callable[[Callable[[], None]], None],
+        time_us: Callable[[], int] = time_of_day_us,
+    ) -> None:
+        self._services, self._data, self._audit, self._time_us = services, data, audit, time_us
+        self._searches = CandidateSearches(services, in_background)
+        self._running, self._replay = "", False
+        # A note is added to those that were read just before.
+        self._noting = threading.Lock()
+        self.routes = tuple(
+            Route(method, pattern, Role.VIEW, answer, blocking=True)
+            for method, pattern, answer in (
+                ("GET", "/api/surveys", self._list),
+                ("GET", SURVEY, self._details),
+                ("POST", f"{SURVEY}/notes", self._add_note),
+                ("POST", f"{SURVEY}/markers", self._change_markers),
+                ("POST", f"{SURVEY}/found", self._add_found),
+                ("POST", f"{SURVEY}/candidates", self._find),
+                ("GET", f"{SURVEY}/candidates", self._searched),
+                ("GET", f"{SURVEY}/files/(?P<name>{FORMS})", self._form),
+                ("GET", f"{SURVEY}/zip", self._whole),
+            )
+        )
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Follow which survey runs: nothing is searched meanwhile."""
+        if snapshot.running_survey and not self._running:
+            self._searches.end()
+        self._running, self._replay = snapshot.running_survey, snapshot.replay is not None
+
+    def _folder(self, call: Call) -> Path:
+        return survey_files.folder_of(self._data, call.parts["folder"])
+
+    def _past(self, before: str, most: int) -> PastSurveys:
+        if self._replay:
+            raise NotNowError(NO_LIST)
+        past = PastSurveys()
+        past.set_running(self._running)
+        page = self._services.ask(Service.LIST, before=before, max_surveys=most)
+        past.take("", page.surveys, page.more)
+        return past
+
+    def _survey(self, call: Call) -> Tuple[PastSurveys, SurveySummary]:
+        folder = self._folder(call).name
+        past = self._past(_just_after(folder), 1)
+        survey = past.find(folder)
+        if survey is None:
+            raise NotFoundError(Message("there is no survey {survey}", survey=folder))
+        return past, survey
+
+    def _list(self, call: Call) -> Mapping[str, Any]:
+        before, text = _text(call, "before"), _text(call, "text")
+        listed = _one_of(Listed, call.values.get("listed", Listed.ALL.value))
+        if before and not FOLDER_NAME.fullmatch(before):
+            raise BadRequestError(Message("before is the folder of a survey"))
+        past = self._past(before, SURVEYS_PER_PAGE)
+        found = past.found(listed, text)
+        return {
+            "surveys": [survey_values.row_of(past, one, call.text) for one in found],
+            "next": past.next_before if past.more else "",
+        }
+
+    def _details(self, call: Call) -> Mapping[str, Any]:
+        past, survey = self._survey(call)
+        shown = {
+            **survey_values.row_of(past, survey, call.text),
+            "lines": survey_values.lines_of(past, survey, call.text),
+            "can_search": past.can_analyze(survey),
+            "files": [],
+        }
+        problems = [survey.problem]
+        try:
+            survey_files.check_closed(self._folder(call))
+            shown.update(survey_files.sizes_of(self._folder(call)))
+        except Gpr20Error as error:
+            problems.append(error.message)
+        if survey.problem is None:
+            opened = self._searches.read(survey.folder)
+            shown.update(survey_values.result_of(opened.result, call.text))
+            problems.append(opened.result.reading.problem)
+            try:
+                shown.update(survey_values.written_of(opened.stored, call.text))
+            except Gpr20Error as error:
+                problems.append(error.message)
+        return {**shown, "problems": [sentence(call.text, one) for one in problems if one]}
+
+    def _add_note(self, call: Call) -> Mapping[str, Any]:
+        folder, text = self._folder(call).name, _text(call, "text").strip()
+        if not text:
+            raise BadRequestError(Message("the note is empty"))
+        when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
+        line = f"{when} UTC, {call.who.name}: {text}"
+        with self._noting:
+            stored = self._services.ask(Service.READ, survey=folder)
+            before = annotation_of(parse_object(stored.text, "survey.json", MAX_FILE_BYTES))
+            after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
+            self._services.ask(Service.ANNOTATE, survey=folder, annotation=after)
+        self._audit(call, "note", folder=folder, text=text)
+        return {}
+
+    def _change_markers(self, call: Call) -> Mapping[str, Any]:
+        folder, who = self._folder(call).name, call.who.name
+        text, removed = _text(call, "text"), _text(call, "remove")
+        place: Dict[str, Any] = {one: call.values.get(one) for one in ("x_mm", "y_mm", "depth_mm")}
+        if removed:
+            fields: Dict[str, Any] = {"marker_id": removed, "remove": True, "author": who}
+        else:
+            fields = {"marker": Marker(str(uuid.uuid4()), **place, text=text, author=who)}
+        self._services.ask(Service.MARK, survey=folder, **fields)
+        self._audit(call, "marker", folder=folder, text=text, removed=removed, **place)
+        return {}
+
+    def _add_found(self, call: Call) -> Mapping[str, Any]:
+        folder, depth_mm = self._folder(call).name, call.values.get("depth_mm")
+        what = _one_of(What, call.values.get("what"))
+        if isinstance(depth_mm, bool) or not isinstance(depth_mm, (int, float, type(None))):
+            raise BadRequestError(Message("depth_mm is a number"))
+        result = self._searches.read(folder).result
+        known = result.image is not None and list_sum(result.image.found)
+        wanted = call.values.get("candidate") if known == call.values.get("list") else None
+        place = next((one for one in result.places if one.id == wanted), None)
+        if place is None:
+            raise NotNowError(result.reading.problem or OTHERS_BY_NOW)
+        result.note_found(place, what, depth_mm, call.who.name)
+        if result.noting.problem is not None:
+            raise NotNowError(result.noting.problem)
+        self._audit(call, "found", folder=folder, candidate=place.id, found=what.value)
+        return {}
+
+    def _find(self, call: Call) -> Mapping[str, Any]:
+        past, survey = self._survey(call)
+        if not past.can_analyze(survey):
+            raise NotNowError(SURVEY_RUNS if self._running else past.ending(survey))
+        self._searches.begin(survey.folder)
+        return {}
+
+    def _searched(self, call: Call) -> Mapping[str, Any]:
+        last = self._searches.last
+        if last is None or last.folder != call.parts["folder"]:
+            raise NotFoundError(Message("this survey was not searched"))
+        problem = last.problem
+        return {
+            "state": last.state.value,
+            "seconds": int(time.monotonic() - last.began_s),
+            "problem": sentence(call.text, problem),
+            "remedy": sentence(call.text, problem and problem.remedy),
+        }
+
+    def _form(self, call: Call) -> Body:
+        return survey_files.form_of(self._folder(call), call.parts["name"])
+
+    def _whole(self, call: Call) -> Body:
+        return survey_files.whole_of(self._folder(call))
+
+
+def _just_after(folder: str) -> str:
+    """Return a name that is later than a folder's, and not later than that of the next one."""
+    moment, _, identity = folder.partition("_")
+    number = int(identity, 16) + 1
+    later = f"{int(moment.replace('T', '')) + (number >> 32):014d}"
+    return f"{later[:8]}T{later[8:]}_{number & 0xFFFFFFFF:08x}"
+
+
+def _one_of(kind: Any, value: object) -> Any:
+    for one in kind:
+        if one.value == value:
+            return one
+    raise BadRequestError(Message("{value} is not allowed", value=repr(value)[:40]))
+
+
+def _text(call: Call, name: str) -> str:
+    text = call.values.get(name, "")
+    if isinstance(text, str) and len(text) <= MOST_CHARACTERS:
+        return text
+    raise BadRequestError(
+        Message("{name} is a text of at most {most} characters", name=name, most=MOST_CHARACTERS)
+    )

@@ -1,0 +1,116 @@
+"""The page of the stored surveys over a real storage, and an imaging node that a test answers."""
+
+from __future__ import annotations
+
+import json
+
+from candidate_examples import candidate
+from map_kit import focused
+from planned_survey import METADATA, POINTS, planned_trace
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import STARTED_US, SURVEY
+
+from gpr20_operator.ground.additions import MarkersStored
+from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import StoredSurvey
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.results.candidates import Flag
+from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_web.calls import Call, Person
+from gpr20_web.mid.surveys_page import SurveysPage
+from gpr20_web.roles import Role
+
+DAY_US = 86_400_000_000
+NOW_US = STARTED_US + DAY_US
+PLACES = (candidate(1, 15.0, 14.0), candidate(2, 18.0, 12.0, flags=[Flag.CLUTTER]))
+
+
+class Services:
+    """What the robot's services do, without ROS."""
+
+    def __init__(self, kit: Kit, data) -> None:
+        self._processing, self._archive = kit.processing, SurveyArchive(data)
+        self.asked, self.cancelled = [], []
+        self.focus = lambda survey: focused(PLACES, survey)
+        self.failure = None
+
+    def ask(self, service, survey="", **fields):
+        self.asked.append((service, survey, fields))
+        if self.failure is not None:
+            raise self.failure
+        if service is Service.LIST:
+            return SurveysListed("", *map_first(self._archive.list(**fields)))
+        if service is Service.READ:
+            found = self._archive.survey(survey)
+            return StoredSurvey(json.dumps(found.description), len(found.stored_indices))
+        if service is Service.ANNOTATE:
+            return self._processing.annotate(survey, fields["annotation"])
+        if service is Service.NOTE:
+            return self._processing.note(survey, **fields)
+        if service is Service.MARK:
+            removed = fields.pop("remove", False)
+            change = self._processing.remove_marker if removed else self._processing.add_marker
+            return MarkersStored(survey, change(survey, **fields))
+        assert service is Service.FOCUS
+        return self.focus(survey)
+
+    def cancel(self, request_id):
+        self.cancelled.append(request_id)
+
+
+def map_first(pair):
+    return tuple(pair[0]), pair[1]
+
+
+class Surveys:
+    """A data folder with a whole survey and a newer one that was cut off, and the page.
+
+    Attributes:
+        waiting: What is to be done in the background.
+        audited: What was noted.
+    """
+
+    def __init__(self, data) -> None:
+        self.data = data
+        self.kit = Kit(data, now_ns=NOW_US * 1000)
+        self.services = Services(self.kit, data)
+        self.waiting, self.audited = [], []
+        self.page = SurveysPage(
+            *(self.services, data, self._audit, self.waiting.append, lambda: NOW_US)
+        )
+        self.whole = self._add(SURVEY, STARTED_US, len(POINTS), "finished")
+        self.part = self._add(OTHER_SURVEY, STARTED_US + DAY_US, 4, "stopped")
+
+    def _add(self, survey_id, started_us, count, outcome):
+        folder = self.kit.open(survey_id, started_us=started_us, metadata_json=METADATA)
+        for index in range(count):
+            self.kit.processing.store(planned_trace(index, survey_id))
+        self.kit.processing.close_survey(survey_id, outcome)
+        named = Annotation("Ana Pérez", "El Carmen", "wet ground", name=f"Lane-{count}")
+        self.kit.processing.annotate(survey_id, named)
+        return folder.name
+
+    def _audit(self, call, what, outcome="", survey="", **values):
+        self.audited.append((call.who.name, what, values))
+
+    def ask(self, method, path, name="berta", **values):
+        """Return what the page answers a person."""
+        for route in self.page.routes:
+            parts = route.match(path) if route.method == method else None
+            if parts is not None:
+                assert route.blocking and route.right is Role.VIEW
+                return route.answer(Call(Person(name, Role.VIEW, "s", "::1"), "::1", values, parts))
+        raise LookupError(path)
+
+    def get(self, folder, rest="", **values):
+        return self.ask("GET", f"/api/surveys/{folder}{rest}", **values)
+
+    def post(self, folder, rest, **values):
+        return self.ask("POST", f"/api/surveys/{folder}/{rest}", **values)
+
+    def search(self, folder):
+        """Search a survey, and return its details."""
+        self.post(folder, "candidates")
+        self.waiting.pop()()
+        return self.get(folder)

@@ -1,0 +1,423 @@
+"""SURVEYS: what is stored is listed, searched, added to and downloaded, as in the window."""
+
+import dataclasses
+import io
+import json
+import os
+import random
+import zipfile
+
+import pytest
+from candidate_examples import candidate_list
+from fault_kit import raises_fault
+from map_kit import focused
+from storage_kit import OTHER_SURVEY
+from surveys_kit import PLACES, Surveys
+from trace_examples import SURVEY
+from view_kit import snapshot, state_of
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import verbatim
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.result import list_sum
+from gpr20_operator.robot.replay import ReplayView
+from gpr20_survey.files.folder_lock import locked
+from gpr20_survey.folder import found_records
+from gpr20_survey.folder.manifest import MANIFEST_FILE
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.found import What
+from gpr20_web import faults
+from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.mid.survey_files import FILES, folder_of
+from gpr20_web.mid.surveys_page import _just_after
+
+RUNS = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
+ENDED = snapshot(state=state_of(SurveyState.FINISHED, survey_id=OTHER_SURVEY))
+SUM = list_sum(candidate_list(PLACES, survey_id=SURVEY))
+
+
+@pytest.fixture
+def surveys(tmp_path):
+    surveys = Surveys(tmp_path / "data")
+    yield surveys
+    surveys.kit.processing.shut_down()
+
+
+def folders(answer):
+    return [one["folder"] for one in answer["surveys"]]
+
+
+def listed(surveys, **values):
+    return folders(surveys.ask("GET", "/api/surveys", **values))
+
+
+def test_the_newest_survey_comes_first_with_how_it_ended(surveys):
+    part, whole = surveys.ask("GET", "/api/surveys")["surveys"]
+    assert (part["folder"], part["ending"], part["state"]) == (
+        surveys.part,
+        "5 of 9 traces missing",
+        "incomplete",
+    )
+    assert (whole["folder"], whole["ending"], whole["title"]) == (
+        surveys.whole,
+        "Complete",
+        "Lane-9",
+    )
+    assert whole["people"] == "El Carmen · Ana Pérez" and whole["simulated"]
+
+
+def test_the_list_is_searched_filtered_and_paged_as_in_the_window(surveys):
+    assert listed(surveys, text="carmen lane-4") == [surveys.part]
+    assert listed(surveys, text="PEREZ") == [surveys.part, surveys.whole]
+    assert listed(surveys, listed="not complete") == [surveys.part]
+    assert listed(surveys, listed="imported") == []
+    assert listed(surveys, before=surveys.part) == [surveys.whole]
+    assert surveys.ask("GET", "/api/surveys")["next"] == ""
+
+
+def test_a_longer_list_says_where_its_next_page_begins(surveys, monkeypatch):
+    monkeypatch.setattr("gpr20_web.mid.surveys_page.SURVEYS_PER_PAGE", 1)
+    answer = surveys.ask("GET", "/api/surveys", text="lane-9")
+    # Nothing on this page fits, but there is another one.
+    assert answer == {"surveys": [], "next": surveys.part}
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"before": "../.."}, {"listed": "others"}, {"text": "x" * 5000}, {"text": 1}, {"before": []}],
+)
+def test_a_list_that_the_page_does_not_ask_for_is_refused(surveys, values):
+    with pytest.raises(BadRequestError):
+        surveys.ask("GET", "/api/surveys", **values)
+
+
+def test_one_survey_is_described_as_in_the_window(surveys):
+    shown = surveys.get(surveys.part)
+    assert shown["lines"][:3] == ["10 x 10 mm", "4 traces", "5 of 9 traces missing"]
+    assert ("Name of the survey", "Lane-4") in shown["notes"]
+    assert shown["problems"] == [] and shown["can_search"]
+    assert (shown["markers"], shown["found"], "candidates" in shown) == ([], [], False)
+    names = {one["name"]: one["bytes"] for one in shown["files"]}
+    folder = surveys.data / surveys.part
+    assert (
+        {"survey.json", "log.jsonl", "survey.mcap", "manifest.json"} <= names.keys() <= set(FILES)
+    )
+    assert all((folder / name).stat().st_size == size for name, size in names.items())
+    assert shown["bytes"] == sum(one.stat().st_size for one in folder.rglob("*") if one.is_file())
+
+
+def test_a_survey_that_cannot_be_read_says_why_and_can_be_downloaded(surveys):
+    folder = surveys.data / surveys.part
+    for name in ("survey.json", "log.jsonl", "survey.mcap", "manifest.json"):
+        (folder / name).write_bytes(b"nothing")
+    shown = surveys.get(surveys.part)
+    assert shown["problems"] and shown["state"] == "unreadable" and not shown["can_search"]
+    assert zip_of(surveys, surveys.part).namelist()
+
+
+def test_notes_are_added_with_author_and_time_and_nothing_is_replaced(surveys):
+    for name, text in (("berta", "roots\nat the edge"), ("carl", "  measured again ")):
+        assert surveys.post(surveys.whole, "notes", name=name, text=text) == {}
+    notes = dict(surveys.get(surveys.whole)["notes"])
+    assert notes["Notes"].split("\n") == [
+        "wet ground",
+        "2026-09-22 14:13 UTC, berta: roots",
+        "at the edge",
+        "2026-09-22 14:13 UTC, carl: measured again",
+    ]
+    assert notes["Site"] == "El Carmen" and notes["Name of the survey"] == "Lane-9"
+    first = ("berta", "note", {"folder": surveys.whole, "text": "roots\nat the edge"})
+    assert surveys.audited[0] == first and len(surveys.audited) == 2
+
+
+@pytest.mark.parametrize("text", ["", " \n ", "x" * 2001, 7, None, "bell\x07", "‮reversed"])
+def test_a_note_that_is_none_is_refused(surveys, text):
+    with pytest.raises(Gpr20Error):
+        surveys.post(surveys.whole, "notes", text=text)
+    assert surveys.audited == []
+    assert dict(surveys.get(surveys.whole)["notes"])["Notes"] == "wet ground"
+
+
+def test_a_marker_is_added_by_its_author_and_removed_by_another(surveys):
+    surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, depth_mm=None, text="root")
+    (marker,) = surveys.get(surveys.whole)["markers"]
+    assert (marker["x_mm"], marker["depth_mm"], marker["author"]) == (12.0, None, "berta")
+    surveys.post(surveys.whole, "markers", name="carl", remove=marker["marker_id"])
+    assert surveys.get(surveys.whole)["markers"] == []
+    stored = json.loads((surveys.data / surveys.whole / "survey.json").read_text())
+    assert stored["markers"][0]["removed_by"] == "carl"
+    assert [one[:2] for one in surveys.audited] == [("berta", "marker"), ("carl", "marker")]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {"x_mm": "1", "y_mm": 2},
+        {"x_mm": True, "y_mm": 2},
+        {"x_mm": 1, "y_mm": 1e9},
+        {"x_mm": 1, "y_mm": 2, "depth_mm": -1},
+        {"x_mm": 1, "y_mm": float("nan")},
+        {"x_mm": 1, "y_mm": 2, "text": "two\nlines"},
+        {"x_mm": 1, "y_mm": 2, "text": ["x"]},
+        {"x_mm": 10**400, "y_mm": 2},
+        {"remove": "../etc"},
+        {"remove": 3},
+    ],
+)
+def test_a_marker_that_is_none_is_refused(surveys, values):
+    with pytest.raises(Gpr20Error):
+        surveys.post(surveys.whole, "markers", **values)
+    assert surveys.audited == [] and surveys.get(surveys.whole)["markers"] == []
+
+
+def test_a_search_gives_the_places_of_the_window_in_its_sentences(surveys):
+    surveys.post(surveys.whole, "candidates")
+    assert surveys.get(surveys.whole, "/candidates")["state"] == "running"
+    surveys.waiting.pop()()
+    assert surveys.get(surveys.whole, "/candidates")["state"] == "done"
+    shown = surveys.get(surveys.whole)["candidates"]
+    assert shown["headline"] == "2 of 2 places; doubtful: 1" and shown["list"] == SUM
+    assert str(NO_CLEARANCE) in shown["notes"] and str(texts.FROM_MARK) in shown["notes"]
+    first, second = shown["places"]
+    assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")
+    assert second["doubtful"] and not first["doubtful"] and first["why"]
+
+
+def test_a_list_without_places_says_that_this_does_not_mean_safety(surveys):
+    surveys.services.focus = lambda survey: focused((), survey)
+    shown = surveys.search(surveys.whole)["candidates"]
+    assert shown["headline"] == "No place stands out." and shown["places"] == []
+    assert {str(NO_CLEARANCE), str(texts.NOT_SAFE)} <= set(shown["notes"])
+
+
+def test_places_are_shown_until_the_survey_has_changed(surveys):
+    assert "candidates" in surveys.search(surveys.whole)
+    asked = [one for one in surveys.services.asked if one[0] is Service.FOCUS]
+    assert len(asked) == 1 and "candidates" in surveys.get(surveys.whole)
+    next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
+    assert "candidates" not in surveys.get(surveys.whole)
+
+
+def test_one_survey_is_searched_at_a_time(surveys):
+    surveys.post(surveys.whole, "candidates")
+    surveys.post(surveys.whole, "candidates")
+    assert len(surveys.waiting) == 1
+    with pytest.raises(BusyError):
+        surveys.post(surveys.part, "candidates")
+    surveys.waiting.pop()()
+    surveys.post(surveys.part, "candidates")
+    with pytest.raises(NotFoundError):
+        surveys.get(surveys.whole, "/candidates")
+
+
+def test_nothing_is_searched_while_a_survey_runs(surveys):
+    surveys.page.refresh(RUNS)
+    assert not surveys.get(surveys.whole)["can_search"]
+    with pytest.raises(NotNowError):
+        surveys.post(surveys.whole, "candidates")
+    surveys.page.refresh(ENDED)
+    surveys.post(surveys.whole, "candidates")
+    assert len(surveys.waiting) == 1
+
+
+def test_a_search_ends_when_a_survey_begins(surveys):
+    begun = []
+
+    def focus(_survey):
+        for _ in range(3):
+            surveys.page.refresh(RUNS)
+        begun.append(True)
+        raise NotNowError(verbatim("cancelled"))
+
+    surveys.services.focus = focus
+    surveys.page.refresh(ENDED)
+    surveys.post(surveys.whole, "candidates")
+    surveys.waiting.pop()()
+    (cancelled,) = surveys.services.cancelled
+    asked = surveys.services.asked[-1][2]
+    assert begun and cancelled == asked["request_id"]
+    state = surveys.get(surveys.whole, "/candidates")
+    assert (state["state"], state["problem"]) == ("failed", "Cancelled")
+
+
+def test_a_search_that_fails_in_an_unknown_way_does_not_prevent_the_next(surveys):
+    surveys.services.focus = lambda _survey: 1 / 0
+    surveys.post(surveys.whole, "candidates")
+    with pytest.raises(ZeroDivisionError):
+        surveys.waiting.pop()()
+    assert surveys.get(surveys.whole, "/candidates")["state"] == "failed"
+    surveys.post(surveys.part, "candidates")
+    assert len(surveys.waiting) == 1
+
+
+def test_what_was_found_is_stored_as_the_window_does_it(surveys):
+    surveys.search(surveys.whole)
+    wanted = {"candidate": "C01", "list": SUM, "what": "scrap", "depth_mm": 45}
+    assert surveys.post(surveys.whole, "found", **wanted) == {}
+    shown = surveys.get(surveys.whole)
+    (line,) = shown["found"]
+    assert line.startswith("Found here: scrap, 45 mm deep (berta, ")
+    assert shown["candidates"]["places"][0]["found"] == line
+    (found,) = found_records.read_found(surveys.data / surveys.whole)
+    assert (found.what, found.who, found.list_sha256) == (What.SCRAP, "berta", SUM)
+    assert surveys.audited[-1][1] == "found"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"what": "mine"},
+        {"what": None},
+        {"candidate": "C09"},
+        {"candidate": []},
+        {"list": "0" * 64},
+        {"list": False},
+        {"depth_mm": "5"},
+        {"depth_mm": True},
+        {"depth_mm": -1.0},
+        {"depth_mm": float("inf")},
+        {"depth_mm": 10**400},
+    ],
+)
+def test_what_was_not_found_at_a_place_of_the_list_is_refused(surveys, changes):
+    surveys.search(surveys.whole)
+    wanted = {"candidate": "C01", "list": SUM, "what": "scrap", "depth_mm": None, **changes}
+    with pytest.raises(Gpr20Error):
+        surveys.post(surveys.whole, "found", **wanted)
+    assert surveys.audited == [] and surveys.get(surveys.whole)["found"] == []
+
+
+def test_without_a_search_nothing_was_found_at_its_places(surveys):
+    for wrong in ({"list": SUM}, {"list": False}, {}):
+        with pytest.raises(NotNowError):
+            surveys.post(surveys.whole, "found", candidate="C01", what="scrap", **wrong)
+
+
+def test_what_the_storage_refuses_is_said_and_not_audited(surveys):
+    surveys.search(surveys.whole)
+    surveys.services.failure = NotNowError(verbatim("the storage does not answer"))
+    wanted = {"candidate": "C01", "list": SUM, "what": "scrap"}
+    for rest, values in (
+        ("notes", {"text": "x"}),
+        ("markers", {"x_mm": 1, "y_mm": 1}),
+        ("found", wanted),
+        ("candidates", {}),
+    ):
+        with pytest.raises(NotNowError, match="does not answer"):
+            surveys.post(surveys.whole, rest, **values)
+    assert surveys.audited == []
+
+
+def test_a_replay_has_no_list(surveys):
+    surveys.page.refresh(dataclasses.replace(ENDED, replay=ReplayView("", True)))
+    for path in ("/api/surveys", f"/api/surveys/{surveys.whole}"):
+        with pytest.raises(NotNowError):
+            surveys.ask("GET", path)
+
+
+def content_of(body):
+    return b"".join(body.content)
+
+
+def zip_of(surveys, folder):
+    body = surveys.get(folder, "/zip")
+    assert (body.name, body.kind) == (f"{folder}_survey.zip", "application/zip")
+    return zipfile.ZipFile(io.BytesIO(content_of(body)))
+
+
+def test_each_form_and_the_whole_survey_can_be_downloaded(surveys):
+    folder = surveys.data / surveys.whole
+    for one in surveys.get(surveys.whole)["files"]:
+        body = surveys.get(surveys.whole, f"/files/{one['name']}")
+        assert content_of(body) == (folder / one["name"]).read_bytes()
+        assert body.name == f"{surveys.whole}_{one['name']}"
+    with zip_of(surveys, surveys.whole) as archive:
+        files = {
+            f"{surveys.whole}/{one.relative_to(folder)}": one.read_bytes()
+            for one in folder.rglob("*")
+            if one.is_file()
+        }
+        assert {name: archive.read(name) for name in archive.namelist()} == files
+
+
+def test_a_survey_that_is_written_is_not_downloaded(surveys):
+    with locked(surveys.data / surveys.whole):
+        for rest in ("/zip", "/files/survey.json"):
+            with raises_fault(faults.NOT_NOW, error=NotNowError):
+                surveys.get(surveys.whole, rest)
+        shown = surveys.get(surveys.whole)
+        assert shown["files"] == [] and len(shown["problems"]) == 1
+    assert surveys.get(surveys.whole)["files"]
+
+
+def test_a_form_that_the_survey_does_not_have_is_not_found(surveys):
+    with pytest.raises(NotFoundError):
+        surveys.get(surveys.whole, "/files/manifest.json.sig")
+
+
+def test_no_link_leads_out_of_the_data_folder(surveys, tmp_path):
+    outside = tmp_path / "outside"
+    (surveys.data / surveys.part).rename(outside)
+    (surveys.data / surveys.part).symlink_to(outside)
+    for rest in ("", "/zip", "/files/survey.json"):
+        with pytest.raises(NotFoundError):
+            surveys.get(surveys.part, rest)
+    form = surveys.data / surveys.whole / "manifest.json"
+    form.unlink()
+    form.symlink_to(outside / "manifest.json")
+    with pytest.raises(Gpr20Error):
+        surveys.get(surveys.whole, "/files/manifest.json")
+    with pytest.raises(Gpr20Error):
+        content_of(surveys.get(surveys.whole, "/zip"))
+
+
+def test_random_names_reach_no_route_and_no_file(surveys, tmp_path):
+    (tmp_path / "secret").write_text("secret")
+    draw = random.Random(20)
+    pieces = [
+        *(
+            "..",
+            ".",
+            "/",
+            "\\",
+            "%2e%2e",
+            "\0",
+            "~",
+            "secret",
+            "data",
+            "traces",
+            "a",
+            "survey.json",
+        ),
+        *(surveys.whole, surveys.part[:8], "T141320_0f8fad5b", "٣", "\uff10", "\n", str(tmp_path)),
+    ]
+    for _ in range(5000):
+        name = "".join(draw.choices(pieces, k=draw.randint(1, 6)))
+        for path in (f"/api/surveys/{name}", f"/api/surveys/{surveys.whole}/files/{name}"):
+            for parts in filter(None, (one.match(path) for one in surveys.page.routes)):
+                assert (
+                    FOLDER_NAME.fullmatch(parts["folder"])
+                    and parts.get("name", MANIFEST_FILE) in FILES
+                )
+        if name not in (surveys.whole, surveys.part):
+            with pytest.raises(Gpr20Error):
+                folder_of(surveys.data, name)
+
+
+def test_an_unknown_survey_is_not_found(surveys):
+    with pytest.raises(NotFoundError):
+        surveys.get("20200101T000000_00000000")
+    os.mkdir(surveys.data / "20200101T000000_00000000")
+    assert surveys.get("20200101T000000_00000000")["problems"]
+
+
+def test_the_name_just_after_a_folder_is_above_it_and_below_the_next():
+    for folder, after in (
+        ("20260921T141320_0f8fad5b", "20260921T141320_0f8fad5c"),
+        ("20260921T141320_ffffffff", "20260921T141321_00000000"),
+    ):
+        assert _just_after(folder) == after > folder
