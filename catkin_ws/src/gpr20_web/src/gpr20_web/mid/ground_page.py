@@ -18,7 +18,7 @@ from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.trace.trace import Trace
 from gpr20_web.calls import Body, Call, Route
 from gpr20_web.errors import BusyError, NotNowError
-from gpr20_web.mid.ground_choice import THEMES, Values
+from gpr20_web.mid.ground_choice import FLAGS, THEMES, Values
 from gpr20_web.mid.ground_document import Text, document
 from gpr20_web.mid.shown_ground import ShownGround, pattern_png
 from gpr20_web.mid.web_page import WebPage
@@ -106,7 +106,7 @@ class GroundPage(WebPage):
         """Return a survey; if its revision is known already, only what changes all the time."""
         values = Values(call.values)
         ground, choice = self._shown(values), values.choice
-        ground.is_outdated |= call.values.get("again") == "1"
+        ground.is_outdated |= values.one("again", FLAGS, False)
         found = {
             **self._about(ground, call.text),
             **{name: self._job(name, ground, call.text) for name in self._jobs},
