@@ -1,0 +1,264 @@
+"""The node web: the robot's topics and services in, browsers out."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import traceback
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Dict, Mapping, Optional
+
+import rospy
+
+import gpr20_web
+from gpr20_common.high.description import publish_description
+from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
+from gpr20_common.high.node import run_device
+from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.service_client import ServiceClient
+from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
+from gpr20_common.low.clock import Clock
+from gpr20_common.low.data_folder import data_folder
+from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_msgs.msg import WebStatus
+from gpr20_msgs.srv import NoteSurvey
+from gpr20_operator.high.control_client import ControlClient
+from gpr20_operator.high.remote_control import RemoteControlClient
+from gpr20_operator.high.request_client import NOTE_TIMEOUT_S, RequestClient
+from gpr20_operator.high.robot_watch import RobotWatchClient
+from gpr20_operator.high.robots_client import RobotsClient
+from gpr20_operator.high.ros_events import (
+    STORAGE_SILENT,
+    RequestError,
+    accepted,
+    call,
+    in_background,
+)
+from gpr20_operator.high.storage_client import StorageClient
+from gpr20_operator.jobs.job import Delivery
+from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
+from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_web.errors import AuditFileError
+from gpr20_web.high.event_loop import EventLoop
+from gpr20_web.high.survey_services import RosSurveyServices
+from gpr20_web.low.account_file import AccountFile
+from gpr20_web.low.certificate import ensure_certificate, ssl_context
+from gpr20_web.low.doctor_program import make_bundle
+from gpr20_web.low.http_server import HttpServer
+from gpr20_web.low.notifier import Notifier
+from gpr20_web.mid.accounts import Accounts
+from gpr20_web.mid.audit import Audit, AuditPage
+from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.controller import Controller, ControlPage
+from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
+from gpr20_web.mid.login_limits import LoginLimits
+from gpr20_web.mid.login_page import LoginPage
+from gpr20_web.mid.now_page import NowPage
+from gpr20_web.mid.robots_page import RobotsPage
+from gpr20_web.mid.service_page import ServicePage
+from gpr20_web.mid.sessions import Sessions
+from gpr20_web.mid.shell import Shell
+from gpr20_web.mid.surveys_page import SurveysPage
+from gpr20_web.mid.users_page import UsersPage
+from gpr20_web.mid.watch import Watch
+from gpr20_web.mid.web_page import WebPage
+from gpr20_web.mid.web_parameters import WebParameters
+
+NODE = "web"
+STATIC = Path(gpr20_web.__file__).resolve().parent / "static"
+MASTER_CHECK_S = 2.0
+CLOSE_LIMIT_S = 3.0
+SECONDS_PER_MINUTE, SECONDS_PER_HOUR = 60.0, 3600.0
+
+
+@dataclass(frozen=True)
+class StoredSurveys:
+    """Where the imaging node finds the surveys: the page is on the same computer.
+
+    Attributes:
+        data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
+    """
+
+    data: str = ""
+
+
+class WebNode:
+    """Everything connected; what is shown belongs to the thread of the event loop."""
+
+    def __init__(self, parameters: WebParameters, data: Path) -> None:
+        """Connect everything, and answer browsers.
+
+        Raises:
+            WebError: There is no certificate, the port is taken, or the accounts are damaged.
+        """
+        self._parameters, self._clock = parameters, Clock()
+        self._checked_s = -MASTER_CHECK_S
+        self._said: Optional[WebStatusReported] = None
+        self._events = EventLoop(self._handle, self._refresh, self._report)
+        folder = parameters.path
+        self._certificate = ensure_certificate(folder, (parameters.address,))
+        file = AccountFile(folder)
+        file.read()
+        self._accounts = Accounts(file, self._clock)
+        self._sessions = Sessions(
+            *(self._accounts.find, self._clock),
+            parameters.idle_minutes * SECONDS_PER_MINUTE,
+            parameters.session_hours * SECONDS_PER_HOUR,
+        )
+        self._note = ServiceClient("note_survey", NoteSurvey)
+        self._audit = Audit(folder / "audit.jsonl", self._note_survey, self._warn, self._clock)
+        self._model = SurveyModel(self._clock)
+        self._connect_clients()
+        language = language_from_environment(os.environ)
+        self._notifier = Notifier(
+            *(parameters.notified(), socket.gethostname()),
+            *(read_catalogue(language).text, self._warn),
+        )
+        self._controller = Controller(
+            self._clock, lambda session: self._server.streams.has(session)
+        )
+        self._commands = Commands(
+            Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
+            *(self._controller, self._audit.add, parameters.view_may_stop),
+        )
+        self._shell = Shell(self._pages(data))
+        self._server = HttpServer(
+            tuple(self._shell.all_routes()), STATIC, self._sessions.find, self._report
+        )
+        self._status = rospy.Publisher("web_status", WebStatus, queue_size=5, latch=True)
+        self._diagnostics = Diagnostics(NODE, self._health)
+        self._description = publish_description(NODE, NO_HARDWARE, parameters)
+        self._begin()
+
+    def close(self) -> None:
+        """Leave browsers and graph; a survey that runs continues."""
+        for client in self._clients:
+            client.close()
+        self._events.call(self._server.close)
+        self._events.end()
+        self._audit.close(CLOSE_LIMIT_S)
+        self._notifier.close(CLOSE_LIMIT_S)
+
+    def _connect_clients(self) -> None:
+        put, senders = self._events.put, Senders(rospy.get_namespace())
+        self._control = ControlClient(put, senders)
+        self._storage = StorageClient(put, senders)
+        self._requests = RequestClient(put, senders)
+        self._watch = RobotWatchClient(put, senders)
+        self._robots = RobotsClient(put, senders)
+        remote = RemoteControlClient(put, rospy.get_namespace())
+        self._clients = (
+            *(self._control, self._storage, self._requests, self._watch, self._robots),
+            remote,
+        )
+
+    def _pages(self, data: Path) -> Dict[str, WebPage]:
+        """Return the pages by the names under which their scripts ask for words."""
+        clock, audit, namespace = self._clock, self._audit.add, rospy.get_namespace()
+        may_stop = self._parameters.view_may_stop
+        robots = Robots(namespace, False, self._robots.set_watched)
+        surveys = RosSurveyServices(self._requests)
+        return {
+            "now": NowPage(namespace.strip("/")),
+            "commands": self._commands,
+            "control": ControlPage(self._controller, clock, audit),
+            "ground": GroundPage(self._storage, self._requests, clock.now_s, self._warn),
+            "map": MapPage(),
+            "radar": RadarPage(),
+            "surveys": SurveysPage(surveys, data, audit, in_background),
+            "robots": RobotsPage(robots, clock),
+            "service": ServicePage(
+                self._watch.set_watched,
+                self._watch.examine,
+                partial(make_bundle, namespace),
+                audit,
+                clock,
+            ),
+            "notices": Watch(clock, self._notifier.send),
+            "login": LoginPage(
+                *(self._accounts, self._sessions, LoginLimits(clock), audit, may_stop)
+            ),
+            "users": UsersPage(self._accounts, audit),
+            "audit": AuditPage(self._audit),
+        }
+
+    def _begin(self) -> None:
+        for client in self._clients:
+            client.listen()
+        self._control.listen_to_robot()
+        self._events.begin()
+        parameters = self._parameters
+
+        async def listen() -> int:
+            context = ssl_context(self._certificate)
+            return self._server.listen(parameters.address, parameters.port, context)
+
+        self._events.call(listen)
+        if not self._accounts.all():
+            rospy.logwarn("nobody can log in yet: rosrun gpr20_web users add NAME --role admin")
+
+    def _handle(self, event: Any) -> None:
+        if isinstance(event, Delivery):
+            event.deliver()
+            return
+        self._commands.take_refusal(self._model.handle(event))
+        self._shell.on_event(event)
+
+    def _refresh(self) -> bool:
+        now_s = self._clock.now_s()
+        if now_s - self._checked_s >= MASTER_CHECK_S:
+            self._checked_s = now_s
+            self._control.check_master()
+        self._shell.refresh(self._model.snapshot())
+        watchers, holder = len(self._server.streams), self._controller.holder
+        status = WebStatusReported(
+            *(self._parameters.address, self._parameters.port, self._certificate.fingerprint),
+            *(watchers, "" if holder is None else holder.name),
+        )
+        if status != self._said:
+            self._said = status
+            message = WebStatus(**asdict(status))
+            message.header.stamp = rospy.Time.now()
+            self._status.publish(message)
+        return watchers > 0
+
+    def _note_survey(self, survey: str, values: Mapping[str, Any]) -> None:
+        fields = {"survey": survey, "kind": "audit", "values_json": json.dumps(values)}
+        try:
+            accepted(call(self._note, STORAGE_SILENT, NOTE_TIMEOUT_S, **fields))
+        except RequestError as error:
+            raise AuditFileError(error.message) from error
+
+    def _health(self) -> Health:
+        problems = self._audit.problems
+        values = {"watchers": len(self._server.streams)}
+        if problems:
+            return WARN, in_a_row(problems), values
+        return OK, Message("the page answers"), values
+
+    @staticmethod
+    def _warn(reason: Message) -> None:
+        rospy.logwarn("%s", reason)
+
+    @staticmethod
+    def _report(error: BaseException) -> None:
+        lines = traceback.format_exception(type(error), error, error.__traceback__)
+        rospy.logerr("%s", "".join(lines))
+
+
+def main() -> None:
+    """Run the node until ROS shuts down."""
+
+    def build(parameters: WebParameters) -> WebNode:
+        stored = read_parameters(StoredSurveys, "imaging")
+        node = WebNode(parameters, data_folder(stored.data, os.environ))
+        rospy.on_shutdown(node.close)
+        return node
+
+    run_device(NODE, WebParameters, build)
