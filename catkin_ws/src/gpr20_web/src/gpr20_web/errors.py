@@ -115,3 +115,16 @@ class NotifyError(WebError, ValueError):
     """An address for notifications is not one that apprise knows."""
 
     fault = faults.NOTIFY
+
+
+class NotSentError(WebError, OSError):
+    """A notice did not reach the service that carries it."""
+
+    fault = faults.NOT_SENT
+
+
+class BundleError(WebError, OSError):
+    """The doctor has not made a bundle."""
+
+    status = 503
+    fault = faults.BUNDLE

@@ -40,4 +40,5 @@ NOT_SENT = Fault(
     Severity.WARNING,
 )
 AUDIT_FILE = Fault("web.audit_file", Message("Check the disk, then the file."))
-NOTIFY = Fault("web.notify", Message("Correct notify in web.yaml."))
+NOTIFY = Fault("web.notify", Message("Correct notify.txt in the folder of the page."))
+BUNDLE = Fault("web.bundle", Message("Make it on the robot: rosrun gpr20_doctor doctor --bundle."))

@@ -19,7 +19,7 @@ from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import parse_object
 from gpr20_web import calls
 from gpr20_web.errors import AuditFileError, BadRequestError
-from gpr20_web.mid import outbox
+from gpr20_web.low import outbox
 from gpr20_web.mid.audit import Audit, AuditPage
 from gpr20_web.roles import Role
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any, Callable, Dict, FrozenSet
 
 import rosgraph
@@ -12,7 +13,7 @@ from gpr20_common.high.periodic import Periodic
 from gpr20_doctor.low.masters import robots_on_master
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high import conversions
-from gpr20_operator.high.ros_events import RosEvents
+from gpr20_operator.high.ros_events import RosEvents, in_background
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_operator.robot.senders import Senders
 
@@ -25,6 +26,7 @@ class RobotsClient(RosEvents):
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
         self._watched = False
+        self._following = threading.Lock()
         self._found: FrozenSet[str] = frozenset()
         self._statuses: Dict[str, rospy.Subscriber] = {}
 
@@ -34,14 +36,19 @@ class RobotsClient(RosEvents):
 
     def set_watched(self, watched: bool) -> None:
         """Listen to the states of all robots, or stop to."""
-        with self._emitting:
-            self._watched = watched
-            self._listen_to(self._found if watched else frozenset())
+        self._watched = watched
+        # A subscription waits for the master, which may be away.
+        in_background(self._follow)
 
     def close(self) -> None:
         """Call the listener no more."""
         self.set_watched(False)
         super().close()
+
+    def _follow(self) -> None:
+        with self._following:
+            wanted = self._watched and not self._closed
+            self._listen_to(self._found if wanted else frozenset())
 
     def _ask_master(self) -> None:
         try:
@@ -50,10 +57,8 @@ class RobotsClient(RosEvents):
             return  # the window says elsewhere that the master does not answer
         found = robots_on_master(name for name, _providers in services)
         self._emit(RobotsFound(found))
-        with self._emitting:
-            self._found = found
-            if self._watched and not self._closed:
-                self._listen_to(found)
+        self._found = found
+        self._follow()
 
     def _listen_to(self, namespaces: FrozenSet[str]) -> None:
         for namespace in set(self._statuses) - namespaces:

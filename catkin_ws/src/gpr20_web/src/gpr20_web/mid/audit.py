@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import threading
+from itertools import islice
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
@@ -16,7 +17,7 @@ from gpr20_survey.files.json_lines import add_line, read_lines
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, Route
 from gpr20_web.errors import AuditFileError, BadRequestError
-from gpr20_web.mid.outbox import Outbox
+from gpr20_web.low.outbox import Outbox
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
@@ -70,7 +71,7 @@ class Audit:
 
         Args:
             call: The request, with its person.
-            what: What was asked for, one of the words of `AuditPage`.
+            what: What was asked for: a fixed word.
             outcome: How it ended: a code, or English words.
             survey: Id of the survey whose log has it too.
             values: What the request was about; never a secret.
@@ -126,7 +127,7 @@ class Audit:
         last = ids.index(before) if before in known else len(ids)
         wanted = text.casefold()
         found = (known[one] for one in reversed(ids[:last]))
-        return [one for one in found if wanted in _searched(one)][:count]
+        return list(islice((one for one in found if wanted in _searched(one)), count))
 
     def close(self, limit_s: float) -> None:
         """Write what waits, in at most about so long [s]."""

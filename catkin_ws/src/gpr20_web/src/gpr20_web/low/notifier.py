@@ -1,0 +1,125 @@
+"""Notices by e-mail, MQTT and whatever else apprise knows. Its URLs are secrets."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from functools import partial
+from typing import Any, Callable, List, Sequence
+
+import apprise
+from apprise.attachment.memory import AttachMemory
+
+from gpr20_common.message import Message
+from gpr20_web.errors import NotifyError, NotSentError
+from gpr20_web.low.outbox import Outbox
+from gpr20_web.news import News, Occasion
+
+LIMIT_S = 60.0
+FIRST_DELAY_S = 20.0
+# The first one, and three more.
+TRIES = 4
+TYPES = {
+    Occasion.NO_CONTACT: apprise.NotifyType.FAILURE,
+    Occasion.FAULT: apprise.NotifyType.FAILURE,
+    Occasion.PAUSED: apprise.NotifyType.WARNING,
+    Occasion.FINISHED: apprise.NotifyType.SUCCESS,
+}
+# They write addresses, which are secrets here, into their logs.
+TALKATIVE = ("apprise", "urllib3", "requests", "slixmpp")
+
+
+class Notifier:
+    """Sends notices in threads of its own, one for each address.
+
+    Args:
+        urls: Addresses as apprise has them.
+        name: Of the robot or the site, in front of each title.
+        text: Returns a sentence in the language of the site.
+        report: Takes what did not succeed, in one of the threads; without addresses.
+        delay_s: Before the second try [s].
+        limit_s: For one try [s].
+
+    Raises:
+        NotifyError: apprise does not know an address.
+    """
+
+    def __init__(
+        self,
+        urls: Sequence[str],
+        name: str,
+        text: Callable[[Message], str],
+        report: Callable[[Message], None],
+        delay_s: float = FIRST_DELAY_S,
+        limit_s: float = LIMIT_S,
+    ) -> None:
+        for one in TALKATIVE:
+            logger = logging.getLogger(one)
+            logger.handlers, logger.propagate = [logging.NullHandler()], False
+        self._name, self._text, self._limit_s = name, text, limit_s
+        servers = [_server(url, number) for number, url in enumerate(urls, 1)]
+        self._boxes: List[Outbox[News]] = [
+            Outbox(
+                partial(self._deliver, server),
+                Message("no notice could be sent to address {number} of notify.txt", number=number),
+                report,
+                delay_s,
+                TRIES,
+            )
+            for number, server in enumerate(servers, 1)
+        ]
+
+    def send(self, news: News) -> None:
+        """Send a notice later, to every address."""
+        for box in self._boxes:
+            box.put(news)
+
+    def close(self, limit_s: float) -> None:
+        """Send what waits, in at most so long for each address [s]."""
+        for box in self._boxes:
+            box.close(limit_s)
+
+    def _deliver(self, server: Any, news: News) -> None:
+        done: List[bool] = []
+        # A name server or a mail server may hang for minutes; the thread ends with the process.
+        worker = threading.Thread(
+            target=lambda: done.append(self._notify(server, news)), daemon=True
+        )
+        worker.start()
+        worker.join(self._limit_s)
+        if worker.is_alive():
+            raise TimeoutError
+        if done != [True]:
+            raise NotSentError(Message("the service did not accept it, or does not answer"))
+
+    def _notify(self, server: Any, news: News) -> bool:
+        lines = [self._text(one) for one in (news.text, news.remedy) if one is not None]
+        if news.percent is not None:
+            lines.append(f"{news.percent} %")
+        picture = None
+        if news.picture is not None and server.attachment_support:
+            image = AttachMemory(news.picture, name="map.png", mimetype="image/png")
+            picture = apprise.AppriseAttachment(image)
+        try:
+            return bool(
+                server.notify(
+                    title=f"{self._name}: {self._text(news.title)}",
+                    body="\n".join(lines),
+                    notify_type=TYPES[news.occasion],
+                    attach=picture,
+                )
+            )
+        except Exception:  # of any of a hundred plugins; its text may have the address in it
+            return False
+
+
+def _server(url: str, number: int) -> Any:
+    asset = apprise.AppriseAsset(app_id="GPR-20", async_mode=False)
+    try:
+        server = apprise.Apprise.instantiate(url, asset=asset, suppress_exceptions=True)
+    except Exception:  # as above
+        server = None
+    if server is None:
+        words = Message("apprise does not know address {number} of notify.txt", number=number)
+        raise NotifyError(words)
+    return server

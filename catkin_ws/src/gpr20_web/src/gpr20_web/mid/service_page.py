@@ -1,0 +1,129 @@
+"""SERVICE: what is wrong with the robot, as ROBOT of the window says it. Nothing moves here."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any, Callable, Mapping, Optional
+
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.findings import summary
+from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_operator.jobs.job import Service, Ticket
+from gpr20_operator.robot.notices import node_notice
+from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_web.calls import Body, Call, Route
+from gpr20_web.errors import NotFoundError, NotNowError
+from gpr20_web.mid.commands import Audited
+from gpr20_web.mid.interest import Interest
+from gpr20_web.mid.now_page import notice_values, sentence
+from gpr20_web.mid.web_page import WebPage
+from gpr20_web.roles import Role
+
+
+class NoRequests:
+    """Takes the place of what would test instruments or move axes: a page at a distance cannot."""
+
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Refuse."""
+        ticket.fail(Message("{service} is not possible from here", service=service.value))
+
+    def cancel(self, request_id: str) -> None:
+        """End nothing: nothing was begun."""
+
+
+class ServicePage(WebPage):
+    """Findings and health while somebody looks, and the bundle for remote help.
+
+    Args:
+        watch: As for `ServiceModel`; it does not wait.
+        examine: As for `ServiceModel`.
+        make: Makes the bundle and waits; its errors are those of the project.
+    """
+
+    words: Mapping[str, Message] = {
+        "title": Message("Service"),
+        "waiting": Message("The checks have not ended yet."),
+        "parts": Message("Parts"),
+        "all": Message("All checks"),
+        "bundle": Message("Make a bundle for remote help"),
+        "making": Message("The bundle is being made; this takes about a minute."),
+        "contents": Message(
+            "It has findings, logs and configuration without secrets, but names of operators, "
+            "positions and network addresses. Look through it before you send it."
+        ),
+    }
+
+    def __init__(
+        self,
+        watch: Callable[[bool], None],
+        examine: Callable[..., None],
+        make: Callable[[], bytes],
+        audit: Audited,
+        clock: Clock,
+    ) -> None:
+        self._model = ServiceModel(NoRequests(), watch, examine, clock)
+        self._interest = Interest(self._model.set_watched, clock)
+        self._make, self._audit = make, audit
+        self._snapshot: Optional[Snapshot] = None
+        self._making = threading.Lock()
+        self._bundle = b""
+        self.routes = (
+            Route("GET", "/api/service", Role.VIEW, self._list),
+            Route("POST", "/api/service/bundle", Role.OPERATE, self._make_bundle, blocking=True),
+            Route("GET", "/api/service/bundle", Role.OPERATE, self._give_bundle),
+        )
+
+    def on_event(self, event: object) -> None:
+        """Follow endstops, clocks and limits."""
+        self._model.on_event(event)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Take what is known of the robot now."""
+        self._snapshot = snapshot
+        self._model.refresh(snapshot)
+        self._interest.refresh()
+
+    def _list(self, call: Call) -> Mapping[str, Any]:
+        self._interest.ask()
+        found, shown = self._model.findings(), self._snapshot
+        nodes = () if shown is None or shown.replay is not None else shown.health.nodes
+        return {
+            "summary": call.text(summary(found)) if found else "",
+            "findings": [_finding(one, call) for one in found],
+            "parts": [_part(one, call) for one in nodes],
+            "making": self._making.locked(),
+        }
+
+    def _make_bundle(self, call: Call) -> Mapping[str, Any]:
+        if not self._making.acquire(blocking=False):
+            raise NotNowError(Message("the bundle is already being made"))
+        try:
+            self._audit(call, "bundle")
+            self._bundle = self._make()
+        finally:
+            self._making.release()
+        return {"bytes": len(self._bundle)}
+
+    def _give_bundle(self, _call: Call) -> Body:
+        content, self._bundle = self._bundle, b""
+        if not content:
+            raise NotFoundError(Message("there is no bundle; make one first"))
+        return Body(content, "application/zip", "gpr20_bundle.zip")
+
+
+def _finding(one: Finding, call: Call) -> Mapping[str, Any]:
+    return {
+        "level": one.level.name.lower(),
+        "title": call.text(one.level.title),
+        "text": sentence(call.text, one.text),
+        "remedy": sentence(call.text, one.remedy),
+        "details": list(one.text.all_details),
+        "wrong": one.level >= Level.UNKNOWN,
+    }
+
+
+def _part(node: NodeHealth, call: Call) -> Mapping[str, Any]:
+    return {"level": node.level.name.lower(), **notice_values(node_notice(node), call.text)}

@@ -1,0 +1,172 @@
+"""What is wrong with the robot, and the bundle; nothing of it moves or tests anything."""
+
+from __future__ import annotations
+
+import os
+import threading
+from typing import Any, Callable, List
+
+import pytest
+from robot_views import ManualClock, state_of, view
+
+from gpr20_common.message import verbatim
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_operator.jobs.job import Service, Ticket
+from gpr20_operator.robot.health import HealthReport
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.calls import Body, Call, Person
+from gpr20_web.errors import BundleError, NotFoundError, NotNowError
+from gpr20_web.low import doctor_program
+from gpr20_web.mid.interest import INTEREST_S
+from gpr20_web.mid.service_page import NoRequests, ServicePage
+from gpr20_web.roles import Role
+
+CALL = Call(Person("ana", Role.OPERATE, "s", ""))
+LIMIT_S = 20.0
+HEALTH = HealthReport((NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("broken"), {}),))
+
+
+class Robot:
+    """A robot whose parts are looked at."""
+
+    def __init__(self, make: Callable[[], bytes] = lambda: b"zip") -> None:
+        self.clock = ManualClock()
+        self.watched: List[bool] = []
+        self.tickets: List[Any] = []
+        self.noted: List[str] = []
+        self.page = ServicePage(self.watched.append, self._examine, make, self._note, self.clock)
+        self.page.refresh(view(state_of(SurveyState.IDLE), health=HEALTH))
+        self.listed, self.made, self.given = (one.answer for one in self.page.routes)
+
+    def _examine(self, ticket: Ticket[Any], **wanted: Any) -> None:
+        assert wanted["thorough"] is False
+        self.tickets.append(ticket)
+
+    def _note(self, call: Call, what: str, **_values: Any) -> None:
+        self.noted.append(f"{call.who.name} {what}")
+
+
+def test_the_worst_is_the_first_and_each_part_has_its_health() -> None:
+    robot = Robot()
+    answer: Any = robot.listed(CALL)
+    levels = ["fault", "warning", "unknown", "note", "ok"]
+    found = [levels.index(one["level"]) for one in answer["findings"]]
+    assert found and found == sorted(found)
+    (part,) = answer["parts"]
+    assert (part["level"], part["title"]) == ("error", "Height sensor: FAULT")
+    assert answer["summary"]
+
+
+def test_this_computer_is_looked_at_once_while_somebody_looks() -> None:
+    robot = Robot()
+    before: Any = robot.listed(CALL)
+    robot.listed(CALL)
+    (ticket,) = robot.tickets
+    ticket.done(MachineFacts(HardwareUse.SIMULATED, (), NodeSoftware("gpr20 1", "here")))
+    after: Any = robot.listed(CALL)
+    assert len(after["findings"]) > len(before["findings"])
+    robot.clock.time_s += INTEREST_S + 1.0
+    robot.page.refresh(view(state_of(SurveyState.IDLE)))
+    assert robot.watched == [True, False]
+
+
+@pytest.mark.parametrize("service", Service)
+def test_no_service_of_the_robot_is_called_from_here(service: Service) -> None:
+    refused: List[Any] = []
+
+    class Asked:
+        def fail(self, problem: Any) -> None:
+            refused.append(problem)
+
+    NoRequests().ask(service, Asked())  # type: ignore[arg-type]
+    assert len(refused) == 1
+
+
+def test_who_may_only_watch_sees_all_and_makes_no_bundle() -> None:
+    rights = {(one.method, one.pattern): one.right for one in Robot().page.routes}
+    assert rights == {
+        ("GET", "/api/service"): Role.VIEW,
+        ("POST", "/api/service/bundle"): Role.OPERATE,
+        ("GET", "/api/service/bundle"): Role.OPERATE,
+    }
+
+
+def test_a_bundle_is_made_then_given_once_and_noted() -> None:
+    robot = Robot()
+    with pytest.raises(NotFoundError):
+        robot.given(CALL)
+    assert robot.made(CALL) == {"bytes": 3}
+    body: Any = robot.given(CALL)
+    assert body == Body(b"zip", "application/zip", "gpr20_bundle.zip")
+    with pytest.raises(NotFoundError):
+        robot.given(CALL)
+    assert robot.noted == ["ana bundle"]
+
+
+def test_a_bundle_is_not_made_while_another_one_is() -> None:
+    begun, go = threading.Event(), threading.Event()
+
+    def make() -> bytes:
+        begun.set()
+        assert go.wait(LIMIT_S)
+        return b"zip"
+
+    robot = Robot(make)
+    thread = threading.Thread(target=robot.made, args=(CALL,))
+    thread.start()
+    assert begun.wait(LIMIT_S)
+    answer: Any = robot.listed(CALL)
+    assert answer["making"]
+    with pytest.raises(NotNowError):
+        robot.made(CALL)
+    go.set()
+    thread.join(LIMIT_S)
+    assert robot.made(CALL) == {"bytes": 3}
+
+
+def test_after_a_bundle_that_failed_another_one_can_be_made() -> None:
+    results: List[Any] = [BundleError(verbatim("no")), b"zip"]
+
+    def make() -> bytes:
+        result = results.pop(0)
+        if isinstance(result, Exception):
+            raise result
+        return bytes(result)
+
+    robot = Robot(make)
+    with pytest.raises(BundleError):
+        robot.made(CALL)
+    assert robot.made(CALL) == {"bytes": 3}
+
+
+def test_the_doctor_makes_the_bundle_in_a_process_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # The doctor itself takes half a minute: its test is elsewhere. It takes these arguments.
+    monkeypatch.setattr(
+        doctor_program,
+        "PROGRAM",
+        "import argparse, os\n"
+        "from gpr20_doctor.mid.arguments import add_arguments\n"
+        "parser = argparse.ArgumentParser()\n"
+        "add_arguments(parser)\n"
+        "given = parser.parse_args()\n"
+        "given.bundle.write_text(f'{given.ns} {given.quick} {os.getpid()}')\n",
+    )
+    namespace, quick, process = doctor_program.make_bundle("/robot1").decode().split()
+    assert (namespace, quick) == ("/robot1", "True")
+    assert int(process) != os.getpid()
+
+
+def test_a_doctor_that_does_not_work_is_an_error_that_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(doctor_program, "PROGRAM", "import sys; sys.exit('no doctor here')")
+    with pytest.raises(BundleError, match="FileNotFound"):
+        doctor_program.make_bundle("/")
+    monkeypatch.setattr(doctor_program, "PROGRAM", "import threading; threading.Event().wait()")
+    monkeypatch.setattr(doctor_program, "LIMIT_S", 0.05)
+    with pytest.raises(BundleError, match="TimeoutExpired"):
+        doctor_program.make_bundle("/")
