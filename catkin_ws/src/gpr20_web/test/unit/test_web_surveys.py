@@ -1,6 +1,7 @@
 """SURVEYS: what is stored is listed, searched, added to and downloaded, as in the window."""
 
 import dataclasses
+import http.client
 import io
 import json
 import os
@@ -15,6 +16,7 @@ from storage_kit import OTHER_SURVEY
 from surveys_kit import PLACES, Surveys
 from trace_examples import SURVEY
 from view_kit import snapshot, state_of
+from web_kit import Site
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
@@ -31,6 +33,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.found import What
 from gpr20_web import faults
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.low.table_handler import COOKIE
 from gpr20_web.mid.survey_files import FILES, folder_of
 from gpr20_web.mid.surveys_page import _just_after
 
@@ -421,3 +424,33 @@ def test_the_name_just_after_a_folder_is_above_it_and_below_the_next():
         ("20260921T141320_ffffffff", "20260921T141321_00000000"),
     ):
         assert _just_after(folder) == after > folder
+
+
+@pytest.fixture
+def site(surveys):
+    site = Site(surveys.page.routes)
+    yield site
+    site.close()
+
+
+def test_a_browser_downloads_a_large_survey_as_it_is(surveys, site):
+    (surveys.data / surveys.whole / "survey.mcap").write_bytes(os.urandom(30_000_000))
+    reply = site.ask("GET", f"/api/surveys/{surveys.whole}/zip", session="view")
+    assert f'filename="{surveys.whole}_survey.zip"' in reply.headers["Content-Disposition"]
+    with zipfile.ZipFile(io.BytesIO(reply.body)) as archive:
+        assert archive.testzip() is None
+
+
+def test_a_download_that_fails_is_never_taken_for_a_whole_one(surveys, site):
+    path = surveys.data / surveys.whole / "survey.mcap"
+    path.write_bytes(os.urandom(30_000_000))
+    connection = site.connect()
+    cookie = {"Cookie": f"{COOKIE}=view"}
+    connection.request("GET", f"/api/surveys/{surveys.whole}/zip", headers=cookie)
+    response = connection.getresponse()
+    response.read(100_000)
+    path.write_bytes(b"another")
+    with pytest.raises((http.client.IncompleteRead, ConnectionError)):
+        response.read()
+    connection.close()
+    assert site.reported == []

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Awaitable, Callable, Dict, Iterator, Mapping, Optional, Tuple
 
 from tornado import web
+from tornado.http1connection import HTTP1Connection
 from tornado.iostream import StreamClosedError
 
 from gpr20_common.errors import Gpr20Error
@@ -234,6 +235,11 @@ class TableHandler(web.RequestHandler):
         self.finish()
 
     def _send_json(self, values: Mapping[str, Any]) -> None:
+        connection = self.request.connection
+        if self._headers_written and isinstance(connection, HTTP1Connection):
+            # An error behind a part of a download would end it as if it were whole.
+            connection.close()
+            return
         self.set_header("Content-Type", f"{JSON}; charset=UTF-8")
         self.finish(json_text(values))
 
