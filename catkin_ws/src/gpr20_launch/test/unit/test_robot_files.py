@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.mid.records import record_from
+from gpr20_doctor.mid.bundle import CONFIGURATION
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.place_checks import Use
@@ -44,6 +45,10 @@ def test_without_files_everything_has_its_default(tmp_path):
     for file in FILES.values():
         for section, kind in file.sections:
             assert record_from(kind, sections[section], section) == kind()
+
+
+def test_the_bundle_for_help_has_every_file():
+    assert sorted(CONFIGURATION) == sorted({*FILES, AXES_FILE})
 
 
 @each_case("name", sorted(FILES))
