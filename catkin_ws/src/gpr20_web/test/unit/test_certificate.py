@@ -1,0 +1,176 @@
+"""Key and certificate of the page: made once, never changed, refused when they are over."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import socket
+import ssl
+import stat
+import subprocess
+import threading
+from pathlib import Path
+from typing import List
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_web.errors import CertificateError
+from gpr20_web.low import certificate as module
+from gpr20_web.low.certificate import Certificate, ensure_certificate, ssl_context
+
+pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not there")
+NAMES = ["192.168.1.10", "robot.example", "fd00::7"]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Certificate:
+    return ensure_certificate(tmp_path_factory.mktemp("home") / ".gpr20" / "web", NAMES)
+
+
+@pytest.fixture
+def folder(made: Certificate, tmp_path: Path) -> Path:
+    """Return a folder with a copy of both files."""
+    shutil.copytree(str(made.key.parent), str(tmp_path / "web"))
+    return tmp_path / "web"
+
+
+def _shown(made: Certificate, what: str) -> str:
+    command = ["openssl", "x509", "-noout", what, "-in", str(made.certificate)]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_only_the_owner_reads_the_key_and_its_folder(made: Certificate) -> None:
+    assert stat.S_IMODE(made.key.stat().st_mode) == 0o600
+    assert stat.S_IMODE(made.key.parent.stat().st_mode) == 0o700
+
+
+def test_the_fingerprint_is_that_of_the_certificate_in_groups(made: Certificate) -> None:
+    der = ssl.PEM_cert_to_DER_cert(made.certificate.read_text())
+    assert made.fingerprint.replace(" ", "").lower() == hashlib.sha256(der).hexdigest()
+    assert [len(one) for one in made.fingerprint.split()] == [4] * 16
+
+
+def test_it_is_of_p_256_for_a_server_and_no_authority(made: Certificate) -> None:
+    text = _shown(made, "-text")
+    for part in ("prime256v1", "CA:FALSE", "TLS Web Server Authentication"):
+        assert part in text
+
+
+def test_it_is_for_every_name_of_this_computer(made: Certificate) -> None:
+    text = _shown(made, "-text")
+    for name in (f"DNS:{socket.gethostname()}", "DNS:localhost", "127.0.0.1", *NAMES[:2]):
+        assert name in text
+
+
+def test_no_browser_refuses_it_as_valid_for_too_long(made: Certificate) -> None:
+    command = ["openssl", "x509", "-noout", "-in", str(made.certificate), "-checkend"]
+    day_s = 24 * 3600
+    assert subprocess.run([*command, str(824 * day_s)], check=False).returncode == 0
+    assert subprocess.run([*command, str(826 * day_s)], check=False).returncode == 1
+
+
+def test_a_client_that_trusts_it_talks_tls_1_2_or_later_and_nothing_older(
+    made: Certificate,
+) -> None:
+    server = ssl_context(made)
+    assert server.minimum_version is ssl.TLSVersion.TLSv1_2
+    client = ssl.create_default_context(cafile=str(made.certificate))
+    ours, theirs = socket.socketpair()
+    failed: List[BaseException] = []
+
+    def serve() -> None:
+        try:
+            server.wrap_socket(theirs, server_side=True).close()
+        except OSError as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    with client.wrap_socket(ours, server_hostname="localhost") as connection:
+        assert connection.version() in ("TLSv1.2", "TLSv1.3")
+    thread.join()
+    assert failed == []
+
+
+def test_what_is_there_stays_and_openssl_makes_nothing(folder: Path, made: Certificate) -> None:
+    before = {one.name: one.read_bytes() for one in folder.iterdir()}
+    again = ensure_certificate(folder, ["another.example"])
+    assert again.fingerprint == made.fingerprint
+    assert {one.name: one.read_bytes() for one in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("missing", ["key.pem", "certificate.pem"])
+def test_one_without_the_other_is_refused_and_stays(folder: Path, missing: str) -> None:
+    (folder / missing).unlink()
+    with pytest.raises(CertificateError, match="move both away") as refused:
+        ensure_certificate(folder, [])
+    assert refused.value.message.remedy is not None
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_a_key_of_another_certificate_is_refused(folder: Path, tmp_path: Path) -> None:
+    other = ensure_certificate(tmp_path / "other", [])
+    shutil.copy(str(other.key), str(folder / "key.pem"))
+    with pytest.raises(CertificateError, match="move both away"):
+        ensure_certificate(folder, [])
+
+
+def test_a_certificate_that_is_over_is_refused_and_not_renewed(folder: Path) -> None:
+    command = ["openssl", "x509", "-in", str(folder / "certificate.pem"), "-days", "0"]
+    signed = subprocess.run(
+        [*command, "-signkey", str(folder / "key.pem")], capture_output=True, check=True
+    ).stdout
+    (folder / "certificate.pem").write_bytes(signed)
+    before = (folder / "certificate.pem").read_bytes()
+    with pytest.raises(CertificateError, match="no longer valid; move both away"):
+        ensure_certificate(folder, [])
+    assert (folder / "certificate.pem").read_bytes() == before
+
+
+def test_a_key_with_a_passphrase_asks_nobody(folder: Path) -> None:
+    key = folder / "key.pem"
+    command = ["openssl", "ec", "-aes256", "-passout", "pass:secret", "-in", str(key)]
+    locked = subprocess.run(command, capture_output=True, check=True).stdout
+    key.write_bytes(locked)
+    with pytest.raises(CertificateError):
+        ensure_certificate(folder, [])
+
+
+@given(st.binary(max_size=200) | st.just(b"\xff" * 40), st.sampled_from(["key", "certificate"]))
+def test_random_bytes_are_no_certificate_and_no_key(
+    made: Certificate, tmp_path_factory: pytest.TempPathFactory, data: bytes, which: str
+) -> None:
+    copy = tmp_path_factory.mktemp("random") / "web"
+    shutil.copytree(str(made.key.parent), str(copy))
+    (copy / f"{which}.pem").write_bytes(data)
+    with pytest.raises(CertificateError):
+        ensure_certificate(copy, [])
+
+
+@pytest.mark.parametrize("name", ["a b", "x\n[use]", "x,DNS:y", "", "-a", "a" * 300, "ñ"])
+def test_a_name_that_is_none_reaches_no_openssl(tmp_path: Path, name: str) -> None:
+    with pytest.raises(CertificateError, match="no name of a computer"):
+        ensure_certificate(tmp_path / "web", [name])
+
+
+def test_all_networks_are_no_name_of_this_computer(tmp_path: Path) -> None:
+    assert "0.0.0.0" not in _shown(ensure_certificate(tmp_path / "web", ["0.0.0.0"]), "-text")
+
+
+def test_without_openssl_the_error_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "PROGRAM", "openssl-that-is-not-there")
+    with pytest.raises(CertificateError, match="not installed"):
+        ensure_certificate(tmp_path / "web", [])
+
+
+def test_an_openssl_that_fails_leaves_no_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "PROGRAM", "false")
+    with pytest.raises(CertificateError, match="made no certificate"):
+        ensure_certificate(tmp_path / "web", [])
+    assert list((tmp_path / "web").iterdir()) == []

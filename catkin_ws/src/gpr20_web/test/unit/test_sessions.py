@@ -1,0 +1,300 @@
+"""Sessions: OWASP's list, and random sequences against a simple model."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from login_kit import OTHER_PASSWORD, PASSWORD, ManualClock, make_accounts
+
+from gpr20_web.calls import Person
+from gpr20_web.errors import NotLoggedInError
+from gpr20_web.low.account_file import Account
+from gpr20_web.mid import sessions as sessions_module
+from gpr20_web.mid.accounts import Accounts
+from gpr20_web.mid.sessions import MOST_OF_PERSON, MOST_SESSIONS, Sessions
+from gpr20_web.roles import Role
+
+IDLE_S, LONGEST_S = 1800.0, 43200.0
+ADDRESS = "10.0.0.7"
+
+
+class World:
+    """Accounts in a file and their sessions."""
+
+    def __init__(self, folder: Path) -> None:
+        self.clock = ManualClock()
+        self.accounts: Accounts = make_accounts(folder)
+        self.ana = self.accounts.add("ana", Role.OPERATE, PASSWORD)
+        self.sessions = Sessions(self.accounts.find, self.clock, IDLE_S, LONGEST_S)
+
+    def is_in(self, token: str) -> bool:
+        """Return whether a token is that of a session, without using it."""
+        try:
+            self.sessions.check(Person("", Role.NOBODY, token, ADDRESS))
+        except NotLoggedInError:
+            return False
+        return True
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> World:
+    return World(tmp_path)
+
+
+def test_a_session_has_name_role_and_the_address_of_the_request(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    person = world.sessions.find(token, ADDRESS)
+    assert person == Person("ana", Role.OPERATE, token, ADDRESS)
+
+
+def test_owasp_session_id_entropy_has_32_random_bytes_and_only_its_hash_is_kept(
+    world: World,
+) -> None:
+    tokens = [world.sessions.begin(world.ana) for _number in range(5)]
+    assert len(set(tokens)) == 5
+    assert all(len(one) == 43 for one in tokens)
+    assert not any(one in repr(world.sessions.__dict__) for one in tokens)
+
+
+def test_owasp_session_fixation_each_login_has_another_token(world: World) -> None:
+    former = world.sessions.begin(world.ana)
+    assert world.sessions.begin(world.ana) != former
+
+
+@given(st.text(max_size=60))
+def test_owasp_session_id_guessing_a_token_that_was_not_given_is_nobody(
+    tmp_path_factory: pytest.TempPathFactory, token: str
+) -> None:
+    sessions = Sessions(lambda _name: None, ManualClock(), IDLE_S, LONGEST_S)
+    with pytest.raises(NotLoggedInError):
+        sessions.find(token, ADDRESS)
+
+
+def test_owasp_idle_timeout(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    world.clock.time_s += IDLE_S - 1.0
+    world.sessions.find(token, ADDRESS)
+    world.clock.time_s += IDLE_S - 1.0
+    assert world.is_in(token)
+    world.clock.time_s += 1.0
+    with pytest.raises(NotLoggedInError):
+        world.sessions.find(token, ADDRESS)
+    world.clock.time_s -= IDLE_S
+    assert not world.is_in(token)
+
+
+def test_owasp_idle_timeout_an_open_page_alone_is_no_use(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    person = world.sessions.find(token, ADDRESS)
+    for _check in range(10):
+        world.clock.time_s += IDLE_S / 10.0 - 0.01
+        world.sessions.check(person)
+    world.clock.time_s += 1.0
+    with pytest.raises(NotLoggedInError):
+        world.sessions.check(person)
+
+
+def test_owasp_absolute_timeout_also_of_one_that_is_used(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    begun_s = world.clock.time_s
+    while world.clock.time_s + IDLE_S / 2.0 < begun_s + LONGEST_S:
+        world.clock.time_s += IDLE_S / 2.0
+        world.sessions.find(token, ADDRESS)
+    world.clock.time_s = begun_s + LONGEST_S
+    with pytest.raises(NotLoggedInError):
+        world.sessions.find(token, ADDRESS)
+
+
+def test_owasp_logout_ends_this_session_on_the_server(world: World) -> None:
+    one, other = (world.sessions.begin(world.ana) for _number in range(2))
+    world.sessions.end(one)
+    world.sessions.end("never was")
+    assert [world.is_in(one), world.is_in(other)] == [False, True]
+
+
+def test_owasp_logout_everywhere_ends_those_of_the_person_alone(world: World) -> None:
+    eva = world.accounts.add("eva", Role.VIEW, PASSWORD)
+    own = [world.sessions.begin(world.ana) for _number in range(3)]
+    other = world.sessions.begin(eva)
+    world.sessions.end_all("ana")
+    assert not any(map(world.is_in, own))
+    assert world.is_in(other)
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        lambda accounts: accounts.change("ana", password=OTHER_PASSWORD),
+        lambda accounts: accounts.change("ana", role=Role.ADMIN),
+        lambda accounts: accounts.remove("ana"),
+    ],
+)
+def test_owasp_renewal_a_change_by_another_program_ends_them_at_the_next_request(
+    world: World, tmp_path: Path, act: Any
+) -> None:
+    token = world.sessions.begin(world.ana)
+    act(make_accounts(tmp_path))
+    with pytest.raises(NotLoggedInError):
+        world.sessions.find(token, ADDRESS)
+
+
+def test_an_account_that_is_made_again_has_not_the_sessions_of_the_former(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    world.accounts.remove("ana")
+    world.accounts.add("ana", Role.OPERATE, PASSWORD)
+    assert not world.is_in(token)
+
+
+def test_a_password_that_changes_during_its_check_begins_no_session(world: World) -> None:
+    checked = world.accounts.check("ana", PASSWORD)
+    world.accounts.change("ana", password=OTHER_PASSWORD)
+    assert not world.is_in(world.sessions.begin(checked))
+
+
+def test_too_many_sessions_of_a_person_end_the_oldest(world: World) -> None:
+    eva = world.accounts.add("eva", Role.VIEW, PASSWORD)
+    other = world.sessions.begin(eva)
+    own = [world.sessions.begin(world.ana) for _number in range(MOST_OF_PERSON + 2)]
+    assert [world.is_in(one) for one in own] == [False] * 2 + [True] * MOST_OF_PERSON
+    assert world.is_in(other)
+
+
+def test_too_many_sessions_of_all_end_the_oldest(tmp_path: Path) -> None:
+    names = [f"user{number}" for number in range(MOST_SESSIONS + 3)]
+    accounts = {one: Account(one, Role.VIEW, "", "", 1) for one in names}
+    sessions = Sessions(accounts.get, ManualClock(), IDLE_S, LONGEST_S)
+    tokens = [sessions.begin(one) for one in accounts.values()]
+    with pytest.raises(NotLoggedInError):
+        sessions.find(tokens[2], ADDRESS)
+    assert sessions.find(tokens[3], ADDRESS).name == names[3]
+
+
+def test_sessions_that_are_over_make_room(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sessions_module, "MOST_SESSIONS", 2)
+    first = world.sessions.begin(world.ana)
+    second = world.sessions.begin(world.ana)
+    world.clock.time_s += IDLE_S - 1.0
+    world.sessions.find(first, ADDRESS)
+    world.clock.time_s += 1.0
+    world.sessions.begin(world.ana)
+    assert [world.is_in(first), world.is_in(second)] == [True, False]
+
+
+def test_threads_that_log_in_and_out_at_once_disturb_no_others(world: World) -> None:
+    failed: List[BaseException] = []
+    kept = world.sessions.begin(world.accounts.add("eva", Role.VIEW, PASSWORD))
+
+    def use() -> None:
+        try:
+            for _number in range(50):
+                token = world.sessions.begin(world.ana)
+                world.sessions.find(kept, ADDRESS)
+                world.sessions.end(token)
+        except BaseException as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=use) for _number in range(4)]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    assert failed == []
+    assert world.is_in(kept)
+
+
+class SessionMachine(RuleBasedStateMachine):
+    """Logs in and out, waits, changes accounts; a list of those who are in says who may."""
+
+    NAMES = ("ana", "eva", "leo")
+
+    @initialize()
+    def begin(self) -> None:
+        """Make three accounts."""
+        self.clock = ManualClock()
+        self.generation = 0
+        self.accounts: Dict[str, Account] = {}
+        self.sessions = Sessions(self.accounts.get, self.clock, IDLE_S, LONGEST_S)
+        # Tokens: name, begin, last use; in the order of the logins.
+        self.model: Dict[str, Tuple[str, float, float]] = {}
+        self.ended: List[str] = []
+        for name in self.NAMES:
+            self.renew(name)
+
+    @rule(name=st.sampled_from(NAMES))
+    def renew(self, name: str) -> None:
+        """Change an account, or make it again."""
+        self.generation += 1
+        self.accounts[name] = Account(name, Role.VIEW, "", "", self.generation)
+        self._drop([one for one, (own, *_times) in self.model.items() if own == name])
+
+    @rule(name=st.sampled_from(NAMES))
+    def remove(self, name: str) -> None:
+        """Remove an account."""
+        self.accounts.pop(name, None)
+        self._drop([one for one, (own, *_times) in self.model.items() if own == name])
+
+    @rule(name=st.sampled_from(NAMES), times=st.integers(1, 6))
+    def log_in(self, name: str, times: int) -> None:
+        """Log in several times."""
+        for _number in range(times if name in self.accounts else 0):
+            token = self.sessions.begin(self.accounts[name])
+            own = [one for one, (owner, *_times) in self.model.items() if owner == name]
+            self._drop(own[: max(0, len(own) + 1 - MOST_OF_PERSON)])
+            self.model[token] = (name, self.clock.time_s, self.clock.time_s)
+
+    @rule(number=st.integers(0, 40))
+    def log_out(self, number: int) -> None:
+        """Log out one of those who are in."""
+        for token in list(self.model)[number : number + 1]:
+            self.sessions.end(token)
+            self._drop([token])
+
+    @rule(name=st.sampled_from(NAMES))
+    def log_out_everywhere(self, name: str) -> None:
+        """Log out one person."""
+        self.sessions.end_all(name)
+        self._drop([one for one, (own, *_times) in self.model.items() if own == name])
+
+    @rule(number=st.integers(0, 40))
+    def use(self, number: int) -> None:
+        """Ask for something."""
+        for token in list(self.model)[number : number + 1]:
+            name, begun_s, _used_s = self.model[token]
+            assert self.sessions.find(token, ADDRESS).name == name
+            self.model[token] = (name, begun_s, self.clock.time_s)
+
+    @rule(time_s=st.sampled_from([1.0, IDLE_S / 2.0, IDLE_S - 1.0, IDLE_S, LONGEST_S / 3.0]))
+    def wait(self, time_s: float) -> None:
+        """Do nothing for a while."""
+        self.clock.time_s += time_s
+        now_s = self.clock.time_s
+        self._drop(
+            [
+                token
+                for token, (_name, begun_s, used_s) in self.model.items()
+                if now_s - used_s >= IDLE_S or now_s - begun_s >= LONGEST_S
+            ]
+        )
+
+    @invariant()
+    def exactly_those_are_in(self) -> None:
+        """Compare."""
+        for token in self.model:
+            self.sessions.check(Person("", Role.NOBODY, token, ADDRESS))
+        for token in self.ended:
+            with pytest.raises(NotLoggedInError):
+                self.sessions.check(Person("", Role.NOBODY, token, ADDRESS))
+
+    def _drop(self, tokens: List[str]) -> None:
+        for token in tokens:
+            del self.model[token]
+            self.ended.append(token)
+
+
+TestRandomSessions = SessionMachine.TestCase
