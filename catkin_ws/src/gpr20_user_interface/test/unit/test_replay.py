@@ -87,9 +87,10 @@ def listening(patched, replay=False, namespace="/"):
     monkeypatch, clock = patched
     graph, events = Graph(), []
     monkeypatch.setattr(ros_events.rospy, "Subscriber", graph.subscriber)
+    monkeypatch.setattr(ros_events, "in_background", lambda work: work())
     client = ControlClient(events.append, Senders(namespace, replay, clock))
     client.listen()
-    client.listen_to_robot()
+    client.set_watched(True)
     return client, graph, events
 
 

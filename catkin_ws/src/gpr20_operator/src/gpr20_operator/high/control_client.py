@@ -6,7 +6,7 @@ import math
 import threading
 from dataclasses import replace
 from functools import partial
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -35,6 +35,7 @@ from gpr20_operator.high.robot_stop import RobotStop
 from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
     RosEvents,
+    WhileWatched,
     in_background,
     no_answer,
 )
@@ -87,10 +88,12 @@ class ControlClient(RosEvents):
         self._clock = Clock()
         # The last report of each axis that was passed on: whether it moved, and when [s].
         self._reports: Dict[AxisId, Tuple[bool, float]] = {}
+        self._robot = WhileWatched(self._robot_subscriptions)
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
         self._stop.forget()
+        self.set_watched(False)
         if self._player is not None:
             self._player.stop()
         super().close()
@@ -106,17 +109,9 @@ class ControlClient(RosEvents):
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
         self._subscribe("robot_configuration", RobotConfiguration, self._robot_limits, None)
 
-    def listen_to_robot(self) -> None:
-        """Subscribe to motion, position, height and health of the robot."""
-        subscribe = self._subscribe
-        for axis in AxisId:
-            topic = f"{axis.value}_axis/current_coord"
-            subscribe(topic, CurrentCoordinate, partial(self._measured, axis), 1)
-        subscribe("control_current_coordinate", Coordinates, _position(CurrentPosition), 1)
-        subscribe("control_target_coordinate", Coordinates, _position(TargetPosition), 1)
-        subscribe("survey_parameters", SurveyParametersMessage, conversions.parameters, None)
-        subscribe("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1)
-        self._subscribers.append(self._diagnostics_subscriber(lambda health, _message: health))
+    def set_watched(self, watched: bool) -> None:
+        """Follow motion, position, height and health of the robot, or no longer."""
+        self._robot.set_watched(watched)
 
     def start_survey(
         self,
@@ -183,6 +178,23 @@ class ControlClient(RosEvents):
         # A master that hangs must not collect one thread per call.
         if self._checking_master.acquire(blocking=False):
             in_background(self._check_master)
+
+    def _robot_subscriptions(self) -> List[rospy.Subscriber]:
+        subscriber = self._subscriber
+        return [
+            *(
+                subscriber(
+                    f"{axis.value}_axis/current_coord",
+                    *(CurrentCoordinate, partial(self._measured, axis), 1),
+                )
+                for axis in AxisId
+            ),
+            subscriber("control_current_coordinate", Coordinates, _position(CurrentPosition), 1),
+            subscriber("control_target_coordinate", Coordinates, _position(TargetPosition), 1),
+            subscriber("survey_parameters", SurveyParametersMessage, conversions.parameters, None),
+            subscriber("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
+            self._diagnostics_subscriber(lambda health, _message: health),
+        ]
 
     def _check_master(self) -> None:
         try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import socket
-import threading
 from functools import partial
 from typing import Any, Callable, List, Mapping
 
@@ -18,7 +17,7 @@ from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_msgs.msg import ServiceStatus
-from gpr20_operator.high.ros_events import RosEvents, in_background
+from gpr20_operator.high.ros_events import RosEvents, WhileWatched, in_background
 from gpr20_operator.jobs.job import Delivery, Ticket
 from gpr20_operator.robot.events import ClockOffset, EndstopState, ServiceActivity
 from gpr20_operator.robot.senders import Senders
@@ -33,9 +32,7 @@ class RobotWatchClient(RosEvents):
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
-        self._watched: List[rospy.Subscriber] = []
-        self._wanted = False
-        self._following = threading.Lock()
+        self._watched = WhileWatched(self._subscriptions)
 
     def listen(self) -> None:
         """Subscribe to what is done for maintenance."""
@@ -48,9 +45,7 @@ class RobotWatchClient(RosEvents):
 
     def set_watched(self, watched: bool) -> None:
         """Follow endstops and clocks, or no longer: each message costs time."""
-        self._wanted = watched
-        # A subscription waits for the master, which may be away.
-        in_background(self._follow)
+        self._watched.set_watched(watched)
 
     def examine(
         self,
@@ -67,14 +62,6 @@ class RobotWatchClient(RosEvents):
             self._emit(Delivery(partial(ticket.done, facts)))
 
         in_background(look)
-
-    def _follow(self) -> None:
-        with self._following:
-            if self._wanted == bool(self._watched):
-                return
-            for subscriber in self._watched:
-                subscriber.unregister()
-            self._watched = self._subscriptions() if self._wanted else []
 
     def _subscriptions(self) -> List[rospy.Subscriber]:
         def endstop(axis: AxisId) -> rospy.Subscriber:

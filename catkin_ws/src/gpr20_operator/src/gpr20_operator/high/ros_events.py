@@ -65,6 +65,35 @@ def in_background(work: Callable[[], None]) -> None:
     threading.Thread(target=work, daemon=True).start()
 
 
+class WhileWatched:
+    """Subscriptions that exist while somebody looks: each message costs time.
+
+    Args:
+        subscribe: Makes them, in a thread of its own.
+    """
+
+    def __init__(self, subscribe: Callable[[], List[rospy.Subscriber]]) -> None:
+        self._subscribe = subscribe
+        self._subscribers: List[rospy.Subscriber] = []
+        self._wanted = False
+        self._following = threading.Lock()
+
+    def set_watched(self, watched: bool) -> None:
+        """Subscribe, or no longer, without waiting."""
+        if watched != self._wanted:
+            self._wanted = watched
+            # A subscription waits for the master, which may be away.
+            in_background(self._follow)
+
+    def _follow(self) -> None:
+        with self._following:
+            if self._wanted == bool(self._subscribers):
+                return
+            for subscriber in self._subscribers:
+                subscriber.unregister()
+            self._subscribers = self._subscribe() if self._wanted else []
+
+
 class RosEvents:
     """Base of the clients: subscriptions, and a listener that may be gone after `close`.
 

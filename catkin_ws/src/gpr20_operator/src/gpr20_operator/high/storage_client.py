@@ -33,6 +33,7 @@ from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
     RequestError,
     RosEvents,
+    WhileWatched,
     accepted,
     call,
 )
@@ -62,13 +63,25 @@ class StorageClient(RosEvents):
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
         self._mark = ServiceClient("mark_survey", MarkSurvey)
+        self._traced = WhileWatched(self._trace_subscriptions)
 
     def listen(self) -> None:
-        """Subscribe to plan, coverage and traces."""
+        """Subscribe to plan and coverage."""
         self._subscribe("survey_metadata", String, lambda one: SurveyDescribed(one.data), 1)
         self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
+
+    def close(self) -> None:
+        """Call the listener no more."""
+        self.set_watched(False)
+        super().close()
+
+    def set_watched(self, watched: bool) -> None:
+        """Follow traces, or no longer: the storage has those that were missed."""
+        self._traced.set_watched(watched)
+
+    def _trace_subscriptions(self) -> List[rospy.Subscriber]:
         # As it was sent: the converter of traces reads these bytes.
-        self._subscribe("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)
+        return [self._subscriber("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)]
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""

@@ -191,7 +191,6 @@ class WebNode:
     def _begin(self) -> None:
         for client in self._clients:
             client.listen()
-        self._control.listen_to_robot()
         self._events.begin()
         parameters = self._parameters
 
@@ -217,6 +216,8 @@ class WebNode:
             self._control.check_master()
         self._shell.refresh(self._model.snapshot())
         watchers, holder = len(self._server.streams), self._controller.holder
+        for client in (self._control, self._storage):
+            client.set_watched(watchers > 0)
         status = WebStatusReported(
             *(self._parameters.address, self._parameters.port, self._certificate.fingerprint),
             *(watchers, "" if holder is None else holder.name),
