@@ -69,14 +69,17 @@ def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
     shown: Dict[str, Any] = {"found": [sentence(text, texts.found_line(one)) for one in found]}
     if image is None:
         return shown
-    places, soil = result.places, texts.soil_lines(result)
-    notes = [NO_CLEARANCE, *([] if places else [texts.NOT_SAFE]), *texts.notices(result)]
-    if image.found.simulated:
-        notes.insert(0, SIMULATED)
+    places, soil = result.places, ": ".join(map(text, texts.soil_lines(result)))
+    warnings = [
+        *([SIMULATED] if image.found.simulated else []),
+        NO_CLEARANCE,
+        *([] if places else [texts.NOT_SAFE]),
+    ]
+    notes = [text(one) for one in (*texts.notices(result), texts.FROM_MARK)]
     shown["candidates"] = {
         "headline": sentence(text, texts.headline(image.found, most=len(places))),
-        "notes": [text(one) for one in (*notes, texts.FROM_MARK)],
-        "soil": ": ".join(map(text, soil)),
+        "warnings": [text(one) for one in warnings],
+        "notes": [*notes, soil],
         "list": list_sum(image.found),
         "places": [_place(result, one, text) for one in places],
     }

@@ -1,0 +1,280 @@
+// SURVEYS: the stored surveys, what people add to them, and downloads.
+
+import { ask, button, element, field, write } from "../dom.js";
+
+const LISTED = ["all", "not complete", "imported"];
+const FINDS = ["nothing", "scrap", "device"];
+const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
+// A page of the list may have few that fit.
+const ENOUGH = 20;
+const TYPED_MS = 300;
+const POLL_MS = 1000;
+
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+const number = (attributes) => element("input", { type: "number", step: "any", ...attributes });
+const valueOf = (input) => (input.value === "" ? null : Number(input.value));
+const size = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
+const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
+
+export default {
+  name: "surveys",
+
+  show(root, app) {
+    this.app = app;
+    this.folder = "";
+    this.text = element("input", { type: "search", placeholder: this.word("hint"), maxlength: 200 });
+    this.listed = element(
+      "select", {}, ...LISTED.map((one) => element("option", { value: one }, this.word(one))),
+    );
+    this.rows = element("ul", { class: "list" });
+    this.none = element("p", { class: "muted", role: "status" });
+    this.older = button(this.word("older"), () => this.read(), { hidden: true });
+    this.details = element("div");
+    this.text.addEventListener("input", () => this.search(TYPED_MS));
+    this.listed.addEventListener("change", () => this.search(0));
+    root.append(
+      element(
+        "div", { class: "columns" },
+        element(
+          "div", {},
+          field(this.word("search"), this.text),
+          field(this.word("listed"), this.listed),
+          this.rows, this.none, this.older,
+        ),
+        this.details,
+      ),
+    );
+    this.search(0);
+  },
+
+  leave() {
+    this.turn += 1;
+    this.folder = "";
+  },
+
+  turn: 0,
+
+  word(name, values) {
+    return this.app.word(`surveys.${name}`, values);
+  },
+
+  // Do what may be refused; returns whether it was done.
+  async act(request) {
+    try {
+      await request();
+      return true;
+    } catch (error) {
+      this.app.report(error);
+      return false;
+    }
+  },
+
+  async search(afterMs) {
+    const turn = (this.turn += 1);
+    await pause(afterMs);
+    if (turn !== this.turn) return;
+    this.next = "";
+    this.rows.replaceChildren();
+    this.read();
+  },
+
+  read() {
+    const { turn } = this;
+    return this.act(async () => {
+      const before = this.rows.childElementCount;
+      do {
+        const query = new URLSearchParams({
+          listed: this.listed.value, text: this.text.value, before: this.next,
+        });
+        const page = await this.app.get(`/api/surveys?${query}`);
+        if (turn !== this.turn) return;
+        this.next = page.next;
+        this.rows.append(...page.surveys.map((one) => this.row(one)));
+      } while (this.next && this.rows.childElementCount < before + ENOUGH);
+      this.older.hidden = !this.next;
+      write(this.none, this.rows.childElementCount ? "" : this.word("none"));
+    });
+  },
+
+  row(survey) {
+    const { folder, title, time, people } = survey;
+    const open = button("", () => this.open(folder, title), { class: "entry", "data-folder": folder });
+    open.append(
+      element("strong", {}, title), " ",
+      title === time ? "" : element("span", {}, time), " ",
+      ...this.chips(survey), element("br"), element("small", {}, people),
+    );
+    return element("li", {}, open);
+  },
+
+  chips({ ending, state, simulated }) {
+    const chips = [element("span", { class: `chip ${CHIPS[state] ?? ""}` }, ending), " "];
+    if (simulated) chips.push(element("span", { class: "chip simulated" }, this.word("simulated")));
+    return chips;
+  },
+
+  path(rest = "") {
+    return `/api/surveys/${this.folder}${rest}`;
+  },
+
+  // Show a survey, and let the keyboard continue at a heading.
+  open(folder, heading) {
+    this.folder = folder;
+    for (const one of this.rows.querySelectorAll("button"))
+      one.setAttribute("aria-current", String(one.dataset.folder === folder));
+    return this.act(async () => {
+      const survey = await this.app.get(this.path());
+      if (folder !== this.folder) return;
+      this.details.replaceChildren(
+        this.summary(survey), this.candidates(survey), this.found(survey),
+        this.notes(survey), this.markers(survey), this.downloads(survey),
+      );
+      const headings = [...this.details.querySelectorAll("h2")];
+      headings.find((one) => one.textContent === heading)?.focus();
+    });
+  },
+
+  // Send something that is added to the survey, then show it.
+  async add(rest, values) {
+    const { folder } = this;
+    if (await this.act(() => this.app.post(this.path(rest), values)))
+      await this.open(folder, this.word(rest.slice(1)));
+  },
+
+  card(title, ...content) {
+    return element("section", { class: "card" }, element("h2", { tabindex: -1 }, title), ...content);
+  },
+
+  form(fields, values) {
+    const send = (event) => {
+      event.preventDefault();
+      this.add(...values());
+    };
+    return element("form", { onsubmit: send }, ...fields, element("button", {}, this.word("add")));
+  },
+
+  summary(survey) {
+    const problems = paragraphs(survey.problems, { class: "warn" });
+    const lines = paragraphs(survey.lines);
+    return this.card(survey.title, element("p", {}, ...this.chips(survey)), ...lines, ...problems);
+  },
+
+  candidates({ candidates, can_search: can }) {
+    const said = element("p", { role: "status" });
+    const find = button(this.word("find"), () => this.find(said, find), {
+      class: "primary", disabled: !can,
+    });
+    const shown = candidates ? this.places(candidates) : [];
+    return this.card(this.word("candidates"), ...shown, said, find);
+  },
+
+  async find(said, find) {
+    const { folder } = this;
+    find.disabled = true;
+    const done = await this.act(async () => {
+      await this.app.post(this.path("/candidates"));
+      for (;;) {
+        const search = await this.app.get(this.path("/candidates"));
+        if (folder !== this.folder) return;
+        if (search.state === "done") break;
+        if (search.state === "failed") {
+          write(said, `${search.problem} ${search.remedy}`);
+          find.disabled = false;
+          return;
+        }
+        write(said, this.word("searching", { seconds: search.seconds }));
+        await pause(POLL_MS);
+        if (folder !== this.folder) return;
+      }
+      await this.open(folder, this.word("candidates"));
+    });
+    if (!done) find.disabled = false;
+  },
+
+  places({ headline, warnings, notes, list, places }) {
+    const rows = places.map((place) =>
+      element(
+        "tr", {},
+        element("th", { scope: "row" }, String(place.number)),
+        element(
+          "td", {},
+          place.place, element("br"), place.found,
+          element("details", {}, element("summary", {}, place.line), ...paragraphs(place.why)),
+          button(this.word("found"), () => this.ask(place, list), {
+            "aria-label": `${this.word("found")} ${place.number}`,
+          }),
+        ),
+      ));
+    return [
+      element("p", {}, element("strong", {}, headline)),
+      ...paragraphs(warnings, { class: "warn" }),
+      ...paragraphs(notes, { class: "muted" }),
+      element("table", { class: "table" }, element("tbody", {}, ...rows)),
+    ];
+  },
+
+  // What was found at a place of this list.
+  async ask({ id, place }, list) {
+    const what = element(
+      "select", {}, ...FINDS.map((one) => element("option", { value: one }, this.word(one))),
+    );
+    const depth = number({ min: 0, max: 10000 });
+    const lines = [
+      element("p", {}, place), field(this.word("found"), what), field(this.word("depth"), depth),
+    ];
+    if (await ask(this.app, this.word("found"), lines, this.word("add")))
+      this.add("/found", { candidate: id, list, what: what.value, depth_mm: valueOf(depth) });
+  },
+
+  found({ found }) {
+    return found.length ? this.card(this.word("found"), ...paragraphs(found)) : "";
+  },
+
+  notes({ notes }) {
+    const shown = (notes ?? []).map(([name, text]) =>
+      element("div", {}, element("dt", {}, name), element("dd", { class: "lines" }, text)));
+    const text = element("textarea", { required: true, maxlength: 2000, rows: 2 });
+    return this.card(
+      this.word("notes"), element("dl", {}, ...shown),
+      this.form([field(this.word("text"), text)], () => ["/notes", { text: text.value }]),
+    );
+  },
+
+  markers({ markers }) {
+    const shown = (markers ?? []).map((one) => {
+      const depth = one.depth_mm === null ? "" : ` (${one.depth_mm} mm)`;
+      const text = `X ${one.x_mm}  Y ${one.y_mm}${depth}: ${one.text} (${one.author})`;
+      const remove = () => this.add("/markers", { remove: one.marker_id });
+      const label = `${this.word("remove")}: ${text}`;
+      return element(
+        "li", {}, text, " ", button(this.word("remove"), remove, { "aria-label": label }),
+      );
+    });
+    const [x, y] = [number({ required: true }), number({ required: true })];
+    const depth = number({ min: 0, max: 10000 });
+    const text = element("input", { maxlength: 500 });
+    const named = [["x", x], ["y", y], ["depth", depth], ["text", text]];
+    const fields = named.map(([name, input]) => field(this.word(name), input));
+    return this.card(
+      this.word("markers"), element("ul", {}, ...shown),
+      this.form(fields, () => ["/markers", {
+        x_mm: valueOf(x), y_mm: valueOf(y), depth_mm: valueOf(depth), text: text.value,
+      }]),
+    );
+  },
+
+  downloads({ files, bytes }) {
+    if (!files.length) return "";
+    const link = (rest, name, count) => element("li", {}, element(
+      "a", { href: this.app.server.address(this.path(rest)), download: true },
+      `${name} (${size(count)})`,
+    ));
+    return this.card(
+      this.word("downloads"),
+      element(
+        "ul", {}, link("/zip", this.word("whole"), bytes),
+        ...files.map((one) => link(`/files/${one.name}`, one.name, one.bytes)),
+      ),
+    );
+  },
+};

@@ -1,0 +1,84 @@
+"""Storage and imaging node, for pages that wait: refusals keep what they say."""
+
+import json
+from dataclasses import asdict
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("rospy")
+
+from map_kit import MARKER
+from view_kit import SURVEY
+
+from gpr20_common.high.service_client import ServiceUnavailableError
+from gpr20_common.message import Fault, verbatim
+from gpr20_common.sent_message import message_fields
+from gpr20_operator.high import request_client
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.robot.senders import Senders
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_web.errors import NotNowError
+from gpr20_web.high.survey_services import RosSurveyServices
+
+REFUSED = verbatim("it is damaged").with_fault(Fault("storage.test", verbatim("Repair it.")))
+
+
+@pytest.fixture
+def answers(monkeypatch):
+    """What each service answers, or raises, and what it was asked."""
+    answers = SimpleNamespace(of={}, asked=[])
+
+    def client(name, _kind):
+        def call(_timeout_s, **fields):
+            answers.asked.append((name, fields))
+            found = answers.of[name]
+            if isinstance(found, Exception):
+                raise found
+            return SimpleNamespace(**{"success": True, **found})
+
+        return SimpleNamespace(call=call)
+
+    monkeypatch.setattr(request_client, "ServiceClient", client)
+    return answers
+
+
+@pytest.fixture
+def services(answers):
+    return RosSurveyServices(request_client.RequestClient(lambda _event: None, Senders("/")))
+
+
+def test_a_page_of_the_list_is_returned(services, answers):
+    answers.of["list_surveys"] = {"surveys": [], "more": True}
+    page = services.ask(Service.LIST, before="", max_surveys=50)
+    assert (page.surveys, page.more) == ((), True)
+
+
+def test_a_marker_is_sent_by_its_fields_and_removed_by_its_id(services, answers):
+    stored = json.dumps([asdict(MARKER)])
+    answers.of["mark_survey"] = {"survey_id": SURVEY, "markers_json": stored}
+    assert services.ask(Service.MARK, survey=SURVEY, marker=MARKER).markers == (MARKER,)
+    services.ask(Service.MARK, survey=SURVEY, marker_id=MARKER.marker_id, remove=True, author="Ana")
+    (_, added), (_, removed) = answers.asked
+    assert added["depth_mm"] == MARKER.depth_mm and added["has_depth"]
+    assert removed["remove"] and "x_mm" not in removed
+
+
+def test_an_annotation_is_sent_as_a_message(services, answers):
+    answers.of["annotate_survey"] = message_fields(verbatim("stored"))
+    services.ask(Service.ANNOTATE, survey=SURVEY, annotation=Annotation(notes="roots"))
+    assert answers.asked[0][1]["annotation"].notes == "roots"
+
+
+def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers):
+    answers.of["read_survey"] = {"success": False, **message_fields(REFUSED)}
+    with pytest.raises(NotNowError) as refused:
+        services.ask(Service.READ, survey=SURVEY)
+    assert refused.value.message == REFUSED
+    assert refused.value.message.fault_code == "storage.test"
+
+
+def test_a_node_that_is_silent_is_named(services, answers):
+    answers.of["note_survey"] = ServiceUnavailableError(verbatim("no answer"))
+    with pytest.raises(NotNowError, match="the storage does not answer"):
+        services.ask(Service.NOTE, survey=SURVEY)
