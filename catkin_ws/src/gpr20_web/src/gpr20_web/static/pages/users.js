@@ -15,12 +15,14 @@ export default {
 
   show(root, app) {
     this.app = app;
+    const forms = element("div", { class: "columns" }, this.ownForm());
     if (app.me.role >= ADMIN) {
-      this.rows = element("tbody");
-      root.append(this.table(), this.addForm());
+      this.rows = element("div", { role: "list" });
+      root.append(this.rows);
+      forms.prepend(this.addForm());
       this.act(() => app.get("/api/users"));
     }
-    root.append(this.ownForm());
+    root.append(forms);
   },
 
   word(name, values) {
@@ -39,41 +41,21 @@ export default {
     }
   },
 
-  table() {
-    const heads = ["name", "role", "created"].map((one) =>
-      element("th", { scope: "col" }, this.word(one)));
-    return element(
-      "div",
-      { class: "card scroll" },
-      element(
-        "table",
-        { class: "table" },
-        element("thead", {}, element("tr", {}, ...heads, element("td"))),
-        this.rows,
-      ),
-    );
-  },
-
-  row(user) {
-    const { name, role, created } = user;
+  row({ name, role, created }) {
     const label = (key) => ({ "aria-label": `${this.word(key)} ${name}` });
     const isOwn = name === this.app.me.name;
-    const own = isOwn ? element("span", { class: "chip" }, this.word("you")) : "";
     return element(
-      "tr",
-      {},
-      element("th", { scope: "row" }, name, " ", own),
-      element("td", {}, role, element("br"), element("span", { class: "muted" }, this.word(role))),
-      element("td", {}, created.slice(0, 10)),
+      "div",
+      { class: "card row", role: "listitem" },
+      element("strong", {}, name),
+      isOwn ? element("span", { class: "chip" }, this.word("you")) : "",
+      element("span", {}, `${role}: ${this.word(role)}`),
+      element("span", { class: "muted" }, `${this.word("created")} ${created.slice(0, 10)}`),
       element(
-        "td",
-        {},
-        element(
-          "div",
-          { class: "row" },
-          button(this.word("change"), () => this.change(user), label("change")),
-          button(this.word("remove"), () => this.remove(name), label("remove")),
-        ),
+        "div",
+        { class: "row" },
+        button(this.word("change"), () => this.change(name, role), label("change")),
+        button(this.word("remove"), () => this.remove(name), label("remove")),
       ),
     );
   },
@@ -87,7 +69,7 @@ export default {
     );
   },
 
-  async change({ name, role }) {
+  async change(name, role) {
     const roles = this.roles(role);
     const password = secret("new-password");
     const lines = [
