@@ -72,7 +72,8 @@ from gpr20_web.mid.web_parameters import WebParameters
 
 NODE = "web"
 STATIC = Path(gpr20_web.__file__).resolve().parent / "static"
-MASTER_CHECK_S = 2.0
+# As often as the window while somebody looks, else as seldom as a notice may be late.
+MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
 CLOSE_LIMIT_S = 3.0
 SECONDS_PER_MINUTE, SECONDS_PER_HOUR = 60.0, 3600.0
 
@@ -98,7 +99,8 @@ class WebNode:
             WebError: There is no certificate, the port is taken, or the accounts are damaged.
         """
         self._parameters, self._clock = parameters, Clock()
-        self._checked_s = -MASTER_CHECK_S
+        self._checked_s = -SELDOM_S
+        self._asks_for_robots = False
         self._said: Optional[WebStatusReported] = None
         self._events = EventLoop(self._handle, self._refresh, self._report)
         folder = parameters.path
@@ -162,7 +164,7 @@ class WebNode:
         """Return the pages by the names under which their scripts ask for words."""
         clock, audit, namespace = self._clock, self._audit.add, rospy.get_namespace()
         may_stop = self._parameters.view_may_stop
-        robots = Robots(namespace, False, self._robots.set_watched)
+        robots = Robots(namespace, False, self._follow_robots)
         surveys = RosSurveyServices(self._requests)
         return {
             "now": NowPage(namespace.strip("/")),
@@ -190,7 +192,9 @@ class WebNode:
 
     def _begin(self) -> None:
         for client in self._clients:
-            client.listen()
+            # Asking the master for the robots costs more than all the rest.
+            if client is not self._robots:
+                client.listen()
         self._events.begin()
         parameters = self._parameters
 
@@ -202,6 +206,12 @@ class WebNode:
         if not self._accounts.all():
             rospy.logwarn("nobody can log in yet: rosrun gpr20_web users add NAME --role admin")
 
+    def _follow_robots(self, watched: bool) -> None:
+        if watched and not self._asks_for_robots:
+            self._asks_for_robots = True
+            self._robots.listen()
+        self._robots.set_watched(watched)
+
     def _handle(self, event: Any) -> None:
         if isinstance(event, Delivery):
             event.deliver()
@@ -211,11 +221,11 @@ class WebNode:
 
     def _refresh(self) -> bool:
         now_s = self._clock.now_s()
-        if now_s - self._checked_s >= MASTER_CHECK_S:
+        watchers, holder = len(self._server.streams), self._controller.holder
+        if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
         self._shell.refresh(self._model.snapshot())
-        watchers, holder = len(self._server.streams), self._controller.holder
         for client in (self._control, self._storage):
             client.set_watched(watchers > 0)
         status = WebStatusReported(

@@ -66,6 +66,7 @@ class EventStreams:
     ) -> None:
         self._check, self._report = check, report
         self._watchers: List[Watcher] = []
+        self._watched = asyncio.Event()
         self._sending: List[asyncio.Future[None]] = []
 
     def __len__(self) -> int:
@@ -82,6 +83,7 @@ class EventStreams:
             raise NotAllowedError(Message("too many pages are open; close one"))
         watcher = Watcher(sender, stream, person, time.monotonic())
         self._watchers.append(watcher)
+        self._watched.set()
         return watcher
 
     def has(self, session: str) -> bool:
@@ -91,6 +93,8 @@ class EventStreams:
     def remove(self, watcher: Watcher) -> None:
         """Remove a browser that has left."""
         self._watchers.remove(watcher)
+        if not self._watchers:
+            self._watched.clear()
 
     def end(self) -> None:
         """End all."""
@@ -101,6 +105,7 @@ class EventStreams:
         """Send what changes until this is cancelled."""
         while True:
             await asyncio.sleep(BEAT_S)
+            await self._watched.wait()
             now_s = time.monotonic()
             # By the identity of a document, which is kept with it: browsers of one language share
             # it, and its text is made once.
