@@ -7,15 +7,17 @@ import pytest
 from ground_kit import FOLDER, PAST, PERIOD_S, SURVEY, Server
 from hypothesis import given
 from hypothesis import strategies as st
-from map_kit import focused
-from view_kit import depth_echo, trace_at
+from map_kit import MARKER, focused
+from view_kit import depth_echo, description, past_survey, trace_at
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import AdditionsRead
 from gpr20_operator.ground.cells import MARKS, TILES, Cell
 from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
 from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_operator.ground.sources import EchoSource
+from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.survey_state import SurveyState
@@ -149,12 +151,48 @@ def test_a_past_survey_is_never_shown_as_the_running_one(server):
     assert server.page.live(str)["ground"]["survey"] == SURVEY
 
 
+def test_a_survey_that_begins_is_not_mixed_with_the_last_one(server):
+    server.run()
+    server.ask("/api/ground/focus", "POST")
+    server.node.ticket("focus").done(focused())
+    server.page.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    assert len(server.ask()["ground"]["marks"]) == 3
+    server.page.on_event(SurveyDescribed(description(survey_id=PAST)))
+    after = server.ask()
+    assert after["title"] == "Loading…"
+    assert after["ground"]["counts"][0][2] is None
+    assert not after["ground"]["marks"]
+    assert server.page.live(str)["ground"]["survey"] == ""
+
+
+def test_the_folder_of_the_running_survey_is_found_for_its_markers(server):
+    server.run(stored=4)
+    assert server.ask()["folder"] == ""
+    assert server.storage.of("list")
+    server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
+    assert server.ask()["folder"] == FOLDER
+
+
+def test_a_storage_that_does_not_answer_is_not_asked_all_the_time(server):
+    for _second in range(30):
+        server.page.on_event(ReadingFailed(verbatim("no")))
+        server.tick()
+    assert len(server.storage.asked) == 0
+    server.run(stored=4)
+    for _second in range(30):
+        server.tick()
+    assert len(server.storage.of("list")) == 1
+
+
 def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
     server.run()
     assert server.ask(survey=FOLDER)["title"] == "Loading…"
     assert server.storage.of("survey") == [(FOLDER,)]
     server.ask(survey=FOLDER)
     assert len(server.storage.of("survey")) == 1
+    server.page.on_event(ReadingFailed(verbatim("the disk is gone")))
+    assert server.ask(survey=FOLDER)["title"] == "the disk is gone"
+    assert len(server.storage.of("survey")) == 2
 
 
 def test_traces_of_the_running_survey_do_not_reach_a_past_one(server):
@@ -172,6 +210,7 @@ def test_the_folder_of_the_running_survey_shows_it_live(server):
     server.run(stored=4)
     server.ask(survey=FOLDER)
     server.page._past[FOLDER].traces._opened = server.page._live.traces.live
+    server.tick()
     assert not server.ask(survey=FOLDER)["past"]
 
 

@@ -26,7 +26,7 @@ def document(ground: ShownGround, choice: GroundChoice, text: Text) -> Dict[str,
     """Return a choice of a survey for a browser; areas are left, right, low and high."""
     shown, model = ground.show(choice), ground.model
     survey, settings, image, place = model.survey.map, model.settings, model.image, model.place
-    counts, deepest_m = survey.counts(), model.deepest_m
+    counts, deepest_m, hiding = survey.counts(), model.deepest_m, ground.additions.hiding
     return {
         "counts": [
             [state.name.lower(), text(name), None if counts is None else counts[state]]
@@ -37,7 +37,7 @@ def document(ground: ShownGround, choice: GroundChoice, text: Text) -> Dict[str,
         "depth_mm": round(settings.depth_m * MM_PER_M),
         "deepest_mm": None if deepest_m is None else round(deepest_m * MM_PER_M),
         "notes": _said((*texts.notes(model), texts.remark(model)), text),
-        "notice": _said(texts.above_notice(model, shown, None), text),
+        "notice": _said(texts.above_notice(model, shown, None) if survey.grid else (), text),
         "lines": _said(texts.touched_lines(model, shown), text),
         "place": None if place is None else [place.x_mm, place.y_mm],
         "marks": [_mark(one, text) for one in marks_above(model)],
@@ -45,6 +45,7 @@ def document(ground: ShownGround, choice: GroundChoice, text: Text) -> Dict[str,
             **{name: _area(one.area) for name, one in ground.patterns().items()},
             **({} if shown.above is None else {"image": _extent(shown.above)}),
         },
+        "hiding": [] if hiding is None else _said(hiding.sentences, text),
         "traces_focused": None if image is None else image.traces,
         "bar": _bar(shown.first),
         "section": _section(model, shown, text) if choice.alongs else None,

@@ -12,6 +12,7 @@ from gpr20_operator.ground.cells import TILE_PX, Cell
 from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Job, Requests, Service
 from gpr20_operator.jobs.pictures import FEWEST_TRACES, NOT_KNOWN, Imaging
+from gpr20_operator.jobs.result_texts import TARGETS
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.hidden_target import Targets
@@ -32,7 +33,7 @@ MOST_PAST = 3
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
 PNG = "image/png"
 CELLS = {one.name.lower(): one for one in Cell}
-TARGETS = {one.value.name: one.value.name for one in Targets}
+TARGET_NAMES = {one.value.name: one.value.name for one in Targets}
 SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
 
 
@@ -99,8 +100,9 @@ class GroundPage(WebPage):
 
     def live(self, text: Text) -> Mapping[str, Any]:
         """Return which pictures of the running survey are the newest."""
-        survey = self._live.survey_id if "coverage" in self._live.patterns() else ""
-        return {"ground": {"survey": survey, "revision": self._live.revision}}
+        live = self._live
+        survey = "" if live.shown.map.stop_states is None else live.survey_id
+        return {"ground": {"survey": survey, "revision": live.revision}}
 
     def _ground(self, call: Call) -> Mapping[str, Any]:
         """Return a survey; if its revision is known already, only what changes all the time."""
@@ -131,7 +133,7 @@ class GroundPage(WebPage):
     def _hide(self, call: Call) -> Mapping[str, Any]:
         if self._snapshot is not None and self._snapshot.running:
             raise NotNowError(SURVEY_RUNS)
-        target = Values(call.values).one("target", TARGETS, next(iter(TARGETS)))
+        target = Values(call.values).one("target", TARGET_NAMES, Targets.PMN.value.name)
         return self._ask("hide", call, target=target)
 
     def _cancel(self, call: Call) -> Mapping[str, Any]:
@@ -145,12 +147,12 @@ class GroundPage(WebPage):
         ground, permittivity = self._shown(values), values.permittivity
         if self._is_replay:
             raise NotNowError(Message("This is not possible during a replay."))
-        if ground.traces.shown.loading.stored < FEWEST_TRACES:
+        if ground.shown.loading.stored < FEWEST_TRACES:
             raise NotNowError(Message("This takes at least {count} traces.", count=FEWEST_TRACES))
         if job.running:
             raise NotNowError(Message("The imaging node is at work already. Wait for its answer."))
         self._asked[name] = ground.survey_id
-        grid = ground.traces.shown.map.grid
+        grid = ground.shown.map.grid
         known = permittivity or (grid and grid.permittivity) or NOT_KNOWN
         job.ask(survey=ground.survey_id, permittivity=known, **fields)
         return self._job(name, ground, call.text)
@@ -170,7 +172,7 @@ class GroundPage(WebPage):
 
     def _about(self, ground: ShownGround, text: Text) -> Dict[str, Any]:
         """Return which survey is shown, so that none is taken for another one."""
-        is_live, snapshot, plan = ground is self._live, self._snapshot, ground.traces.shown.map
+        is_live, snapshot, plan = ground is self._live, self._snapshot, ground.shown.map
         current = snapshot.current if is_live and snapshot is not None else None
         target = plan.grid.place_of(plan.current) if plan.grid and plan.current else None
         age_s = self._now_s() - self._traced_s
@@ -185,14 +187,15 @@ class GroundPage(WebPage):
         }
 
     def _title(self, ground: ShownGround) -> Message:
-        snapshot = self._snapshot
+        snapshot, loading = self._snapshot, Message("Loading…")
+        running = "" if snapshot is None else snapshot.running_survey
         if ground is not self._live:
-            return ground.traces.band or ground.problem or Message("Loading…")
+            return ground.traces.band or ground.problem or loading
         if snapshot is not None and snapshot.replay is not None:
             return Message("REPLAY: {survey}", survey=snapshot.replay.mark.survey)
         if not ground.survey_id:
-            return Message("No survey yet.")
-        if snapshot is not None and snapshot.running_survey == ground.survey_id:
+            return loading if running else Message("No survey yet.")
+        if running == ground.survey_id:
             return Message("The survey that runs")
         return Message("The last survey; it does not run now")
 
@@ -226,10 +229,48 @@ class MapPage(WebPage):
 
     words: Mapping[str, Message] = {
         "title": Message("Map"),
+        "keys": Message(
+            "Touch a place, or use the arrow keys; Page Up and Page Down change the depth."
+        ),
+        "back": Message("Back to the robot's survey"),
+        "age": Message("Last trace {seconds} s ago", seconds=""),
+        "layer": Message("Layer"),
+        "coverage": Message("Coverage"),
+        "echoes": Message("Echoes"),
+        "focused": Message("Focused image"),
+        "hiding": Message("Hiding places"),
+        "depth": Message("Depth: {depth} mm", depth=""),
+        "polarization": Message("Antenna"),
+        "permittivity": Message("Permittivity"),
+        "own": Message("that of the survey"),
+        "follow": Message("Follow the last trace"),
+        "marks": Message("Candidates and markers"),
+        "no_marks": Message("none here"),
+        "text": Message("Text of the marker"),
+        "add": Message("Set marker"),
+        "focus": Message("Make the focused image"),
+        "hide": Message("Search hiding places"),
+        "target": Message("Target"),
+        "works": Message("The imaging node works: {seconds} s", seconds=""),
+        "cancel": Message("Cancel"),
+        **{f"target_{one.value.name}": word for one, word in TARGETS.items()},
     }
 
 
 class RadarPage(WebPage):
-    """The words of RADAR."""
+    """The other words of RADAR."""
 
-    words: Mapping[str, Message] = {"title": Message("Radar")}
+    words: Mapping[str, Message] = {
+        "title": Message("Radar"),
+        "along": Message("Section"),
+        "x": Message("along X"),
+        "y": Message("along Y"),
+        "gain": Message("Gain"),
+        "background": Message("Background"),
+        "removed": Message("removed"),
+        "included": Message("included"),
+        "colours": Message("Colours"),
+        "envelope": Message("Strength"),
+        "grey": Message("Wave, grey"),
+        "red white blue": Message("Wave, red-blue"),
+    }

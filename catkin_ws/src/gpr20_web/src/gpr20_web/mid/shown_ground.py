@@ -14,6 +14,7 @@ from gpr20_operator.ground.geometry import Area, survey_area
 from gpr20_operator.ground.model import IMAGES, GroundModel, Shown
 from gpr20_operator.ground.records import Colours
 from gpr20_operator.ground.shade_colours import LAST_SHADE, colour_table, shade_numbers
+from gpr20_operator.ground.shown_survey import ShownSurvey
 from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     SurveyRead,
@@ -72,12 +73,18 @@ class ShownGround:
         self.model = GroundModel(self.traces.shown, self.additions)
         self.used_s, self.is_outdated, self._is_asked = 0.0, False, False
         self.problem: Optional[Message] = None
+        self._can_read = bool(opened)
         self._kept: OrderedDict[Tuple[object, ...], Any] = OrderedDict()
+
+    @property
+    def shown(self) -> ShownSurvey:
+        """What is known of the survey."""
+        return self.model.survey
 
     @property
     def survey_id(self) -> str:
         """The survey; empty: it is not known yet."""
-        return self.traces.shown.survey_id
+        return self.shown.survey_id
 
     @property
     def folder(self) -> str:
@@ -88,7 +95,7 @@ class ShownGround:
     @property
     def revision(self) -> str:
         """Changes with everything that does not depend on a choice."""
-        shown = self.traces.shown
+        shown = self.shown
         numbers = shown.map.revision, shown.radar.revision, *self.additions.revision
         return "-".join([self.survey_id[:8], *map(str, numbers)])
 
@@ -96,6 +103,7 @@ class ShownGround:
         """Ask for the past survey, unless it is here or asked for already."""
         if not self._is_asked:
             self._is_asked = True
+            self._source.list_surveys("")
             self.traces.open_survey(self.opened)
 
     def on_event(self, event: object) -> None:
@@ -107,22 +115,28 @@ class ShownGround:
             self.traces.on_event(event)
         if isinstance(event, ReadingFailed) and not self.survey_id:
             self.problem, self._is_asked = event.reason, False
+        self._follow()
 
     def refresh(self, can_read: bool) -> None:
         """Take what has come, and ask for what is missing; that of a replay cannot be read."""
-        traces, additions = self.traces, self.additions
-        traces.refresh()
-        if traces.shown is not self.model.survey:
-            self.model.show_survey(traces.shown)
-        additions.follow(self.survey_id, can_read)
-        additions.refresh()
+        self._can_read = can_read
+        self.traces.refresh()
+        self._follow()
+        self.additions.refresh()
         if self.is_outdated:
             self.is_outdated = False
-            additions.read_again()
-        if traces.past.outdated or not (traces.past.read or self._is_asked):
-            traces.past.outdated = False
+            self.additions.read_again()
+        if self.traces.past.outdated:
+            self.traces.past.outdated = False
             self._source.list_surveys("")
-        grid = traces.shown.map.grid
+
+    def _follow(self) -> None:
+        """Show the survey that the traces are of, with what belongs to it and nothing else."""
+        shown = self.traces.shown
+        if shown is not self.model.survey:
+            self.model.show_survey(shown)
+        self.additions.follow(shown.survey_id, self._can_read)
+        grid = shown.map.grid
         if grid is not None:
             self.model.take_soil(grid.survey_id, grid.permittivity)
 
@@ -163,7 +177,7 @@ class ShownGround:
 
     def patterns(self) -> Dict[str, Patterns]:
         """Return the layers that are no images, of which there is something to show."""
-        shown, hiding, waiting = self.traces.shown, self.additions.hiding, self.model.waiting
+        shown, hiding, waiting = self.shown, self.additions.hiding, self.model.waiting
         found: Dict[str, Patterns] = {}
         key: Tuple[object, ...]
         if hiding is not None:

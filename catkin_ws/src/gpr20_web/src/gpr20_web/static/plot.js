@@ -1,0 +1,160 @@
+// A picture on a canvas with its axes, in mm; the second one goes up, or down for depths.
+
+import { element } from "./dom.js";
+
+const REACH_PX = 24;
+const MARGIN_PX = 38;
+const BAR_PX = 48;
+const TOP_PX = 6;
+const LEAST_PX = 140;
+const HIGHEST = 0.6;
+
+const ink = (name) =>
+  getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+export class Plot {
+  constructor(label, down, onPlace, onKey) {
+    this.down = down;
+    this.canvas = element("canvas", {
+      tabindex: 0, role: "application", "aria-label": label,
+      onclick: (event) => this.extent && onPlace(...this.place(event.offsetX, event.offsetY)),
+      onkeydown: onKey,
+    });
+  }
+
+  begin(extent) {
+    const [left, right, low, high] = extent;
+    const width = this.canvas.clientWidth || 300;
+    const room = width - MARGIN_PX - BAR_PX;
+    const wanted = this.down ? room / 2 : (room * (high - low)) / (right - left);
+    const most = HIGHEST * window.innerHeight;
+    const height = Math.round(Math.min(most, Math.max(LEAST_PX, wanted + MARGIN_PX + TOP_PX)));
+    const ratio = window.devicePixelRatio || 1;
+    this.canvas.width = Math.round(width * ratio);
+    this.canvas.height = Math.round(height * ratio);
+    this.pen = this.canvas.getContext("2d");
+    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.pen.imageSmoothingEnabled = false;
+    this.pen.font = "13px system-ui, sans-serif";
+    this.scale = [room / (right - left), (height - MARGIN_PX - TOP_PX) / (high - low)];
+    // From above it is true to scale.
+    if (!this.down) this.scale.fill(Math.min(...this.scale));
+    this.extent = extent;
+  }
+
+  at(across, second) {
+    const [left, , low, high] = this.extent;
+    const from = this.down ? second - low : high - second;
+    return [MARGIN_PX + (across - left) * this.scale[0], TOP_PX + from * this.scale[1]];
+  }
+
+  place(x, y) {
+    const [left, , low, high] = this.extent;
+    const from = (y - TOP_PX) / this.scale[1];
+    return [left + (x - MARGIN_PX) / this.scale[0], this.down ? low + from : high - from];
+  }
+
+  near(across, second, marks) {
+    const [x, y] = this.at(across, second);
+    const away = ({ at }) => Math.hypot(this.at(...at)[0] - x, this.at(...at)[1] - y);
+    return marks.filter((one) => away(one) < REACH_PX).sort((a, b) => away(a) - away(b))[0];
+  }
+
+  box([left, right, low, high]) {
+    const [x, y] = this.at(left, this.down ? low : high);
+    return [x, y, (right - left) * this.scale[0], (high - low) * this.scale[1]];
+  }
+
+  image(image, extent) {
+    if (image && extent) this.pen.drawImage(image, ...this.box(extent));
+  }
+
+  // A line with a rim in the colour of the paper: it is seen on every shade.
+  stroke(colour, path, dash = []) {
+    this.pen.setLineDash(dash);
+    for (const [style, width] of [["mark-paper", 5], [colour, 2]]) {
+      Object.assign(this.pen, { strokeStyle: ink(style), lineWidth: width });
+      this.pen.beginPath();
+      path(this.pen);
+      this.pen.stroke();
+    }
+    this.pen.setLineDash([]);
+  }
+
+  ring(across, second, radius, colour, dash) {
+    const [x, y] = this.at(across, second);
+    this.stroke(colour, (pen) => pen.arc(x, y, radius, 0, 2 * Math.PI), dash);
+  }
+
+  line(colour, ...points) {
+    this.stroke(colour, (pen) => points.forEach((one) => pen.lineTo(...one)));
+  }
+
+  text(text, x, y, align = "center") {
+    Object.assign(this.pen, {
+      textAlign: align, textBaseline: "middle", lineWidth: 4,
+      strokeStyle: ink("mark-paper"), fillStyle: ink("mark-ink"),
+    });
+    this.pen.strokeText(text, x, y);
+    this.pen.fillText(text, x, y);
+  }
+
+  // Dots where nothing was measured, dashes where it is not here yet.
+  fill(extent, colour, dotPx) {
+    const [x, y, width, height] = this.box(extent);
+    this.pen.fillStyle = ink(colour);
+    for (let row = 3; row < height; row += 8)
+      for (let column = 1; column < width; column += 8)
+        this.pen.fillRect(x + column, y + row, dotPx, 2);
+  }
+
+  mark({ at, number, candidate, doubtful, near }) {
+    const [x, y] = this.at(...at);
+    if (candidate) {
+      this.ring(...at, near ? 12 : 5, "mark-candidate", doubtful ? [4, 3] : []);
+      if (near) this.text(number, x, y);
+    } else this.line("mark-marker", [x, y], [x, y - 22], [x + 12, y - 16], [x, y - 10]);
+  }
+
+  cross(across, second, colour, arm) {
+    const [x, y] = this.at(across, second);
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]])
+      this.line(colour, [x + 5 * dx, y + 5 * dy], [x + arm * dx, y + arm * dy]);
+  }
+
+  axes([across, second]) {
+    const [left, right, low, high] = this.extent;
+    const [x, y, width, height] = this.box(this.extent);
+    Object.assign(this.pen, { strokeStyle: ink("mark-border"), lineWidth: 1 });
+    this.pen.strokeRect(x, y, width, height);
+    for (const one of ticks(left, right, width / 60))
+      this.text(one, this.at(one, low)[0], y + height + 9);
+    for (const one of ticks(low, high, height / 30)) this.text(one, x - 4, this.at(left, one)[1], "right");
+    this.text(across, x + width / 2, y + height + 24);
+    this.text(second, x + 6, y + 12, "left");
+  }
+
+  // What the colours mean, the strongest at the top.
+  bar(image, levels) {
+    if (!image) return;
+    const [x, y, width, height] = this.box(this.extent);
+    const left = x + width + 8;
+    this.pen.drawImage(image, left, y, 10, height);
+    let last = Infinity;
+    for (const [level, part] of levels) {
+      const at = y + (1 - part) * height;
+      if (last - at > 14) this.text(level, left + 13, (last = at), "left");
+    }
+    this.text("dB", left + 5, y + height + 9);
+  }
+}
+
+function ticks(low, high, most) {
+  const least = (high - low) / Math.max(1, most);
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = power * [1, 2, 5, 10].find((one) => one * power >= least);
+  const found = [];
+  for (let one = Math.ceil(low / step); one * step <= high; one++)
+    found.push(Number((one * step).toPrecision(12)));
+  return found;
+}
