@@ -94,6 +94,12 @@ def test_a_client_that_trusts_it_talks_tls_1_2_or_later_and_nothing_older(
     assert failed == []
 
 
+def test_a_folder_that_others_may_read_is_closed_to_them(folder: Path) -> None:
+    folder.chmod(0o755)
+    ensure_certificate(folder, [])
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+
+
 def test_what_is_there_stays_and_openssl_makes_nothing(folder: Path, made: Certificate) -> None:
     before = {one.name: one.read_bytes() for one in folder.iterdir()}
     again = ensure_certificate(folder, ["another.example"])

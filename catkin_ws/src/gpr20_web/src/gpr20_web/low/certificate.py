@@ -25,7 +25,6 @@ PROGRAM = "openssl"
 KEY_NAME, CERTIFICATE_NAME = "key.pem", "certificate.pem"
 # Apple's browsers refuse certificates for longer, also those that a person has accepted.
 VALID_DAYS = 825
-TIMEOUT_S = 60.0
 _BEGIN = b"-----BEGIN CERTIFICATE-----"
 _HOST = re.compile("[A-Za-z0-9_]([A-Za-z0-9_.-]{0,251}[A-Za-z0-9_])?")
 # No authority: Firefox refuses a page that shows the certificate of one.
@@ -73,8 +72,8 @@ def ensure_certificate(folder: Path, names: Sequence[str]) -> Certificate:
     """
     key, path = folder / KEY_NAME, folder / CERTIFICATE_NAME
     try:
+        ensure_secret_folder(folder)
         if not key.exists() and not path.exists():
-            ensure_secret_folder(folder)
             made = _openssl(
                 *("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1"),
                 *("-sha256", "-nodes", "-days", str(VALID_DAYS), "-config", "/dev/stdin"),
@@ -82,9 +81,8 @@ def ensure_certificate(folder: Path, names: Sequence[str]) -> Certificate:
             )
             begin = made.stdout.find(_BEGIN)
             if made.returncode != 0 or begin < 0:
-                raise CertificateError(
-                    Message("openssl made no certificate", details=_complaint(made))
-                )
+                complaint = made.stderr.decode("utf-8", "backslashreplace").strip()
+                raise CertificateError(Message("openssl made no certificate", details=complaint))
             write_new_file(key, made.stdout[:begin])
             write_new_file(path, made.stdout[begin:])
         found = Certificate(path, key, _fingerprint(read_regular(path)))
@@ -137,22 +135,8 @@ def _openssl(*arguments: str, stdin: str = "") -> subprocess.CompletedProcess[by
     program = shutil.which(PROGRAM)
     if program is None:
         raise CertificateError(Message("the program {program} is not installed", program=PROGRAM))
-    try:
-        return subprocess.run(
-            [program, *arguments],
-            input=stdin.encode(),
-            capture_output=True,
-            timeout=TIMEOUT_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise CertificateError(
-            Message("{program} did not end within {time_s:g} s", program=PROGRAM, time_s=TIMEOUT_S)
-        ) from error
-
-
-def _complaint(made: subprocess.CompletedProcess[bytes]) -> str:
-    return made.stderr.decode("utf-8", "backslashreplace").strip()
+    given = stdin.encode()
+    return subprocess.run([program, *arguments], input=given, capture_output=True, check=False)
 
 
 def _unusable(folder: Path, reason: Message) -> CertificateError:

@@ -7,7 +7,7 @@ import hashlib
 import hmac
 import secrets
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gpr20_common.message import Message
 from gpr20_web.errors import AccountError
@@ -35,9 +35,8 @@ class PasswordHash:
 
     def of(self, password: str) -> PasswordHash:
         """Hash a password with the same effort, which takes a part of a second."""
-        salt = secrets.token_bytes(HASH_BYTES)
-        made = PasswordHash(self.n, self.r, self.p, salt)
-        return PasswordHash(self.n, self.r, self.p, salt, made._key_of(password))
+        salted = replace(self, salt=secrets.token_bytes(HASH_BYTES))
+        return replace(salted, key=salted._key_of(password))
 
     def fits(self, password: str) -> bool:
         """Return whether it is the hash of this password."""
@@ -54,9 +53,8 @@ class PasswordHash:
         Raises:
             ValueError: The text is anything else, or asks for more than this computer has.
         """
-        numbers = [int(one) for one in text.split(":")[1:4]]
+        n, r, p = (int(one) for one in text.split(":")[1:4])
         salt, key = (base64.b64decode(one, validate=True) for one in text.split(":")[4:])
-        n, r, p = numbers
         if not (1 < n <= 1 << 20 and n & (n - 1) == 0 and 1 <= r <= 32 and 1 <= p <= 16):
             raise ValueError("n, r or p is out of bounds")
         made = cls(n, r, p, salt, key)
