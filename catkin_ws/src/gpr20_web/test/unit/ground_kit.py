@@ -64,7 +64,8 @@ class Server:
         self.snapshot = snapshot()
 
     def tick(self, seconds=PERIOD_S, **state):
-        """Let time pass; say what the robot does."""
+        """Let time pass while somebody watches; say what the robot does."""
+        self.page.live(str)
         if state:
             self.snapshot = snapshot(**state)
         self.now_s += seconds

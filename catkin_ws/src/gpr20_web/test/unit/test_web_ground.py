@@ -14,6 +14,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import AdditionsRead
 from gpr20_operator.ground.cells import MARKS, TILES, Cell
+from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
 from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_operator.ground.sources import EchoSource
@@ -184,6 +185,18 @@ def test_a_storage_that_does_not_answer_is_not_asked_all_the_time(server):
     assert len(server.storage.of("list")) == 1
 
 
+def test_while_nobody_watches_no_traces_are_read(server):
+    server.page.on_event(SurveyDescribed(description()))
+    server.page.on_event(CoverageRuns(SURVEY, 40, (0, 4), (1, 0)))
+    for _second in range(5):
+        server.now_s += PERIOD_S
+        server.page.refresh(server.snapshot)
+    assert not server.storage.asked
+    server.tick()
+    server.tick()
+    assert server.storage.of("traces") == [(SURVEY, (0, 1, 2, 3))]
+
+
 def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
     server.run()
     assert server.ask(survey=FOLDER)["title"] == "Loading…"
@@ -192,6 +205,7 @@ def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
     assert len(server.storage.of("survey")) == 1
     server.page.on_event(ReadingFailed(verbatim("the disk is gone")))
     assert server.ask(survey=FOLDER)["title"] == "the disk is gone"
+    server.tick()
     assert len(server.storage.of("survey")) == 2
 
 

@@ -99,7 +99,8 @@ class Values:
     def choice(self) -> GroundChoice:
         """What is to be shown."""
         preset = RadarSettings()
-        places = [self.number(one, -MAX_COORDINATE, MAX_COORDINATE) for one in ("x", "y")]
+        x_mm = self.number("x", -MAX_COORDINATE, MAX_COORDINATE)
+        y_mm = self.number("y", -MAX_COORDINATE, MAX_COORDINATE)
         depth_mm = self.number("depth", 0.0, MAX_DEPTH_M * MM_PER_M)
         settings = RadarSettings(
             polarization=int(self.number("polarization", 0, MAX_POLARIZATIONS) or 0),
@@ -113,7 +114,7 @@ class Values:
             self.one("layer", LAYERS, "coverage"),
             self.one("theme", THEMES, Theme.SUN),
             settings,
-            None if None in places else Place(*places),  # type: ignore[arg-type]
+            None if x_mm is None or y_mm is None else Place(x_mm, y_mm),
             self.permittivity,
             (settings.along,) if self.one("section", FLAGS, False) else (),
         )

@@ -92,7 +92,9 @@ class GroundPage(WebPage):
             return
         self._refreshed_s = now_s
         self._live.traces.note_state(snapshot)
-        self._live.refresh(can_read=snapshot.replay is None)
+        if now_s - self._live.used_s <= ROOM_S:
+            # While nobody watches, traces that are missing are not read from the storage.
+            self._live.refresh(can_read=snapshot.replay is None)
         for folder, ground in tuple(self._past.items()):
             ground.refresh(can_read=True)
             if now_s - ground.used_s > FORGOTTEN_S:
@@ -100,7 +102,7 @@ class GroundPage(WebPage):
 
     def live(self, text: Text) -> Mapping[str, Any]:
         """Return which pictures of the running survey are the newest."""
-        live = self._live
+        live, self._live.used_s = self._live, self._now_s()
         survey = "" if live.shown.map.stop_states is None else live.survey_id
         return {"ground": {"survey": survey, "revision": live.revision}}
 
@@ -201,15 +203,15 @@ class GroundPage(WebPage):
 
     def _shown(self, values: Values) -> ShownGround:
         """Return the survey that a browser asks for; a past one is read first."""
-        folder, live = values.survey, self._live
+        folder, live, now_s = values.survey, self._live, self._now_s()
+        live.used_s = now_s
         if not folder:
             return live
         if folder not in self._past:
             self._make_room()
             self._past[folder] = ShownGround(self._source, self._pictures, self._report, folder)
         ground = self._past[folder]
-        ground.used_s = self._now_s()
-        ground.open()
+        ground.used_s = now_s
         # Of the running survey the live one knows more.
         return live if ground.survey_id and ground.survey_id == live.survey_id else ground
 

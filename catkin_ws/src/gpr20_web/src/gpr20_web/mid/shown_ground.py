@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
@@ -71,10 +72,11 @@ class ShownGround:
         self.traces = TracePresenter(source, self._note)
         self.additions = AdditionsPresenter(source, lambda: "", pictures)
         self.model = GroundModel(self.traces.shown, self.additions)
-        self.used_s, self.is_outdated, self._is_asked = 0.0, False, False
+        self.used_s, self.is_outdated = -math.inf, False
         self.problem: Optional[Message] = None
         self._can_read = bool(opened)
         self._kept: OrderedDict[Tuple[object, ...], Any] = OrderedDict()
+        self._open()
 
     @property
     def shown(self) -> ShownSurvey:
@@ -99,13 +101,6 @@ class ShownGround:
         numbers = shown.map.revision, shown.radar.revision, *self.additions.revision
         return "-".join([self.survey_id[:8], *map(str, numbers)])
 
-    def open(self) -> None:
-        """Ask for the past survey, unless it is here or asked for already."""
-        if not self._is_asked:
-            self._is_asked = True
-            self._source.list_surveys("")
-            self.traces.open_survey(self.opened)
-
     def on_event(self, event: object) -> None:
         """Take what belongs to this survey."""
         self.additions.on_event(event)
@@ -120,6 +115,8 @@ class ShownGround:
     def refresh(self, can_read: bool) -> None:
         """Take what has come, and ask for what is missing; that of a replay cannot be read."""
         self._can_read = can_read
+        if not self._is_asked:
+            self._open()
         self.traces.refresh()
         self._follow()
         self.additions.refresh()
@@ -129,6 +126,12 @@ class ShownGround:
         if self.traces.past.outdated:
             self.traces.past.outdated = False
             self._source.list_surveys("")
+
+    def _open(self) -> None:
+        self._is_asked = True
+        if self.opened:
+            self._source.list_surveys("")
+            self.traces.open_survey(self.opened)
 
     def _follow(self) -> None:
         """Show the survey that the traces are of, with what belongs to it and nothing else."""
