@@ -20,7 +20,7 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click, show
+from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
@@ -30,6 +30,7 @@ from gpr20_operator.ground.past_surveys import Listed
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.plan.fields import VALUE_TILES, default_parameters
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
+from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
@@ -51,6 +52,8 @@ CONDITIONS = (
     {"still_s": 86399.0},
     {"ignored_sender": OWNER},
 )
+DIGEST = " ".join(f"{number:02X}" * 2 for number in range(16))
+WEB = WebStatusReported("gpr20-pc.campo.local", 8443, DIGEST, 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
 
@@ -193,6 +196,24 @@ def other_robot(window):
     show(window, busiest(SurveyState.IDLE))
 
 
+def remote(window):
+    window.on_event(WEB)
+    show(window, busiest(SurveyState.PAUSED))
+    window.settings.remote_button.click()
+
+
+def armed(window):
+    remote(window)
+    hold(window.remote.hold)
+    show(window, busiest(SurveyState.PAUSED))
+
+
+def not_armed(window):
+    window.remote.end()
+    window.settings.remote_button.click()
+    show(window, busiest(service=verbatim("moving the X axis by 100 mm")))
+
+
 def service(window):
     window.on_event(RobotsFound(frozenset()))
     window.show_tab(TabName.ROBOT)
@@ -263,6 +284,9 @@ STOPS = {
     "search": search_keys,
     "settings": robots,
     "robots": other_robot,
+    "remote": remote,
+    "armed": armed,
+    "not armed": not_armed,
     "service": service,
     "instruments": instruments,
     "locked": locked,

@@ -19,6 +19,7 @@ from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import preview
 from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import PARTS, AxisAction, ServiceModel
 from gpr20_user_interface.look.translation import Languages
@@ -56,6 +57,9 @@ class Survey:
 
     def check_master(self):
         pass
+
+    def refines(self, parameters):
+        return "" if self.finer is None else self.finer.refined_by(parameters)
 
     def start(self, parameters, permittivity, annotation):
         self.asked.append(parameters)
@@ -167,6 +171,7 @@ def new_window(
     clock=None,
     memory=None,
     robots=None,
+    arming=None,
 ):
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
@@ -180,6 +185,7 @@ def new_window(
             Profiles(profiles),
             PlanMemory(settings_in(profiles), problems.append),
             robots or Robots("/"),
+            arming or Arming(clock or Clock()),
         ),
         languages,
         memory,

@@ -10,6 +10,7 @@ from gpr20_operator.plan.annotation import overwritten, shortened
 from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.tiles import Row, about, figure_rows, plan_rows, spacing_warning
 from gpr20_operator.robot.events import Progress
+from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.words import size_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -21,6 +22,10 @@ HANDS_CLEAR = Message(
 )
 HOLD_TO_START = Message("HOLD\nTO START")
 HOLD_TO_RESUME = Message("HOLD\nTO RESUME")
+REMOTE_WARNING = Message(
+    "Hands clear! For 10 min the person in control can start and resume from far away. Any touch "
+    "here ends it, and so does a fault."
+)
 CANNOT_BE_RESTORED = Message("It cannot be restored.")
 
 
@@ -122,6 +127,29 @@ def remove_marker_question(place: Message, text: str) -> HoldQuestion:
     return HoldQuestion(
         Message("Remove this marker?"), rows, CANNOT_BE_RESTORED, Message("HOLD\nTO REMOVE")
     )
+
+
+def remote_question(web: Optional[WebStatusReported], obstacle: Optional[Message]) -> HoldQuestion:
+    """Return what is asked before somebody elsewhere may start and resume.
+
+    Args:
+        web: What the web page says of itself; None: there is none.
+        obstacle: Why it is not possible now; None: it is.
+    """
+    title = Message("Allow remote control?")
+    rows: Tuple[Row, ...] = ()
+    if web is None:
+        obstacle = obstacle or Message("The robot has no web page. Start it with web:=true.")
+    else:
+        rows = (
+            (Message("Page"), verbatim(web.url)),
+            (Message("Certificate"), verbatim(web.fingerprint)),
+            (Message("Open at"), Message("{count} browsers", count=web.watchers)),
+            (Message("In control"), verbatim(web.controller or "—")),
+        )
+    if obstacle is not None:
+        return HoldQuestion(title, rows, verbatim(""), None, obstacle)
+    return HoldQuestion(title, rows, REMOTE_WARNING, Message("HOLD\nTO ALLOW"))
 
 
 def _counted(stored: int, planned: int) -> Message:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Dict, Tuple
+from typing import Dict, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
@@ -31,6 +31,7 @@ class Senders:
         namespace: Of the client, with slashes at both ends or alone.
         replay: Whether the client shows a replay: then nothing of a robot counts.
         clock: Measures the time between two events about a sender.
+        nodes: The nodes of a robot that count.
     """
 
     def __init__(
@@ -38,11 +39,12 @@ class Senders:
         namespace: str,
         replay: bool = False,
         clock: Clock = Clock(),  # noqa: B008 (it has no state)
+        nodes: Sequence[str] = (*EXPECTED_NODES, *OPTIONAL_NODES),
     ) -> None:
         self.namespace = namespace
         self.replay = replay
         self._clock = clock
-        self._robot = frozenset(f"{namespace}{node}" for node in (*EXPECTED_NODES, *OPTIONAL_NODES))
+        self._robot = frozenset(f"{namespace}{node}" for node in nodes)
         self._noted_s: Dict[str, float] = {}
 
     def takes(self, sender: str) -> bool:

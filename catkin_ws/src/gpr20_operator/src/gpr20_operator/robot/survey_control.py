@@ -125,8 +125,13 @@ class WindowPresenter:
     ) -> None:
         """Ask for a survey."""
         self._model.request_sent(Request.START)
-        refines = "" if self.finer is None else self.finer.refined_by(parameters)
-        self._control.start_survey(parameters, annotation, refines, permittivity)
+        self._control.start_survey(
+            *(parameters, annotation, self.refines(parameters), permittivity)
+        )
+
+    def refines(self, parameters: SurveyParameters) -> str:
+        """Return the id of the survey that these parameters measure more finely; empty: none."""
+        return "" if self.finer is None else self.finer.refined_by(parameters)
 
     def stop(self) -> None:
         """Stop whatever moves, and the survey."""

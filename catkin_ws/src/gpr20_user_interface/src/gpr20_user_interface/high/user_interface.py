@@ -28,6 +28,7 @@ from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.master import join_graph
+from gpr20_operator.high.remote_control import WebPageClient
 from gpr20_operator.high.request_client import RequestClient
 from gpr20_operator.high.robot_watch import RobotWatchClient
 from gpr20_operator.high.robots_client import RobotsClient
@@ -36,6 +37,7 @@ from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.preview import CostEstimator
 from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.senders import Senders
@@ -116,7 +118,11 @@ class UserInterface:
         self.watch = RobotWatchClient(self.signal.emit_event, senders)
         self.requests = RequestClient(self.signal.emit_event, senders)
         self.robots = RobotsClient(self.signal.emit_event, senders)
-        self._clients = (self.control, self.storage, self.watch, self.requests, self.robots)
+        self.web = WebPageClient(self.signal.emit_event, senders)
+        self._clients = (
+            *(self.control, self.storage, self.watch, self.requests, self.robots),
+            self.web,
+        )
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
@@ -129,6 +135,7 @@ class UserInterface:
                     *(rospy.get_namespace(), may_choose_robot),
                     *(self.robots.set_watched, self._show_robot),
                 ),
+                Arming(Clock(), self.web.send),
             ),
             languages,
             memory,
@@ -141,7 +148,8 @@ class UserInterface:
         rospy.on_shutdown(self.signal.emit_shut_down)
         for client in self._clients:
             client.listen()
-        self.control.listen_to_robot()
+        self.control.set_watched(True)
+        self.storage.set_watched(True)
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()

@@ -120,6 +120,11 @@ class TopBar(TranslatedWidget):
         # The name of the robot, where several share a master.
         self._name = ""
         self.band = StateBand()
+        # That somebody elsewhere may start the robot, and how long.
+        self.remote = QLabel()
+        self.remote.setObjectName("remote")
+        self.remote.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.remote.hide()
         self.pause, self.stop = QPushButton(), QPushButton()
         self.pause.setObjectName("pause")
         self.stop.setObjectName("stop")
@@ -130,6 +135,7 @@ class TopBar(TranslatedWidget):
         self.pause.clicked.connect(self._on_pause)
         self._layout = QHBoxLayout(self)
         self._layout.addWidget(self.band, 1)
+        self._layout.addWidget(self.remote)
         self._layout.addWidget(self.pause)
         self._layout.addWidget(self.stop)
         self.retranslate()

@@ -33,6 +33,7 @@ from gpr20_user_interface.pages.result.page import ResultPage
 from gpr20_user_interface.pages.robot.page import RobotPage
 from gpr20_user_interface.pages.robots.page import RobotsPage
 from gpr20_user_interface.pages.settings.page import SettingsPage
+from gpr20_user_interface.pages.settings.remote import RemotePage
 from gpr20_user_interface.pages.surveys.page import SurveysPage
 from gpr20_user_interface.touch.scrolling import scroll_everything
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
@@ -81,7 +82,7 @@ class MainWindow(TranslatedWidget):
         self._make_tabs(presenters, languages)
         self._bind_tabs(presenters, clock)
         self._name_sheets()
-        seen = (self.notice, self.question, self.stop_warning)
+        seen = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
         self.settings = SettingsPage(
             *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
@@ -89,6 +90,13 @@ class MainWindow(TranslatedWidget):
         choice = self.settings.robot_button
         choice.clicked.connect(self.settings.hide)
         self.robots = RobotsPage(self, presenters.robots, choice, self.top_bar.show_robot, clock)
+        opening = self.settings.remote_button
+        opening.clicked.connect(self.settings.hide)
+        self.remote = RemotePage(
+            *(self, presenters.arming, lambda: self.control.plan_to_start),
+            *(self.top_bar.remote, opening),
+        )
+        self.remote.survey_began.connect(self.control.note_started)
         self._bindings = self._all_bindings()
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -118,6 +126,7 @@ class MainWindow(TranslatedWidget):
         """Leave the window as it is."""
         for timer in self._timers:
             timer.stop()
+        self.remote.end()
         self.survey.end()
         self._imaging.end()
         self.result.end()
@@ -255,6 +264,7 @@ class MainWindow(TranslatedWidget):
             self.result,
             self.settings,
             self.robots,
+            self.remote,
             self.robot,
         )
 

@@ -8,6 +8,7 @@ from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.memory import PlanMemory
 from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
@@ -25,6 +26,7 @@ class Presenters:
         profiles: Parameters that are stored under a name.
         plans: What the operator planned last.
         robots: The robots that share the ROS master.
+        arming: Whether the web page may start and resume.
     """
 
     survey: WindowPresenter
@@ -34,3 +36,4 @@ class Presenters:
     profiles: Profiles
     plans: PlanMemory
     robots: Robots
+    arming: Arming

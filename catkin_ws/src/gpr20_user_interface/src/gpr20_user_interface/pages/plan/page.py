@@ -30,6 +30,7 @@ from gpr20_operator.plan.tiles import (
 )
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request
 from gpr20_operator.robot.notices import Refused
+from gpr20_operator.robot.remote_control import RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import Annotation
@@ -105,6 +106,15 @@ class PlanPage(TranslatedWidget, Page):
         """Relative permittivity of the soil; None while it is wrong."""
         return self._check.permittivity
 
+    @property
+    def plan_to_start(self) -> Optional[RemotePlan]:
+        """What START would measure now; None while something is wrong."""
+        parameters, permittivity = self.parameters, self.permittivity
+        if parameters is None or permittivity is None:
+            return None
+        refines = self._survey.refines(parameters)
+        return RemotePlan(parameters, self.next_annotation.value, refines, permittivity)
+
     def begin(self) -> None:
         """Start with what was planned last."""
         plan = self._memory.load()
@@ -124,8 +134,7 @@ class PlanPage(TranslatedWidget, Page):
     def _(self, event: Answer) -> None:
         if event.request is Request.START and event.success:
             self.values.last_area = self._asked_area
-            self.next_annotation.note_started()
-            self._show_tiles()
+            self.note_started()
 
     @on_event.register
     def _(self, event: PlanMemoryFailed) -> None:
@@ -163,6 +172,11 @@ class PlanPage(TranslatedWidget, Page):
         self._show_commands()
         if not self.values.isVisible() and snapshot.replay is None:
             self._memory.save(self._plan())
+
+    def note_started(self) -> None:
+        """Note that this plan was started, here or from the web page."""
+        self.next_annotation.note_started()
+        self._show_tiles()
 
     def show_parameters(self, parameters: SurveyParameters) -> None:
         """Take over the parameters of a stored plan, or of the survey that runs."""

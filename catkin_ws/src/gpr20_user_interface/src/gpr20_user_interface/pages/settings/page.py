@@ -42,6 +42,7 @@ class SettingsPage(Overlay, Page):
     Attributes:
         cover: What dims the window.
         robot_button: Opens the list of robots; connected where there may be several.
+        remote_button: Opens what concerns the web page.
     """
 
     def __init__(
@@ -68,6 +69,7 @@ class SettingsPage(Overlay, Page):
         self.close_button = new_button(self.hide)
         self.robot_button = QPushButton()
         self.robot_button.hide()
+        self.remote_button = QPushButton()
         self.labels = tuple(QLabel() for _ in range(3))
         self.languages: Dict[Language, QPushButton] = _choices(languages(), self._use_language)
         self.themes: Dict[Theme, QPushButton] = _choices(Theme, self._use_theme)
@@ -98,6 +100,7 @@ class SettingsPage(Overlay, Page):
         self.title.setText(self.tr("Settings"))
         self.close_button.setText(self.tr("CLOSE"))
         self.robot_button.setText(self.tr("OTHER ROBOT"))
+        self.remote_button.setText(self.tr("REMOTE CONTROL"))
         titles = (self.tr("Language"), self.tr("Colours"), self.tr("Dim the screen after"))
         for label, title in zip(self.labels, titles):
             label.setText(title)
@@ -154,6 +157,7 @@ class SettingsPage(Overlay, Page):
         bottom = QHBoxLayout()
         bottom.setSpacing(GAP_PX)
         bottom.addWidget(self.robot_button, 1)
+        bottom.addWidget(self.remote_button, 1)
         bottom.addWidget(self.close_button, 1)
         layout.addLayout(bottom, 5, 0, 1, 2)
         layout.setColumnStretch(1, 1)

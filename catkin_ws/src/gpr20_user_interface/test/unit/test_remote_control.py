@@ -1,0 +1,361 @@
+"""START and RESUME from the web page: allowed by one hold, ended by everything else."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from annotation_examples import annotations
+from fake_clock import FakeClock
+from hypothesis import given
+from hypothesis import strategies as st
+from view_kit import snapshot, state_of
+
+from gpr20_common.message import Message, verbatim
+from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.plan.hold_question import remote_question
+from gpr20_operator.robot.remote_control import (
+    REMOTE_LIMIT_S,
+    SILENCE_S,
+    Arming,
+    RemoteAllowance,
+    RemoteArmed,
+    RemotePlan,
+    WebPageGone,
+    WebStatusReported,
+    remote_obstacle,
+)
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.senders import Senders
+from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.plan.survey_state import SurveyState
+
+PLAN = RemotePlan(default_parameters(), EMPTY, "", 4.0)
+WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
+WELL = snapshot(SurveyState.CONFIGURED)
+FAULT = snapshot(SurveyState.PAUSED, state=state_of(SurveyState.PAUSED, "the VNA is silent"))
+OTHER_FAULT = snapshot(SurveyState.FAILED, state=state_of(SurveyState.FAILED, "the disk is full"))
+FORBIDDING = {
+    "no contact": snapshot(SurveyState.IDLE, alive=False),
+    "no master": snapshot(SurveyState.IDLE, master_alive=False),
+    "control restarted": snapshot(SurveyState.IDLE, interrupted=True),
+    "service": snapshot(SurveyState.IDLE, service=verbatim("moving the X axis")),
+    "replay": snapshot(SurveyState.IDLE, replay=ReplayView(ReplayMark(), True, SurveyState.IDLE)),
+}
+ENDING = {"fault": FAULT, "other fault": OTHER_FAULT, **FORBIDDING}
+
+
+class Window:
+    """The window's side, with what it sends."""
+
+    def __init__(self):
+        self.clock, self.sent = FakeClock(), []
+        self.arming = Arming(self.clock, self.sent.append)
+        self.note(WELL)
+
+    def note(self, shown, plan=PLAN):
+        self.arming.note(shown, plan)
+
+    def pass_time(self, seconds, shown=WELL):
+        """Let time pass as the window's refreshes do."""
+        for _ in range(round(seconds / 0.2)):
+            self.clock.advance(0.2)
+            self.note(shown)
+
+
+@pytest.fixture
+def window():
+    return Window()
+
+
+@pytest.fixture
+def web(clock):
+    """The web page's side, after a hold at the robot."""
+    allowance = RemoteAllowance(clock)
+    allowance.note(WELL)
+    allowance.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    return allowance
+
+
+def test_nothing_is_allowed_before_a_hold_and_the_plan_is_known(window):
+    assert not window.arming.armed
+    assert window.sent == [RemoteArmed(False, 0.0, PLAN)]
+    allowance = RemoteAllowance(window.clock)
+    allowance.note(WELL)
+    assert not allowance.armed and allowance.obstacle is not None
+    allowance.on_event(window.sent[0])
+    assert not allowance.armed and allowance.plan == PLAN
+
+
+def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second(window):
+    window.arming.arm(WELL)
+    assert window.sent[-1] == RemoteArmed(True, REMOTE_LIMIT_S, PLAN)
+    window.sent.clear()
+    window.pass_time(REMOTE_LIMIT_S - 1.0)
+    assert window.arming.armed and all(one.armed for one in window.sent)
+    assert len(window.sent) == pytest.approx(REMOTE_LIMIT_S, rel=0.01)
+    window.pass_time(1.2)
+    assert not window.arming.armed
+    assert window.sent[-1] == RemoteArmed(False, 0.0, PLAN)
+    window.sent.clear()
+    window.pass_time(5.0)
+    assert window.sent == []
+
+
+def test_a_touch_ends_it_at_once(window):
+    window.arming.arm(WELL)
+    window.arming.touched()
+    assert not window.arming.armed and not window.sent[-1].armed
+    window.pass_time(2.0)
+    assert not window.arming.armed
+
+
+def test_another_plan_is_sent_at_once(window):
+    plan = replace(PLAN, permittivity=9.0)
+    window.note(WELL, plan)
+    window.note(WELL, plan)
+    window.note(WELL, None)
+    assert [one.plan for one in window.sent] == [PLAN, plan, None]
+
+
+@pytest.mark.parametrize("reason", ENDING)
+def test_what_happens_at_the_robot_ends_it_for_good(window, reason):
+    window.arming.arm(WELL)
+    window.note(ENDING[reason])
+    assert not window.arming.armed and not window.sent[-1].armed
+    window.note(WELL)
+    assert not window.arming.armed
+
+
+@pytest.mark.parametrize("reason", FORBIDDING)
+def test_a_hold_allows_nothing_where_something_forbids_it(window, reason):
+    shown = FORBIDDING[reason]
+    window.note(shown)
+    window.arming.arm(shown)
+    assert not window.arming.armed
+    assert remote_question(WEB, remote_obstacle(shown)).hold is None
+
+
+def test_a_fault_that_the_person_has_seen_may_be_resumed_but_not_twice(window):
+    window.note(FAULT)
+    window.arming.arm(FAULT)
+    window.note(FAULT)
+    assert window.arming.armed
+    window.note(snapshot(SurveyState.SURVEYING))
+    assert window.arming.armed
+    window.note(FAULT)
+    assert not window.arming.armed
+
+
+def test_the_page_believes_only_what_is_fresh(web, clock):
+    assert web.armed and web.obstacle is None and web.plan == PLAN
+    clock.advance(SILENCE_S)
+    assert web.armed and web.remaining_s == REMOTE_LIMIT_S - SILENCE_S
+    clock.advance(0.1)
+    assert not web.armed and web.remaining_s == 0.0
+    web.on_event(RemoteArmed(True, 500.0, PLAN))
+    assert web.armed
+    web.on_event(RemoteArmed(False, 0.0, PLAN))
+    assert not web.armed
+
+
+@pytest.mark.parametrize("remaining_s", [0.0, -1.0, math.nan, -math.inf])
+def test_no_time_left_allows_nothing(web, remaining_s):
+    web.on_event(RemoteArmed(True, remaining_s, PLAN))
+    assert not web.armed and web.remaining_s == 0.0
+
+
+@pytest.mark.parametrize("fault", [FAULT, OTHER_FAULT])
+def test_a_fault_ends_it_for_the_page_until_the_next_hold(web, fault):
+    web.note(fault)
+    web.on_event(RemoteArmed(True, 500.0, PLAN))
+    web.note(WELL)
+    assert not web.armed
+    web.on_event(RemoteArmed(False))
+    web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    assert web.armed
+
+
+@pytest.mark.parametrize("reason", FORBIDDING)
+def test_the_page_says_what_forbids_it_now(web, reason):
+    web.note(FORBIDDING[reason])
+    assert not web.armed and web.obstacle == remote_obstacle(FORBIDDING[reason])
+
+
+def test_the_page_allows_nothing_of_a_robot_that_it_knows_nothing_of(clock):
+    allowance = RemoteAllowance(clock)
+    allowance.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    assert not allowance.armed
+
+
+MESSAGES = st.builds(RemoteArmed, st.just(True), st.floats(), st.none() | st.just(PLAN))
+STEPS = st.lists(st.tuples(st.floats(0.0, 2.9), MESSAGES), min_size=1, max_size=300)
+
+
+@given(STEPS)
+def test_whatever_the_messages_say_one_hold_allows_no_more_than_its_time(steps):
+    clock = FakeClock()
+    allowance = RemoteAllowance(clock)
+    allowance.note(WELL)
+    begun_s = clock.now_s()
+    for wait_s, message in steps:
+        allowance.on_event(message)
+        clock.advance(wait_s)
+        left_s = begun_s + REMOTE_LIMIT_S + SILENCE_S - clock.now_s()
+        assert not allowance.armed or 0.0 < allowance.remaining_s <= left_s
+        assert allowance.armed is (allowance.obstacle is None)
+
+
+ACTIONS = st.one_of(
+    st.sampled_from(["hold", "touch", "lost", "well", "surveying", *ENDING]),
+    st.floats(0.0, 700.0),
+)
+
+
+@given(st.lists(ACTIONS, max_size=60))
+def test_the_page_never_allows_what_the_window_does_not(actions):
+    """Messages may be lost, time passes as it likes: the page lags by the silence at most."""
+    window = Window()
+    page = RemoteAllowance(window.clock)
+    shown, lost, held_s, ended = WELL, False, -math.inf, True
+    page.note(shown)
+    for action in actions:
+        window.sent.clear()
+        if isinstance(action, float):
+            window.clock.advance(action)
+            lost = False
+        elif action == "lost":
+            lost = True
+        elif action == "hold":
+            window.arming.arm(shown)
+            held_s, ended = window.clock.now_s(), remote_obstacle(shown) is not None
+        elif action == "touch":
+            window.arming.touched()
+            ended = True
+        else:
+            before = shown
+            shown = {"well": WELL, "surveying": snapshot(SurveyState.SURVEYING), **ENDING}[action]
+            changed = shown.state != before.state and shown.state.is_fault
+            ended = ended or changed or remote_obstacle(shown) is not None
+        window.note(shown)
+        page.note(shown)
+        if not lost:
+            for message in window.sent:
+                page.on_event(message)
+        over = window.clock.now_s() - held_s >= REMOTE_LIMIT_S
+        assert window.arming.armed is not (ended or over)
+        if page.armed:
+            assert lost or window.arming.armed
+            assert window.clock.now_s() - held_s <= REMOTE_LIMIT_S + SILENCE_S
+
+
+def test_the_sheet_asks_only_where_there_is_a_page():
+    question = remote_question(WEB, None)
+    assert question.hold is not None and question.doubt is None
+    values = [str(value) for _name, value in question.rows]
+    assert values == ["https://192.168.1.10:8443", "AB12 CD34", "3 browsers", "Ana"]
+    nobody = remote_question(replace(WEB, address="fe80::1", controller=""), None)
+    assert [str(value) for _name, value in nobody.rows][::3] == ["https://[fe80::1]:8443", "—"]
+    without = remote_question(None, None)
+    assert without.hold is None and without.doubt is not None and without.rows == ()
+    busy = remote_question(WEB, Message("In progress"))
+    assert busy.hold is None and busy.doubt == Message("In progress")
+
+
+def test_the_window_knows_the_page_until_its_node_is_gone(window):
+    window.arming.take(WEB)
+    assert window.arming.web == WEB
+    window.arming.take(object())
+    assert window.arming.web == WEB
+    window.arming.take(WebPageGone())
+    assert window.arming.web is None
+
+
+def test_only_the_window_of_the_robot_itself_is_believed():
+    senders = Senders("/robot1/", nodes=("user_interface",))
+    assert senders.takes("/robot1/user_interface")
+    for other in (
+        "/user_interface",
+        "/robot2/user_interface",
+        "/robot1/main_control",
+        "/robot1/web",
+    ):
+        assert not senders.takes(other)
+    assert not Senders("/robot1/").takes("/robot1/user_interface")
+
+
+@pytest.fixture
+def topics(monkeypatch):
+    """The module of the topics, with the time of ROS."""
+    pytest.importorskip("gpr20_msgs.msg")
+    pytest.importorskip("rospy")
+    from gpr20_operator.high import remote_control
+
+    monkeypatch.setattr(remote_control.rospy.Time, "now", remote_control.rospy.Time)
+    return remote_control
+
+
+@pytest.mark.parametrize("armed", [False, True])
+def test_the_message_of_the_window_arrives_as_it_was_sent(topics, armed):
+    from gpr20_common.high.raw_message import deserialized, serialized
+
+    @given(annotations)
+    def check(annotation):
+        annotation = replace(annotation, heading_deg=None)
+        plan = RemotePlan(default_parameters(), annotation, "an id", 4.5)
+        for event in (RemoteArmed(armed, 12.25, plan), RemoteArmed(armed, 0.0, None)):
+            message = topics.remote_message(event)
+            sent = deserialized(type(message), serialized(message))
+            assert topics.remote_armed(sent) == event
+
+    check()
+
+
+def test_the_status_of_the_page_is_read(topics):
+    message = topics.WebStatus(**vars(WEB))
+    assert topics.web_status(message) == WEB
+
+
+def test_the_page_takes_no_message_of_another_node(topics, monkeypatch):
+    subscribed, events = {}, []
+    monkeypatch.setattr(
+        *(topics.rospy, "Subscriber"),
+        lambda name, _kind, received, queue_size: subscribed.setdefault(name, received),
+    )
+    client = topics.RemoteControlClient(events.append, "/")
+    client.listen()
+    message = topics.RemoteControl(armed=True, remaining=topics.rospy.Duration(600))
+    for sender in ("/main_control", "/web", "/someone", "/robot1/user_interface"):
+        message._connection_header = {"callerid": sender}
+        subscribed["remote_control"](message)
+    assert not any(isinstance(one, RemoteArmed) for one in events)
+    message._connection_header = {"callerid": "/user_interface"}
+    subscribed["remote_control"](message)
+    assert events[-1] == RemoteArmed(True, 600.0, None)
+
+
+def test_the_window_offers_nothing_while_it_shows_a_replay(topics, monkeypatch):
+    made = []
+    monkeypatch.setattr(topics.rospy, "Publisher", lambda *_, **__: made.append("publisher"))
+    client = topics.WebPageClient(made.append, Senders("/replay/", replay=True))
+    client.listen()
+    client.send(RemoteArmed(True, 600.0, PLAN))
+    client.close()
+    assert made == []
+
+
+def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatch):
+    events, links = [], []
+    topic = SimpleNamespace(count=0, unregister=list)
+    topic.get_num_connections = lambda: topic.count
+    monkeypatch.setattr(topics.rospy, "Publisher", lambda *_, **__: None)
+    monkeypatch.setattr(topics.rospy, "Subscriber", lambda *_, **__: topic)
+    monkeypatch.setattr(
+        topics, "Periodic", lambda _s, look: links.append(look) or SimpleNamespace(stop=list)
+    )
+    client = topics.WebPageClient(events.append, Senders("/"))
+    client.listen()
+    for topic.count in (0, 1, 1, 0, 0, 1):
+        links[0]()
+    assert events == [WebPageGone()]
+    client.close()

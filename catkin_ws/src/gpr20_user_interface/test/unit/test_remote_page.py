@@ -1,0 +1,228 @@
+"""Remote control on the touchscreen: a hold allows it, every page shows it, any touch ends it."""
+
+import random
+
+import pytest
+from fake_clock import FakeClock
+from finger import AFTER_S, Finger, place_of
+from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtTest import QTest
+from view_kit import snapshot
+from window_helpers import close, new_window, show, start, wishes
+
+from gpr20_common.catalogue import Language
+from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.robot.remote_control import (
+    REMOTE_LIMIT_S,
+    Arming,
+    RemotePlan,
+    WebPageGone,
+    WebStatusReported,
+)
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.window.rail import TabName
+
+WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
+ANNOTATION = Annotation("Ana", "El Carmen", "wet", name="El Carmen 2")
+TOUCHES = 300
+
+
+class Field:
+    """A window with a web page, and what it sends to it."""
+
+    def __init__(self, application, folder):
+        self.clock, self.sent = FakeClock(), []
+        self.arming = Arming(self.clock, self.sent.append)
+        languages = Languages(application, Language.ENGLISH)
+        self.window = new_window(languages, profiles=folder, clock=self.clock, arming=self.arming)
+        self.window.show()
+        self.window.on_event(WEB)
+        self.say(SurveyState.CONFIGURED)
+        self.finger = Finger(self.window, self.clock)
+        self.sheet, self.mark = self.window.remote, self.window.top_bar.remote
+
+    def say(self, code, **changes):
+        show(self.window, snapshot(code, **changes))
+
+    def open(self):
+        self.window.settings.remote_button.click()
+        self.finger.wait(AFTER_S)
+
+    def allow(self):
+        self.open()
+        self.finger.hold(self.sheet.hold)
+        assert self.arming.armed
+
+
+@pytest.fixture
+def field(application, tmp_path):
+    field = Field(application, tmp_path)
+    yield field
+    close(field.window)
+
+
+def test_the_sheet_says_where_the_page_is_and_who_is_there(field):
+    assert not field.mark.isVisible()
+    field.finger.tap(field.window.rail.settings)
+    field.finger.wait(AFTER_S)
+    field.finger.tap(field.window.settings.remote_button)
+    assert field.sheet.isVisible() and not field.window.settings.isVisible()
+    texts = [value.text() for _name, value in field.sheet._rows if value.isVisible()]
+    assert texts == ["https://192.168.1.10:8443", "AB12 CD34", "3 browsers", "Ana"]
+
+
+def test_there_is_nothing_to_hold_without_a_page(field):
+    field.open()
+    assert field.sheet.hold.isVisible()
+    field.window.on_event(WebPageGone())
+    field.say(SurveyState.CONFIGURED)
+    assert not field.sheet.hold.isVisible() and "web:=true" in field.sheet.doubt.text()
+    field.window.on_event(WEB)
+    field.say(SurveyState.CONFIGURED, alive=False)
+    assert not field.sheet.hold.isVisible() and field.sheet.doubt.text()
+
+
+def test_a_tap_allows_nothing_and_the_release_of_the_hold_does_not_end_it(field):
+    field.open()
+    field.finger.tap(field.sheet.hold, 0.9)
+    assert not field.arming.armed and not field.mark.isVisible()
+    place = place_of(field.window, field.sheet.hold).center()
+    field.finger.press(place)
+    field.finger.wait(1.1)
+    assert field.arming.armed and not field.sheet.isVisible()
+    field.finger.move(place + QPoint(5, 5))
+    field.finger.release(place)
+    field.finger.wait(3.0)
+    assert field.arming.armed and field.sent[-1].armed
+
+
+def test_every_page_shows_how_long_it_is_allowed(field):
+    field.allow()
+    for name in TabName:
+        field.window.show_tab(name)
+        field.say(SurveyState.CONFIGURED)
+        assert field.mark.isVisible() and field.mark.text().startswith("REMOTE\n")
+    field.clock.advance(18.5)
+    field.say(SurveyState.CONFIGURED)
+    assert field.mark.text() == "REMOTE\n9:42"
+    field.window.settings.open()
+    assert not place_of(field.window, field.mark).intersects(
+        place_of(field.window, field.window.settings)
+    )
+    field.clock.advance(REMOTE_LIMIT_S)
+    field.say(SurveyState.CONFIGURED)
+    assert not field.mark.isVisible() and not field.sent[-1].armed
+
+
+def test_the_screen_is_not_dimmed_while_it_is_allowed(field):
+    field.window.settings._dim_after(2)
+    field.allow()
+    field.clock.advance(REMOTE_LIMIT_S - 10.0)
+    field.say(SurveyState.CONFIGURED)
+    field.say(SurveyState.CONFIGURED)
+    assert not field.window.settings.cover.isVisible() and field.mark.isVisible()
+
+
+def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
+    window = field.window
+    stop = place_of(window, window.top_bar.stop).center()
+    for place in (QPoint(400, 300), place_of(window, field.mark).center(), QPoint(1, 479), stop):
+        field.allow()
+        field.finger.press(place)
+        assert not field.arming.armed and not field.mark.isVisible()
+        assert not field.sent[-1].armed
+        field.finger.release(place)
+        field.finger.wait(AFTER_S)
+        window.alerts._on_stop_warning_closed()
+    assert wishes(window) == ["stop"]
+
+
+def test_a_touch_right_after_the_hold_ends_it_too(field):
+    field.open()
+    place = place_of(field.window, field.sheet.hold).center()
+    field.finger.hold(place)
+    assert field.arming.armed
+    # Too early for anything else to take it.
+    field.finger.tap(QPoint(300, 300))
+    assert not field.arming.armed
+
+
+def test_a_key_ends_it(field):
+    field.allow()
+    QTest.keyClick(field.window, Qt.Key_Space)
+    assert not field.arming.armed
+
+
+@pytest.mark.parametrize("code", [SurveyState.FAILED, SurveyState.PAUSED])
+def test_a_fault_ends_it(field, code):
+    field.say(SurveyState.SURVEYING)
+    field.allow()
+    field.say(code)
+    assert not field.mark.isVisible() and not field.sent[-1].armed
+
+
+def test_the_end_of_the_window_ends_it(field):
+    field.allow()
+    field.window.end()
+    assert not field.sent[-1].armed
+
+
+def test_the_plan_is_what_start_on_the_window_would_send(field):
+    window = field.window
+    window.control.show_parameters(default_parameters())
+    window.control.next_annotation.take(ANNOTATION)
+    window.survey.finer = type("Finer", (), {"refined_by": lambda _self, _plan: "coarse id"})()
+    field.say(SurveyState.CONFIGURED)
+    shown = field.sent[-1].plan
+    assert shown == RemotePlan(window.control.parameters, ANNOTATION, "coarse id", 4.0)
+    field.finger.wait(AFTER_S)
+    start(window)
+    assert wishes(window) == [shown.parameters] and window.survey.annotations == [ANNOTATION]
+    window.control.form.set_texts({**window.control.form.texts, "x_points": "-"})
+    window.control.show_plan()
+    field.say(SurveyState.CONFIGURED)
+    assert field.sent[-1].plan is None
+
+
+def test_a_survey_that_the_page_has_started_uses_up_its_name_and_notes(field):
+    window = field.window
+    window.control.show_parameters(default_parameters())
+    window.control.next_annotation.take(ANNOTATION)
+    field.say(SurveyState.CONFIGURED)
+    field.allow()
+    field.say(SurveyState.SURVEYING)
+    field.say(SurveyState.SURVEYING)
+    field.say(SurveyState.FINISHED)
+    assert field.arming.armed
+    annotation = field.sent[-1].plan.annotation
+    assert (annotation.name, annotation.notes) == ("El Carmen 3", "")
+
+
+def test_random_touches_end_it_and_never_allow_it(field):
+    draw, window, allowed = random.Random(32), field.window, 0
+    stop = place_of(window, window.top_bar.stop)
+    buttons = [window.settings.remote_button, window.rail.settings, window.rail.lock]
+    for number in range(TOUCHES):
+        if number % 5 == 0:
+            window.touch_binding.set_locked(False)
+            field.finger.wait(AFTER_S)
+            field.allow()
+            allowed += 1
+        window.refresh()
+        place = QPoint(draw.randrange(window.width()), draw.randrange(window.height()))
+        seen = [one for one in (*buttons, field.sheet.hold) if one.isVisible()]
+        if seen and draw.random() < 0.5:
+            place = place_of(window, draw.choice(seen)).center()
+        if stop.contains(place):
+            continue
+        field.finger.press(place)
+        assert not field.arming.armed and not field.sent[-1].armed, number
+        if draw.random() < 0.3:
+            field.finger.move(QPoint(draw.randrange(800), draw.randrange(480)))
+        field.finger.wait(draw.choice((0.05, 0.5, 0.9)))
+        field.finger.release(place)
+        window.refresh()
+        assert not field.arming.armed and not field.mark.isVisible(), number
+    assert allowed == TOUCHES // 5
