@@ -93,7 +93,7 @@ def test_a_notice_arrives_with_reason_remedy_percent_and_picture(receiver: Recei
     notifier.close(LIMIT_S)
     (values,) = receiver.got
     assert values["title"] == "robot 1: the VNA"
-    assert values["message"] == "it is silent\nlook\n34 %"
+    assert values["message"] == "It is silent\nLook\n34 %"
     assert values["type"] == "failure"
     (attached,) = values["attachments"]
     assert base64.b64decode(attached["base64"]) == picture

@@ -7,9 +7,6 @@ import threading
 from functools import partial
 from typing import Any, Callable, List, Sequence
 
-import apprise
-from apprise.attachment.memory import AttachMemory
-
 from gpr20_common.message import Message
 from gpr20_web.errors import NotifyError, NotSentError
 from gpr20_web.low.outbox import Outbox
@@ -20,10 +17,10 @@ FIRST_DELAY_S = 20.0
 # The first one, and three more.
 TRIES = 4
 TYPES = {
-    Occasion.NO_CONTACT: apprise.NotifyType.FAILURE,
-    Occasion.FAULT: apprise.NotifyType.FAILURE,
-    Occasion.PAUSED: apprise.NotifyType.WARNING,
-    Occasion.FINISHED: apprise.NotifyType.SUCCESS,
+    Occasion.NO_CONTACT: "failure",
+    Occasion.FAULT: "failure",
+    Occasion.PAUSED: "warning",
+    Occasion.FINISHED: "success",
 }
 # They write addresses, which are secrets here, into their logs.
 TALKATIVE = ("apprise", "urllib3", "requests", "slixmpp")
@@ -96,24 +93,30 @@ class Notifier:
         lines = [self._text(one) for one in (news.text, news.remedy) if one is not None]
         if news.percent is not None:
             lines.append(f"{news.percent} %")
-        picture = None
-        if news.picture is not None and server.attachment_support:
-            image = AttachMemory(news.picture, name="map.png", mimetype="image/png")
-            picture = apprise.AppriseAttachment(image)
+        words = {
+            "title": f"{self._name}: {self._text(news.title)}",
+            "body": "\n".join(one[:1].upper() + one[1:] for one in lines),
+            "notify_type": TYPES[news.occasion],
+        }
         try:
-            return bool(
-                server.notify(
-                    title=f"{self._name}: {self._text(news.title)}",
-                    body="\n".join(lines),
-                    notify_type=TYPES[news.occasion],
-                    attach=picture,
-                )
-            )
+            if news.picture is not None and server.attachment_support:
+                words["attach"] = _attached(news.picture)
+            return bool(server.notify(**words))
         except Exception:  # of any of a hundred plugins; its text may have the address in it
             return False
 
 
+def _attached(picture: bytes) -> Any:
+    import apprise
+    from apprise.attachment.memory import AttachMemory
+
+    return apprise.AppriseAttachment(AttachMemory(picture, "map.png", "image/png"))
+
+
 def _server(url: str, number: int) -> Any:
+    # It takes 40 MB of memory: only where somebody is notified.
+    import apprise
+
     asset = apprise.AppriseAsset(app_id="GPR-20", async_mode=False)
     try:
         server = apprise.Apprise.instantiate(url, asset=asset, suppress_exceptions=True)

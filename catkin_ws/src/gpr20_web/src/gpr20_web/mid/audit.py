@@ -150,12 +150,8 @@ class AuditPage(WebPage):
         "older": Message("Older"),
         "none": Message("No entries."),
         "time": Message("Time"),
-        "user": Message("User"),
-        "role": Message("Role"),
-        "address": Message("Address"),
-        "command": Message("What"),
-        "outcome": Message("Outcome"),
-        "values": Message("Values"),
+        "who": Message("Who"),
+        "what": Message("What"),
     }
 
     def __init__(self, audit: Audit) -> None:

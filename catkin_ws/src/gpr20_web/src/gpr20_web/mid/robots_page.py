@@ -35,9 +35,8 @@ class RobotsPage(WebPage):
         "title": Message("Robots"),
         "name": Message("Name"),
         "state": Message("State"),
-        "since": Message("Since"),
+        "since": Message("since {time}", time=""),
         "shown": Message("shown on this page"),
-        "none": Message("No robot was found."),
     }
 
     def __init__(self, robots: Robots, clock: Clock) -> None:

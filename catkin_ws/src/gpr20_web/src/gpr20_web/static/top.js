@@ -2,7 +2,7 @@
 
 import { ask, button, element, write } from "./dom.js";
 
-const SIGNS = {
+export const SIGNS = {
   working: "▶", paused: "⏸", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
 };
 export const STALE_MS = 5000;

@@ -35,6 +35,7 @@ export default {
         element("div", { class: "card" }, this.map),
       ),
       this.cards,
+      app.notices.permission(),
     );
     this.cardsKey = "";
   },
