@@ -24,7 +24,7 @@ export class Ground {
     this.title = element("strong", { role: "status" });
     this.age = element("span", {});
     this.head = element("p", { class: "card" }, this.title, " ", this.age);
-    this.notes = element("p", { class: "muted" });
+    this.notes = element("p");
     this.lines = element("p", { class: "card" });
     this.above = this.plot(app.word("map.title"), false);
     this.section = this.plot(app.word("radar.along"), true);
@@ -44,9 +44,8 @@ export class Ground {
     this.polarization = this.addChoice("polarization", this.word("polarization"), []);
     this.addChoice("permittivity", this.word("permittivity"),
       [["", this.word("own")], ...PERMITTIVITIES.map((one) => [String(one), one])]);
-    this.controls.append(this.depthField, this.follow);
-    if (folder)
-      this.controls.append(element("a", { class: "button", href: page }, this.word("back")));
+    const back = element("a", { class: "button", href: page }, this.word("back"));
+    this.controls.append(this.depthField, folder ? back : this.follow);
     root.append(this.head, this.controls, pictures, this.lines, this.notes);
     this.poll();
   }

@@ -145,7 +145,7 @@ export class Plot {
       const at = y + (1 - part) * height;
       if (last - at > 14) this.text(level, left + 13, (last = at), "left");
     }
-    this.text("dB", left + 5, y + height + 9);
+    this.text("dB", left, y + height + 24, "left");
   }
 }
 
