@@ -13,7 +13,7 @@ NODES = {
     *(f"{axis}_axis/axis_driver: state" for axis in "xyz"),
     *(f"{name}: state" for name in ("height_sensor", "vna_acquisition", "vna_processing")),
     *(f"{name}: state" for name in ("main_control", "imaging", "visualization", "simulator")),
-    "user_interface: state",
+    *("user_interface: state", "web: state"),
 }
 FRAMES = {value for name, value in vars(frames).items() if name.isupper()}
 # What the layout and the configuration show, without the slash of the layout's absolute names.
