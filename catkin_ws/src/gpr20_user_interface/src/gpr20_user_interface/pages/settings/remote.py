@@ -81,4 +81,5 @@ class RemotePage(HoldSheet, Page):
         if self._mark.isHidden() is (left_s > 0):
             self._mark.setVisible(left_s > 0)
             self.touches.watch(left_s > 0)
-        self._mark.setText(f"{self.tr('REMOTE')}\n{left_s // 60}:{left_s % 60:02d}")
+        title = self.tr("REMOTE")
+        self._mark.setText(f"{title}\n{left_s // 60}:{left_s % 60:02d}")
