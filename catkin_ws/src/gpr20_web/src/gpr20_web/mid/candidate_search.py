@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
-from typing import Any, Callable, Dict, NamedTuple, Optional, Protocol
+from collections import OrderedDict
+from typing import Any, Callable, Optional, Protocol, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import JobState, Service, Ticket
+from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_survey.results.focused_image import FocusedImage
@@ -37,16 +37,24 @@ class OpenedSurvey:
         stored: What the storage has; None: it cannot be read.
         image: What a search finds without being made; None: it is made.
         searching: The request that searches; empty: none.
+        ended: Whether the search has ended.
     """
 
     def __init__(self, services: SurveyServices, folder: str) -> None:
         self._services = services
+        self.folder, self.began_s = folder, time.monotonic()
         self.stored: Optional[StoredSurvey] = None
         self.image: Optional[FocusedImage] = None
-        self.searching = ""
+        self.searching, self.ended = "", False
         self.result = SurveyResult(Imaging(self, time.monotonic))
         self.result.open(folder)
         self.result.keep()
+
+    @property
+    def made_of(self) -> Tuple[object, ...]:
+        """What an image of it depends on."""
+        record = self.result.record
+        return () if record is None else (record.stored, self.result.permittivity)
 
     def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
         """Call a service, and let the ticket take the answer."""
@@ -68,25 +76,6 @@ class OpenedSurvey:
         self._services.cancel(request_id)
 
 
-class _Known(NamedTuple):
-    """An image, and what it was made of."""
-
-    image: FocusedImage
-    stored: int
-    permittivity: Optional[float]
-
-
-@dataclass
-class Search:
-    """A search for the candidates of a survey, by its folder."""
-
-    folder: str
-    began_s: float
-    state: JobState = JobState.RUNNING
-    problem: Optional[Message] = None
-    opened: Optional[OpenedSurvey] = None
-
-
 class CandidateSearches:
     """Reads surveys, and searches one at a time; may be used by any thread.
 
@@ -95,7 +84,7 @@ class CandidateSearches:
         in_background: Calls something in a thread of its own.
 
     Attributes:
-        last: The last search; None: there was none.
+        last: The last survey that was searched; None: none was.
     """
 
     def __init__(
@@ -103,17 +92,15 @@ class CandidateSearches:
     ) -> None:
         self._services, self._in_background = services, in_background
         self._lock = threading.Lock()
-        self._known: Dict[str, _Known] = {}
-        self.last: Optional[Search] = None
+        self._known: OrderedDict[str, OpenedSurvey] = OrderedDict()
+        self.last: Optional[OpenedSurvey] = None
 
     def read(self, folder: str) -> OpenedSurvey:
         """Return a survey, with its candidates if they are known."""
         opened, known = OpenedSurvey(self._services, folder), self._known.get(folder)
-        record = opened.result.record
         # Not after it was resumed, or somebody has entered another permittivity.
-        made_of = None if record is None else (record.stored, opened.result.permittivity)
-        if known is not None and known[1:] == made_of:
-            opened.image = known.image
+        if known is not None and known.made_of == opened.made_of:
+            opened.image = known.result.image
             opened.result.keep()
         return opened
 
@@ -123,36 +110,29 @@ class CandidateSearches:
         Raises:
             BusyError: Another one is being searched.
         """
+        opened = OpenedSurvey(self._services, folder)
         with self._lock:
-            last = self.last
-            if last is not None and last.state is JobState.RUNNING:
-                if last.folder == folder:
+            if self.last is not None and not self.last.ended:
+                if self.last.folder == folder:
                     return
                 raise BusyError(Message("another survey is being searched for candidates"))
-            search = self.last = Search(folder, time.monotonic())
-        self._in_background(lambda: self._run(search))
+            self.last = opened
+        self._in_background(lambda: self._search(opened))
 
     def end(self) -> None:
         """End the search that runs."""
-        last = self.last
-        if last is not None and last.state is JobState.RUNNING and last.opened is not None:
-            self._services.cancel(last.opened.searching)
+        if self.last is not None and not self.last.ended:
+            self._services.cancel(self.last.searching)
 
-    def _run(self, search: Search) -> None:
-        state = JobState.FAILED
+    def _search(self, opened: OpenedSurvey) -> None:
         try:
-            search.opened = opened = OpenedSurvey(self._services, search.folder)
             opened.result.keep()
-            image, record = opened.result.image, opened.result.record
-            search.problem = opened.result.search.problem or opened.result.reading.problem
-            if image is not None and record is not None:
+            if opened.result.image is not None:
                 with self._lock:
-                    self._known.pop(search.folder, None)
-                    known = _Known(image, record.stored, opened.result.permittivity)
-                    self._known[search.folder] = known
+                    self._known[opened.folder] = opened
+                    self._known.move_to_end(opened.folder)
                     while len(self._known) > MOST_KNOWN:
-                        del self._known[next(iter(self._known))]
-                state = JobState.DONE
+                        self._known.popitem(last=False)
         finally:
             # The next one can begin whatever has happened.
-            search.opened, search.state = None, state
+            opened.ended = True

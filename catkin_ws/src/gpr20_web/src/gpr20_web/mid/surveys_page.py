@@ -222,9 +222,11 @@ class SurveysPage(WebPage):
         last = self._searches.last
         if last is None or last.folder != call.parts["folder"]:
             raise NotFoundError(Message("this survey was not searched"))
-        problem = last.problem
+        result = last.result
+        problem = result.search.problem or result.reading.problem
+        state = "done" if result.image is not None else "failed"
         return {
-            "state": last.state.value,
+            "state": state if last.ended else "running",
             "seconds": int(time.monotonic() - last.began_s),
             "problem": sentence(call.text, problem),
             "remedy": sentence(call.text, problem and problem.remedy),
