@@ -34,6 +34,8 @@ NODES = (
     "simulator",
     "rosout",
 )
+# Only with web:=true.
+WEB = "web"
 LAUNCH = "roslaunch"
 # In the environment of every process of a launch.
 MARK = "GPR20_LAUNCHED_ROBOT"
@@ -115,12 +117,13 @@ class LaunchedRobot:
         )
 
     def processes(self) -> Dict[str, psutil.Process]:
-        """Return the processes that run now, by the names of `NODES`, `MASTER` and `WATCHDOG`."""
+        """Return the processes that run now: those of `NODES`, `MASTER`, `WATCHDOG` and `WEB`."""
         found = {}
         for child in self._children():
             with contextlib.suppress(psutil.NoSuchProcess):  # ended meanwhile
                 line = " ".join(child.cmdline())
-                words = {MASTER: MASTER, **{name: f"/{name}-" for name in (*NODES, WATCHDOG)}}
+                nodes = (*NODES, WATCHDOG, WEB)
+                words = {MASTER: MASTER, **{name: f"/{name}-" for name in nodes}}
                 found.update({name: child for name, word in words.items() if word in line})
         return found
 

@@ -13,7 +13,6 @@ from typing import Any, Dict, Mapping, Optional
 
 import rospy
 
-import gpr20_web
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_device
@@ -71,7 +70,7 @@ from gpr20_web.mid.web_page import WebPage
 from gpr20_web.mid.web_parameters import WebParameters
 
 NODE = "web"
-STATIC = Path(gpr20_web.__file__).resolve().parent / "static"
+STATIC = Path(__file__).resolve().parent.parent / "static"
 # As often as the window while somebody looks, else as seldom as a notice may be late.
 MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
 CLOSE_LIMIT_S = 3.0

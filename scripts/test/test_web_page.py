@@ -1,0 +1,253 @@
+"""The page at a distance in a real browser, with the whole simulated robot behind it."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+from typing import Any, Dict, Iterator, List
+
+import pytest
+import rospy
+from browser_kit import HEIGHTS, Browser
+from robot_kit import WEB, LaunchedRobot, free_port
+
+from gpr20_common.low.clock import Clock
+from gpr20_operator.high.control_client import ControlClient
+from gpr20_operator.high.remote_control import WebPageClient
+from gpr20_operator.robot.remote_control import Arming, RemotePlan
+from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+
+pytestmark = pytest.mark.real_time
+
+PASSWORD = "correct horse battery staple"
+PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
+PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
+PLAN = SurveyParameters(
+    vna_address="127.0.0.1",
+    start_frequency_hz=600e6,
+    stop_frequency_hz=6e9,
+    frequency_points=101,
+    x_start_mm=100.0,
+    x_stop_mm=300.0,
+    x_points=6,
+    y_start_mm=100.0,
+    y_stop_mm=300.0,
+    y_points=6,
+)
+
+
+class Touchscreen:
+    """The window of the robot as far as the page needs it: it allows remote control."""
+
+    def __init__(self) -> None:
+        self.model = SurveyModel(Clock())
+        senders = Senders("/")
+        self.control = ControlClient(self._take, senders)
+        self.web = WebPageClient(self._take, senders)
+        self.arming = Arming(Clock(), self.web.send)
+        for client in (self.control, self.web):
+            client.listen()
+        self.control.set_watched(True)
+
+    def _take(self, event: object) -> None:
+        self.model.handle(event)
+        self.arming.take(event)
+
+    def note(self) -> None:
+        """Take what is known now, as the window does five times a second."""
+        self.arming.note(self.model.snapshot(), RemotePlan(PLAN, EMPTY, "", 4.0))
+
+    def close(self) -> None:
+        self.control.close()
+        self.web.close()
+
+
+class Site:
+    """The robot, its page and a browser."""
+
+    def __init__(self, robot: LaunchedRobot, address: str, folder: Path) -> None:
+        self.robot, self.address, self.folder = robot, address, folder
+        self.browser = Browser()
+        self.screen = Touchscreen()
+
+    def log_in(self, name: str, language: str = "en") -> None:
+        browser = self.browser
+        browser.driver.delete_all_cookies()
+        browser.open(f"{self.address}/")
+        browser.run("localStorage.setItem('language', arguments[0])", language)
+        browser.open(f"{self.address}/")
+        browser.write("input[name=name]", name)
+        browser.write("input[name=password]", PASSWORD)
+        browser.press("form button.primary")
+        browser.find("#state")
+
+    def show(self, page: str) -> None:
+        self.browser.run("location.hash = arguments[0]", page)
+        self.browser.wait(
+            lambda: (
+                self.browser.run("return document.querySelector('nav a[aria-current]').hash")
+                == f"#{page}"
+            ),
+            f"{page} is shown",
+        )
+
+    def wait_for_state(self, state: str) -> None:
+        def is_so() -> bool:
+            self.screen.note()
+            return self.browser.text("#state").startswith(state)
+
+        self.browser.wait(is_so, f"the state is {state}", 60.0)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    folder = tmp_path_factory.mktemp("web")
+    port = free_port()
+    config = folder / "config"
+    create = ["rosrun", "gpr20_launch", "robot_config", "create", str(config)]
+    subprocess.run(create, check=True, capture_output=True)
+    web = folder / "page"
+    (config / "web.yaml").write_text(f"port: {port}\nfolder: {web}\n")
+    for name, role in PEOPLE.items():
+        words = ["users", "add", name, "--role", role, "--stdin", "--folder", str(web)]
+        subprocess.run(
+            ["rosrun", "gpr20_web", *words], input=f"{PASSWORD}\n", text=True, check=True
+        )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_MASTER_URI", "")
+        patch.setenv("GPR20_STATE", "")
+        arguments = ("time_scale:=10", "web:=true", f"config:={config}")
+        robot = LaunchedRobot(folder, *arguments)
+        try:
+            robot.start()
+            # The page believes the window alone, and by its name.
+            rospy.init_node("user_interface", disable_signals=True)
+            made = Site(robot, f"https://localhost:{port}", folder)
+            try:
+                yield made
+            finally:
+                made.browser.close()
+                made.screen.close()
+        finally:
+            rospy.signal_shutdown("the tests are over")
+            robot.stop()
+
+
+def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site: Site) -> None:
+    browser, screen = site.browser, site.screen
+    site.log_in("otto")
+    browser.wait(lambda: screen.note() or screen.arming.web is not None, "the page reports itself")
+    assert not browser.run("return document.querySelector('#start').offsetParent")
+    browser.press("#take")
+    browser.wait(lambda: not screen.model.snapshot().fields_locked, "the robot is ready")
+    screen.arming.arm(screen.model.snapshot())
+    browser.wait_for_text("A person at the robot allows remote control", "#top")
+    browser.press("#start")
+    browser.wait_for_text("Hands clear", "dialog")
+    browser.press("dialog button.primary")
+    site.wait_for_state("SURVEYING")
+    browser.press("#pause")
+    site.wait_for_state("PAUSED")
+    browser.press("#pause")
+    browser.press("dialog button.primary")
+    site.wait_for_state("SURVEYING")
+    screen.arming.touched()
+    browser.wait_for_text("Nobody at the robot allows it now", "#top")
+    browser.press("#pause")
+    site.wait_for_state("PAUSED")
+    assert not browser.find("#pause").is_enabled()
+    browser.press("#stop")
+    site.wait_for_state("STOPPED")
+    entries = _log_of_the_survey(site)
+    commands = [(one["user"], one["role"], one["command"]) for one in entries]
+    for command in ("start", "pause", "resume", "stop"):
+        assert ("otto", "operate", command) in commands
+    assert all(one["address"] for one in entries)
+
+
+def _log_of_the_survey(site: Site) -> List[Dict[str, Any]]:
+    (log,) = site.robot.data.glob("*/log.jsonl")
+
+    def entries() -> List[Dict[str, Any]]:
+        lines = [json.loads(line) for line in log.read_text().splitlines()]
+        return [one["values"] for one in lines if one.get("kind") == "audit"]
+
+    site.browser.wait(
+        lambda: any(
+            one["command"] == "stop" and one["outcome"].startswith("done") for one in entries()
+        ),
+        "the log has all",
+    )
+    return entries()
+
+
+@pytest.mark.parametrize("language", ["en", "es"])
+def test_every_page_fits_every_screen_and_asks_nobody_else(site: Site, language: str) -> None:
+    browser = site.browser
+    site.log_in("ada", language)
+    # Before the login, the page has asked whether somebody is logged in.
+    browser.errors()
+    browser.driver.get_log("performance")
+    for page in PAGES:
+        site.show(page)
+        for width_px in HEIGHTS:
+            browser.resize(width_px)
+            browser.wait(
+                lambda: browser.run("return document.documentElement.scrollWidth") <= width_px,  # noqa: B023
+                f"{page} fits {width_px} px",
+                5.0,
+            )
+            browser.keep_picture(f"web_{page}_{width_px}_{language}")
+    assert "{" not in browser.text() and not re.search(r"\b[a-z]+\.[a-z_]+\b", browser.text("nav"))
+    assert not browser.errors()
+    asked = [json.loads(one["message"])["message"] for one in browser.driver.get_log("performance")]
+    addresses = {
+        one["params"]["request"]["url"]
+        for one in asked
+        if one["method"] == "Network.requestWillBeSent"
+    }
+    assert addresses
+    assert all(one.startswith((site.address, "data:")) for one in addresses), addresses
+
+
+def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Site) -> None:
+    browser = site.browser
+    site.log_in("vera")
+    browser.resize(800)
+    process = site.robot.processes()[WEB]
+    process.suspend()
+    try:
+        browser.wait_for_text("NO CONNECTION", "#top")
+        assert browser.run("return document.body.classList.contains('stale')")
+        browser.press("#stop")
+        browser.wait_for_text("it is unknown whether it arrived", "#top")
+    finally:
+        process.resume()
+    browser.wait(
+        lambda: not browser.run("return document.body.classList.contains('stale')"), "it is live"
+    )
+    browser.wait_for_text("vera: STOP: ", "#top")
+
+
+def test_a_person_who_may_watch_sees_nothing_to_start_and_nothing_of_accounts(site: Site) -> None:
+    browser = site.browser
+    site.log_in("vera")
+    assert browser.find("#stop").is_displayed()
+    titles = browser.text("nav")
+    assert "Users" not in titles and "Audit" not in titles
+    assert not browser.run("return document.querySelector('#take')")
+
+
+def test_operator_of_the_window_sees_who_watches(site: Site) -> None:
+    site.log_in("otto")
+    site.browser.wait(
+        lambda: site.screen.arming.web is not None and site.screen.arming.web.watchers > 0,
+        "the window knows of the browser",
+    )
+    assert site.screen.arming.web is not None
+    assert re.fullmatch(r"([0-9A-F]{4} ){15}[0-9A-F]{4}", site.screen.arming.web.fingerprint)
