@@ -1,6 +1,7 @@
 """A web page of the ground without ROS, and surveys for it."""
 
 import io
+import json
 
 import numpy as np
 from PIL import Image
@@ -17,7 +18,8 @@ from gpr20_operator.ground.trace_events import (
 )
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Body, Call, Person
+from gpr20_web.low.event_streams import json_text
 from gpr20_web.mid.ground_page import PERIOD_S, GroundPage
 from gpr20_web.roles import Role
 
@@ -80,7 +82,11 @@ class Server:
 
     def ask(self, path="/api/ground", method="GET", **values):
         route, parts = self.route(path, method)
-        return route.answer(Call(ANA, ANA.address, values, parts))
+        answer = route.answer(Call(ANA, ANA.address, values, parts))
+        if not isinstance(answer, Body):
+            # As it is sent: nothing in it is infinite or unknown to JSON.
+            assert json.loads(json_text(answer)) == answer
+        return answer
 
     def pixels(self, kind="map", **values):
         """Return red, green, blue and alpha of a picture."""

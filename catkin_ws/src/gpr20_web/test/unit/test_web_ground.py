@@ -5,6 +5,7 @@ import contextlib
 import numpy as np
 import pytest
 from ground_kit import FOLDER, PAST, PERIOD_S, SURVEY, Server
+from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import MARKER, focused
@@ -334,6 +335,21 @@ def test_hiding_places_are_never_searched_beside_a_survey(server):
     assert server.node.cancelled
     assert not server.ask()["hide"]["running"]
     assert "A survey is running" in server.ask()["hide"]["said"]
+
+
+def test_hiding_places_are_hatched_and_said_for_which_target_they_are(server):
+    server.run(code=SurveyState.FINISHED)
+    with pytest.raises(NotFoundError):
+        server.pixels(layer="hiding")
+    server.ask("/api/ground/hide", "POST", target="type-72")
+    found = a_map([[[10, 0]], [[10, 0]]], np.full((2, 1, 2), 10), survey_id=SURVEY)
+    server.node.ticket("hide").done(found)
+    ground = server.ask()["ground"]
+    assert ground["layers"]["hiding"] == pytest.approx([-50.0, 150.0, -50.0, 50.0])
+    assert ground["hiding"][0].startswith("This map holds for this target only")
+    hatched = server.pixels(layer="hiding")[:, :, 3]
+    assert not hatched[:, :8].any()
+    assert hatched[:, 8:].any()
 
 
 def test_who_only_watches_cannot_search_hiding_places(server):
