@@ -149,6 +149,7 @@ class SurveysPage(WebPage):
         shown = {
             **survey_values.row_of(past, survey, call.text),
             "lines": survey_values.lines_of(past, survey, call.text),
+            "can_open": past.can_open(survey),
             "can_search": past.can_analyze(survey),
             "files": [],
         }

@@ -13,7 +13,8 @@ const POLL_MS = 1000;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const number = (attributes) => element("input", { type: "number", step: "any", ...attributes });
 const valueOf = (input) => (input.value === "" ? null : Number(input.value));
-const size = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
+const size = (count) =>
+  count < 1e6 ? `${Math.ceil(count / 1e3)} kB` : `${(count / 1e6).toFixed(1)} MB`;
 const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
 
 export default {
@@ -22,7 +23,8 @@ export default {
   show(root, app) {
     this.app = app;
     this.folder = "";
-    this.text = element("input", { type: "search", placeholder: this.word("hint"), maxlength: 200 });
+    const hint = this.word("hint");
+    this.text = element("input", { type: "search", placeholder: hint, maxlength: 200 });
     this.listed = element(
       "select", {}, ...LISTED.map((one) => element("option", { value: one }, this.word(one))),
     );
@@ -45,6 +47,8 @@ export default {
       ),
     );
     this.search(0);
+    const [, folder] = window.location.hash.split("/");
+    if (folder) this.open(folder);
   },
 
   leave() {
@@ -98,7 +102,7 @@ export default {
 
   row(survey) {
     const { folder, title, time, people } = survey;
-    const open = button("", () => this.open(folder, title), { class: "entry", "data-folder": folder });
+    const open = button("", () => this.open(folder, title), { "data-folder": folder });
     open.append(
       element("strong", {}, title), " ",
       title === time ? "" : element("span", {}, time), " ",
@@ -142,7 +146,8 @@ export default {
   },
 
   card(title, ...content) {
-    return element("section", { class: "card" }, element("h2", { tabindex: -1 }, title), ...content);
+    const heading = element("h2", { tabindex: -1 }, title);
+    return element("section", { class: "card" }, heading, ...content);
   },
 
   form(fields, values) {
@@ -156,7 +161,13 @@ export default {
   summary(survey) {
     const problems = paragraphs(survey.problems, { class: "warn" });
     const lines = paragraphs(survey.lines);
-    return this.card(survey.title, element("p", {}, ...this.chips(survey)), ...lines, ...problems);
+    const links = ["map", "radar"].map((page) => element(
+      "a", { class: "button", href: `#${page}/${survey.folder}` }, this.app.word(`${page}.title`),
+    ));
+    return this.card(
+      survey.title, element("p", {}, ...this.chips(survey)), ...lines, ...problems,
+      survey.can_open ? element("div", { class: "row" }, ...links) : "",
+    );
   },
 
   candidates({ candidates, can_search: can }) {
@@ -170,25 +181,21 @@ export default {
 
   async find(said, find) {
     const { folder } = this;
+    const path = this.path("/candidates");
     find.disabled = true;
-    const done = await this.act(async () => {
-      await this.app.post(this.path("/candidates"));
-      for (;;) {
-        const search = await this.app.get(this.path("/candidates"));
-        if (folder !== this.folder) return;
-        if (search.state === "done") break;
-        if (search.state === "failed") {
-          write(said, `${search.problem} ${search.remedy}`);
-          find.disabled = false;
-          return;
-        }
+    await this.act(async () => {
+      await this.app.post(path);
+      let search = await this.app.get(path);
+      while (search.state === "running" && folder === this.folder) {
         write(said, this.word("searching", { seconds: search.seconds }));
         await pause(POLL_MS);
-        if (folder !== this.folder) return;
+        search = await this.app.get(path);
       }
-      await this.open(folder, this.word("candidates"));
+      if (folder !== this.folder) return;
+      write(said, `${search.problem} ${search.remedy}`);
+      if (search.state === "done") await this.open(folder, this.word("candidates"));
     });
-    if (!done) find.disabled = false;
+    find.disabled = false;
   },
 
   places({ headline, warnings, notes, list, places }) {
@@ -245,10 +252,8 @@ export default {
       const depth = one.depth_mm === null ? "" : ` (${one.depth_mm} mm)`;
       const text = `X ${one.x_mm}  Y ${one.y_mm}${depth}: ${one.text} (${one.author})`;
       const remove = () => this.add("/markers", { remove: one.marker_id });
-      const label = `${this.word("remove")}: ${text}`;
-      return element(
-        "li", {}, text, " ", button(this.word("remove"), remove, { "aria-label": label }),
-      );
+      const label = { "aria-label": `${this.word("remove")}: ${text}` };
+      return element("li", {}, text, " ", button(this.word("remove"), remove, label));
     });
     const [x, y] = [number({ required: true }), number({ required: true })];
     const depth = number({ min: 0, max: 10000 });
@@ -271,10 +276,8 @@ export default {
     ));
     return this.card(
       this.word("downloads"),
-      element(
-        "ul", {}, link("/zip", this.word("whole"), bytes),
-        ...files.map((one) => link(`/files/${one.name}`, one.name, one.bytes)),
-      ),
+      element("ul", {}, link("/zip", this.word("whole"), bytes),
+        ...files.map((one) => link(`/files/${one.name}`, one.name, one.bytes))),
     );
   },
 };
