@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import stat
+import tempfile
 import threading
 from pathlib import Path
 from typing import Any, Callable, List, Mapping, Tuple
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
@@ -249,6 +250,37 @@ def test_the_page_searches_and_says_whether_there_are_more(tmp_path: Path) -> No
     assert (len(rest["entries"]), rest["more"]) == (50, False)
     found: Any = route.answer(calls.Call(ANA, values={"text": "sTOP"}))
     assert [one["values"]["number"] for one in found["entries"]] == [100, 50, 0]
+
+
+def _values(entry: Mapping[str, Any]) -> List[Any]:
+    return [*(one for one in entry.values() if not isinstance(one, dict)), entry["values"]["text"]]
+
+
+TEXTS = st.text('abAB1 "\\\nñÑ', max_size=4)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(TEXTS, max_size=8), TEXTS, st.integers(1, 9))
+def test_the_search_finds_what_a_reader_of_all_entries_finds(
+    texts: List[str], wanted: str, count: int
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        audit = _audit(Path(folder))
+        for one in texts:
+            audit.add(calls.Call(None, ""), "", text=one)
+        audit.close(LIMIT_S)
+        every = audit.entries(0, 99)
+        assert [one["values"]["text"] for one in every] == texts[::-1]
+        # Time and role are searched too.
+        right = [
+            one
+            for one in every
+            if any(wanted.casefold() in str(value).casefold() for value in _values(one))
+        ]
+        found = audit.entries(0, count, wanted)
+        assert found == right[:count]
+        if found:
+            assert audit.entries(found[-1]["id"], 99, wanted) == right[count:]
 
 
 @given(st.text())

@@ -22,7 +22,7 @@ def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
         lines = read_regular(path).splitlines()
     except FileNotFoundError:
         return [], 0
-    objects = [_object(line) for line in lines]
+    objects = [object_of(line) for line in lines]
     known = [one for one in objects if one]
     return known, len(lines) - len(known)
 
@@ -53,7 +53,8 @@ def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) 
     sync_path(path.parent)
 
 
-def _object(line: bytes) -> Dict[str, Any]:
+def object_of(line: bytes) -> Dict[str, Any]:
+    """Return the object of a line; it is empty if the line has none."""
     try:
         found = json.loads(line)
     except ValueError:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 import math
 import threading
-from itertools import islice
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.durable_files import ensure_folders, put_in_place
-from gpr20_survey.files.json_lines import add_line, read_lines
+from gpr20_survey.files.json_lines import add_line, object_of
+from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, Route
 from gpr20_web.errors import AuditFileError, BadRequestError
@@ -113,21 +113,36 @@ class Audit:
         Raises:
             AuditFileError: The file cannot be read.
         """
-        # The newest are read first: an entry may be in two of them, never in none.
-        waiting = self._lines.waiting
-        try:
-            present, former = read_lines(self._path)[0], read_lines(self._former)[0]
-        except OSError as error:
-            raise AuditFileError(
-                Message("{path} cannot be read: {reason}", path=self._path, reason=os_reason(error))
-            ) from error
-        every = (*former, *present, *waiting)
-        known = {one["id"]: one for one in every if isinstance(one.get("id"), int)}
-        ids = list(known)
-        last = ids.index(before) if before in known else len(ids)
-        wanted = text.casefold()
-        found = (known[one] for one in reversed(ids[:last]))
-        return list(islice((one for one in found if wanted in _searched(one)), count))
+        mark = b'"id": %d,' % before
+        # Most lines are not decoded: the files have some ten thousand.
+        raw = json.dumps(text).lower().strip('"').encode() if text.isascii() else b""
+        found: Dict[int, Entry] = {}
+        is_older = not before
+        for line in self._backwards():
+            if not is_older:
+                is_older = mark in line
+            elif raw in line.lower():
+                entry = object_of(line)
+                if isinstance(entry.get("id"), int) and _has(entry, text.casefold()):
+                    found[entry["id"]] = entry
+                    if len(found) == count:
+                        break
+        return list(found.values())
+
+    def _backwards(self) -> Iterator[bytes]:
+        """Yield the lines; those that are being written may come twice."""
+        for entry in reversed(self._lines.waiting):
+            yield json.dumps(entry).encode()
+        for path in (self._path, self._former):
+            try:
+                yield from reversed(read_regular(path).splitlines())
+            except FileNotFoundError:
+                continue
+            except OSError as error:
+                reason = os_reason(error)
+                raise AuditFileError(
+                    Message("{path} cannot be read: {reason}", path=path, reason=reason)
+                ) from error
 
     def close(self, limit_s: float) -> None:
         """Write what waits, in at most about so long [s]."""
@@ -175,5 +190,9 @@ def _plain(value: object) -> object:
     return str(value)[:MOST_CHARACTERS]
 
 
-def _searched(entry: Entry) -> str:
-    return json.dumps(list(entry.values()), ensure_ascii=False).casefold()
+def _has(entry: Entry, text: str) -> bool:
+    """Return whether one of its values has a text, in any letters."""
+    values = entry.get("values")
+    more = values.values() if isinstance(values, dict) else ()
+    plain = (one for name, one in entry.items() if name != "values")
+    return any(text in str(one).casefold() for one in (*plain, *more))
