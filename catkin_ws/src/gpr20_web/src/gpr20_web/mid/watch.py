@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Hashable, Mapping, Optional, Set, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_operator.robot.condition import condition_of, lost
 from gpr20_operator.robot.job import percent_of
 from gpr20_operator.robot.notices import fault_notice
@@ -92,7 +92,7 @@ class Watch(WebPage):
             title, said, first = card.title, card.text, card.first
         more = self._candidates() if occasion is Occasion.FINISHED else None
         if more is not None:
-            said = Message("{said} {found}", said=said, found=more)
+            said = in_a_row((said, more))
         number = self._clock.time_of_day_us()
         return News(number, occasion, title, said, first, percent_of(snapshot), self._picture())
 
