@@ -11,7 +11,7 @@ from typing import Callable, Dict, List, Optional
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_web.calls import Person
-from gpr20_web.errors import NotLoggedInError
+from gpr20_web.errors import AccountsFileError, NotLoggedInError
 from gpr20_web.low.account_file import Account
 
 TOKEN_BYTES = 32
@@ -20,8 +20,7 @@ MOST_OF_PERSON, MOST_SESSIONS = 10, 200
 
 @dataclass
 class _Session:
-    name: str
-    generation: int
+    account: Account
     begun_s: float
     used_s: float
 
@@ -61,7 +60,7 @@ class Sessions:
             self._remove([key for key, one in self._sessions.items() if self._is_late(one, now_s)])
             self._remove(self._keys_of(account.name)[: 1 - MOST_OF_PERSON])
             self._remove(list(self._sessions)[: 1 - MOST_SESSIONS])
-            self._sessions[_key(token)] = _Session(account.name, account.generation, now_s, now_s)
+            self._sessions[_key(token)] = _Session(account, now_s, now_s)
         return token
 
     def find(self, token: str, address: str) -> Person:
@@ -73,17 +72,11 @@ class Sessions:
 
         Raises:
             NotLoggedInError: There is no such session, or no longer.
-            AccountsFileError: The file of the accounts cannot be used.
         """
         with self._lock:
             account = self._check(token)
             self._sessions[_key(token)].used_s = self._now_s()
         return Person(account.name, account.role, token, address)
-
-    def check(self, person: Person) -> None:
-        """Raise NotLoggedInError if a session is over, without using it: an open page is no use."""
-        with self._lock:
-            self._check(person.session)
 
     def end(self, token: str) -> None:
         """Log out."""
@@ -99,10 +92,14 @@ class Sessions:
         session = self._sessions.get(_key(token))
         if session is None:
             raise NotLoggedInError(Message("nobody is logged in here, or no longer"))
-        account = self._find_account(session.name)
+        try:
+            account = self._find_account(session.account.name)
+        except AccountsFileError:
+            # Whoever has logged in must still be able to stop the robot.
+            account = session.account
         if (
             account is None
-            or account.generation != session.generation
+            or account.generation != session.account.generation
             or self._is_late(session, self._now_s())
         ):
             del self._sessions[_key(token)]
@@ -114,7 +111,7 @@ class Sessions:
         return idle_s >= self._idle_s or age_s >= self._longest_s
 
     def _keys_of(self, name: str) -> List[bytes]:
-        return [key for key, one in self._sessions.items() if one.name == name]
+        return [key for key, one in self._sessions.items() if one.account.name == name]
 
     def _remove(self, keys: List[bytes]) -> None:
         for key in keys:

@@ -90,7 +90,7 @@ class App {
       button(this.word("shell.close"), () => shown.remove()),
     );
     document.getElementById("alerts").replaceChildren(shown);
-    if (error.status === 401) this.leave();
+    if (error.code === "web.not_logged_in") this.leave();
   }
 
   showLogin() {
@@ -167,6 +167,7 @@ class App {
     const page = this.pages().find((one) => one.name === wanted) ?? now;
     this.page?.leave?.();
     this.page = page;
+    document.body.dataset.page = page.name;
     const nav = document.getElementById("pages");
     nav.hidden = false;
     nav.setAttribute("aria-label", this.word("shell.pages"));

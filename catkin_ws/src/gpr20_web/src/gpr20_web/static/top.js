@@ -131,7 +131,7 @@ export class Top {
       this.remote.replaceChildren(this.armedText, " ", parts.slice(1).join(" "), " ",
         ...this.remoteButtons(holder, asked));
     }
-    write(this.armedText, parts[0]);
+    write(this.armedText, parts[0].replace(/([^.!?])$/, "$1."));
   }
 
   remoteButtons(holder, asked) {
