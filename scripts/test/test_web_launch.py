@@ -73,3 +73,12 @@ def test_a_page_that_hangs_is_restarted_beside_a_survey_that_ends_whole(robot, p
     wait_for(lambda: answers(port), "answer of the other page")
     log = (robot.data.parent / "launch.log").read_text()
     assert "PAUSED" not in log and "FAILED" not in log, log
+
+
+def test_a_port_that_is_taken_keeps_only_the_page_away(robot, port):
+    with socket.create_server(("127.0.0.1", port)):
+        robot.start()
+        points = ("--x-points", "3", "--y-points", "3")
+        assert robot.client(*points, stdout=subprocess.DEVNULL).wait(LIMIT_S) == 0
+    wait_for(lambda: answers(port), "page")
+    assert "cannot listen" in (robot.data.parent / "launch.log").read_text()

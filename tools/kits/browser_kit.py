@@ -34,9 +34,11 @@ class Browser:
         self.driver.set_script_timeout(LIMIT_S)
 
     def close(self) -> None:
+        """End Chromium."""
         self.driver.quit()
 
     def open(self, address: str) -> None:
+        """Open a page."""
         self.driver.get(address)
 
     def run(self, script: str, *arguments: Any) -> Any:
@@ -71,6 +73,7 @@ class Browser:
         self.wait(pressed, f"{selector} is pressed")
 
     def write(self, selector: str, text: str) -> None:
+        """Write into a field, in place of what is there."""
         field = self.find(selector)
         field.clear()
         field.send_keys(text)
@@ -96,6 +99,7 @@ class Browser:
             return False
 
     def wait_for_text(self, text: str, selector: str = "body") -> None:
+        """Return when an element shows a text."""
         self.wait(lambda: text in self.text(selector), f"{text!r} in {selector}")
 
     def resize(self, width_px: int) -> None:

@@ -9,7 +9,7 @@ import traceback
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Mapping, Optional
 
 import rospy
 
@@ -52,21 +52,12 @@ from gpr20_web.low.doctor_program import make_bundle
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.notifier import Notifier
 from gpr20_web.mid.accounts import Accounts
-from gpr20_web.mid.audit import Audit, AuditPage
+from gpr20_web.mid.all_pages import Surroundings, all_pages
+from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller, ControlPage
-from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
-from gpr20_web.mid.login_limits import LoginLimits
-from gpr20_web.mid.login_page import LoginPage
-from gpr20_web.mid.now_page import NowPage
-from gpr20_web.mid.robots_page import RobotsPage
-from gpr20_web.mid.service_page import ServicePage
+from gpr20_web.mid.controller import Controller
 from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.shell import Shell
-from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.mid.users_page import UsersPage
-from gpr20_web.mid.watch import Watch
-from gpr20_web.mid.web_page import WebPage
 from gpr20_web.mid.web_parameters import WebParameters
 
 NODE = "web"
@@ -128,7 +119,7 @@ class WebNode:
             Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
             *(self._controller, self._audit.add, parameters.view_may_stop),
         )
-        self._shell = Shell(self._pages(data))
+        self._shell = Shell(all_pages(self._surroundings(data)))
         self._server = HttpServer(
             tuple(self._shell.all_routes()), STATIC, self._sessions.find, self._report
         )
@@ -159,35 +150,29 @@ class WebNode:
             remote,
         )
 
-    def _pages(self, data: Path) -> Dict[str, WebPage]:
-        """Return the pages by the names under which their scripts ask for words."""
-        clock, audit, namespace = self._clock, self._audit.add, rospy.get_namespace()
-        may_stop = self._parameters.view_may_stop
-        robots = Robots(namespace, False, self._follow_robots)
-        surveys = RosSurveyServices(self._requests)
-        return {
-            "now": NowPage(namespace.strip("/")),
-            "commands": self._commands,
-            "control": ControlPage(self._controller, clock, audit),
-            "ground": GroundPage(self._storage, self._requests, clock.now_s, self._warn),
-            "map": MapPage(),
-            "radar": RadarPage(),
-            "surveys": SurveysPage(surveys, data, audit, in_background),
-            "robots": RobotsPage(robots, clock),
-            "service": ServicePage(
-                self._watch.set_watched,
-                self._watch.examine,
-                partial(make_bundle, namespace),
-                audit,
-                clock,
-            ),
-            "notices": Watch(clock, self._notifier.send),
-            "login": LoginPage(
-                *(self._accounts, self._sessions, LoginLimits(clock), audit, may_stop)
-            ),
-            "users": UsersPage(self._accounts, audit),
-            "audit": AuditPage(self._audit),
-        }
+    def _surroundings(self, data: Path) -> Surroundings:
+        namespace = rospy.get_namespace()
+        return Surroundings(
+            name=namespace.strip("/"),
+            data=data,
+            clock=self._clock,
+            accounts=self._accounts,
+            sessions=self._sessions,
+            audit=self._audit,
+            commands=self._commands,
+            controller=self._controller,
+            source=self._storage,
+            requests=self._requests,
+            services=RosSurveyServices(self._requests),
+            in_background=in_background,
+            robots=Robots(namespace, False, self._follow_robots),
+            watch=self._watch.set_watched,
+            examine=self._watch.examine,
+            make_bundle=partial(make_bundle, namespace),
+            send=self._notifier.send,
+            warn=self._warn,
+            view_may_stop=self._parameters.view_may_stop,
+        )
 
     def _begin(self) -> None:
         for client in self._clients:
@@ -271,4 +256,4 @@ def main() -> None:
         rospy.on_shutdown(node.close)
         return node
 
-    run_device(NODE, WebParameters, build)
+    run_device(NODE, WebParameters, build, needed=False)

@@ -221,8 +221,12 @@ class GroundPage(WebPage):
             return
         oldest = min(self._past.values(), key=lambda one: one.used_s)
         if self._now_s() - oldest.used_s < ROOM_S:
-            text = "{count} past surveys are looked at now; wait until one is closed"
-            raise BusyError(Message(text, count=MOST_PAST))
+            raise BusyError(
+                Message(
+                    "{count} past surveys are looked at now; wait until one is closed",
+                    count=MOST_PAST,
+                )
+            )
         del self._past[oldest.opened]
 
 
