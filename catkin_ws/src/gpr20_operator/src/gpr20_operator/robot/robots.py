@@ -7,7 +7,9 @@ from functools import singledispatchmethod
 from typing import Callable, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_operator.robot.condition import Condition, condition_of
 from gpr20_operator.robot.events import ControlState
+from gpr20_operator.robot.snapshot import Snapshot
 
 # A robot that is starting is not yet a missing one [s].
 STARTING_S = 5.0
@@ -57,6 +59,24 @@ class ListedRobot:
         if self.state is None:
             return Message("no report yet")
         return self.state.title
+
+    @property
+    def condition(self) -> Optional[Condition]:
+        """How it goes, by its state alone, which is heard now; None: it has not said so yet."""
+        if self.state is None:
+            return None
+        heard = Snapshot(
+            control_alive=True,
+            control_silent_s=0.0,
+            state=self.state,
+            progress=None,
+            current=None,
+            target=None,
+            height_m=None,
+            pending=frozenset(),
+            travel=None,
+        )
+        return condition_of(heard)
 
 
 @dataclass

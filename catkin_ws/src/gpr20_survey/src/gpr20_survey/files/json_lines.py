@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 from gpr20_survey.files import access
 from gpr20_survey.files.durable_files import ensure_folder, sync_path
@@ -25,6 +25,19 @@ def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
     objects = [object_of(line) for line in lines]
     known = [one for one in objects if one]
     return known, len(lines) - len(known)
+
+
+def lines_backwards(*paths: Path) -> Iterator[bytes]:
+    """Yield the lines of files, the last line of the first file first; no file has no lines.
+
+    Raises:
+        OSError: The disk cannot be read.
+    """
+    for path in paths:
+        try:
+            yield from reversed(read_regular(path).splitlines())
+        except FileNotFoundError:
+            continue
 
 
 def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:

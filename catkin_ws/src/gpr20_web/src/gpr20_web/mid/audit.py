@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 import math
 import threading
+from itertools import chain
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.durable_files import ensure_folders, put_in_place
-from gpr20_survey.files.json_lines import add_line, object_of
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, Route
 from gpr20_web.errors import AuditFileError, BadRequestError
@@ -23,6 +23,8 @@ from gpr20_web.roles import Role
 
 Entry = Mapping[str, Any]
 RETRY_S = 5.0
+# In the log of a survey, about an hour; then it stays in the file alone.
+NOTE_TRIES = 20
 MOST_BYTES = 5_000_000
 # Of a text in an entry; a browser may send more.
 MOST_CHARACTERS = 200
@@ -62,6 +64,7 @@ class Audit:
             Message("a command was not noted in the log of its survey"),
             report,
             retry_s,
+            NOTE_TRIES,
         )
 
     def add(
@@ -118,31 +121,23 @@ class Audit:
         raw = json.dumps(text).lower().strip('"').encode() if text.isascii() else b""
         found: Dict[int, Entry] = {}
         is_older = not before
-        for line in self._backwards():
-            if not is_older:
-                is_older = mark in line
-            elif raw in line.lower():
-                entry = object_of(line)
-                if isinstance(entry.get("id"), int) and _has(entry, text.casefold()):
-                    found[entry["id"]] = entry
-                    if len(found) == count:
-                        break
+        # Those that are being written may come twice.
+        waiting = [json.dumps(one).encode() for one in reversed(self._lines.waiting)]
+        try:
+            for line in chain(waiting, lines_backwards(self._path, self._former)):
+                if not is_older:
+                    is_older = mark in line
+                elif raw in line.lower():
+                    entry = object_of(line)
+                    if isinstance(entry.get("id"), int) and _has(entry, text.casefold()):
+                        found[entry["id"]] = entry
+                        if len(found) == count:
+                            break
+        except OSError as error:
+            raise AuditFileError(
+                Message("the audit cannot be read: {reason}", reason=os_reason(error))
+            ) from error
         return list(found.values())
-
-    def _backwards(self) -> Iterator[bytes]:
-        """Yield the lines; those that are being written may come twice."""
-        for entry in reversed(self._lines.waiting):
-            yield json.dumps(entry).encode()
-        for path in (self._path, self._former):
-            try:
-                yield from reversed(read_regular(path).splitlines())
-            except FileNotFoundError:
-                continue
-            except OSError as error:
-                reason = os_reason(error)
-                raise AuditFileError(
-                    Message("{path} cannot be read: {reason}", path=path, reason=reason)
-                ) from error
 
     def close(self, limit_s: float) -> None:
         """Write what waits, in at most about so long [s]."""

@@ -76,16 +76,16 @@ class RobotsPage(WebPage):
         return {"robots": [self._row(one, call) for one in listed]}
 
     def _row(self, robot: ListedRobot, call: Call) -> Mapping[str, Any]:
-        level, title, since_us = JobLevel.REST, replace(robot, state=None).activity, None
-        report = self._reports.get(robot.namespace)
-        if robot.is_shown and self._snapshot is not None:
-            shown, state_s = condition_of(self._snapshot), self._snapshot.state_s
-            level, title = shown.level, shown.title
-            if self._snapshot.control_alive and math.isfinite(state_s):
-                since_us = self._clock.time_of_day_us() - int(state_s * US_PER_S)
+        report, shown = self._reports.get(robot.namespace), self._snapshot
+        condition, since_us = None, None
+        if robot.is_shown and shown is not None:
+            condition = condition_of(shown)
+            if shown.control_alive and math.isfinite(shown.state_s):
+                since_us = self._clock.time_of_day_us() - int(shown.state_s * US_PER_S)
         elif report is not None and self._clock.now_s() - report.heard_s <= CONTROL_SILENCE_S:
-            shown = condition_of(_heard(report.state))
-            level, title, since_us = shown.level, shown.title, report.since_us
+            condition, since_us = replace(robot, state=report.state).condition, report.since_us
+        title = replace(robot, state=None).activity if condition is None else condition.title
+        level = JobLevel.REST if condition is None else condition.level
         return {
             "name": robot.name,
             "level": level.value,
@@ -93,18 +93,3 @@ class RobotsPage(WebPage):
             "since": "" if since_us is None else iso_text(since_us),
             "shown": robot.is_shown,
         }
-
-
-def _heard(state: ControlState) -> Snapshot:
-    """Return what is known of a robot that is heard now, by its state alone."""
-    return Snapshot(
-        control_alive=True,
-        control_silent_s=0.0,
-        state=state,
-        progress=None,
-        current=None,
-        target=None,
-        height_m=None,
-        pending=frozenset(),
-        travel=None,
-    )
