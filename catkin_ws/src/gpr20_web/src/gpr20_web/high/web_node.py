@@ -23,6 +23,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import WebStatus
 from gpr20_msgs.srv import NoteSurvey
 from gpr20_operator.high.control_client import ControlClient
@@ -33,7 +34,6 @@ from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
     RequestError,
-    accepted,
     call,
     in_background,
 )
@@ -43,7 +43,7 @@ from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReport
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_web.errors import AuditFileError
+from gpr20_web.errors import AuditFileError, NotNowError
 from gpr20_web.high.event_loop import EventLoop
 from gpr20_web.high.survey_services import RosSurveyServices
 from gpr20_web.low.account_file import AccountFile
@@ -226,9 +226,11 @@ class WebNode:
     def _note_survey(self, survey: str, values: Mapping[str, Any]) -> None:
         fields = {"survey": survey, "kind": "audit", "values_json": json.dumps(values)}
         try:
-            accepted(call(self._note, STORAGE_SILENT, NOTE_TIMEOUT_S, **fields))
+            response = call(self._note, STORAGE_SILENT, NOTE_TIMEOUT_S, **fields)
         except RequestError as error:
-            raise AuditFileError(error.message) from error
+            raise AuditFileError(error.message) from error  # it is tried again
+        if not response.success:
+            raise NotNowError(message_from(response))
 
     def _health(self) -> Health:
         problems = self._audit.problems
