@@ -414,3 +414,9 @@ class TestRandomQueries:
         method = "GET" if number < len(paths) else "POST"
         with contextlib.suppress(Gpr20Error):
             self.server.ask((paths + posts)[number], method, **values)
+
+
+def test_a_notice_shows_what_is_measured_and_nothing_that_was_found(server):
+    assert server.page.picture() is None
+    server.run(stored=7)
+    assert server.page.picture() == server.ask("/api/ground/map.png", layer="coverage").content

@@ -106,6 +106,11 @@ class GroundPage(WebPage):
         survey = "" if live.shown.map.stop_states is None else live.survey_id
         return {"ground": {"survey": survey, "revision": live.revision}}
 
+    def picture(self) -> Optional[bytes]:
+        """Return what is measured of the running survey, for a notice: nothing that was found."""
+        coverage = self._live.patterns().get("coverage")
+        return None if coverage is None else pattern_png(coverage.cells, Theme.SUN)
+
     def _ground(self, call: Call) -> Mapping[str, Any]:
         """Return a survey; if its revision is known already, only what changes all the time."""
         values = Values(call.values)
