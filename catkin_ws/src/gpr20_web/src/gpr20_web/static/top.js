@@ -3,7 +3,7 @@
 import { ask, button, element, write } from "./dom.js";
 
 export const SIGNS = {
-  working: "▶", paused: "⏸", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
+  working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
 };
 export const STALE_MS = 5000;
 const PRESS_LIMIT_MS = 5000;

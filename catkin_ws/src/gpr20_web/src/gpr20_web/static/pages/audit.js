@@ -9,7 +9,7 @@ const row = (entry, app) => {
   const pairs = Object.entries(values).filter(([, value]) => value !== null);
   const lines = [
     [new Date(entry.time).toLocaleString(app.language, { timeZoneName: "short" }), ""],
-    [entry.user, `${entry.role}, ${entry.address}`],
+    [entry.user, `${entry.role} ${entry.address}`],
     [[entry.command, entry.outcome].filter(Boolean).join(": "),
       pairs.map(([key, value]) => `${key}: ${value}`).join(", ")],
   ];
