@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Mapping, Optional
+from typing import Any, Dict, Iterator, Mapping, Optional
 
 import pytest
 import web_kit
@@ -259,16 +259,10 @@ def test_whatever_is_sent_is_refused_with_an_error_of_the_project(
 
 @pytest.fixture
 def site(pages: Pages) -> Iterator[web_kit.Site]:
-    made = _Site(pages.routes, pages.sessions.find)
+    made = web_kit.Site(pages.routes, find=pages.sessions.find)
     yield made
     made.close()
     assert made.reported == []
-
-
-def _Site(routes: Any, find: Callable[..., Any]) -> web_kit.Site:  # noqa: N802
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(web_kit, "find_person", find)
-        return web_kit.Site(routes)
 
 
 def _cookie(reply: web_kit.Reply) -> Dict[str, str]:

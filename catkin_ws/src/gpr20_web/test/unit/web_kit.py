@@ -7,7 +7,7 @@ import http.client
 import json
 import threading
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
 import gpr20_web
 from gpr20_common.message import Message
@@ -35,7 +35,9 @@ class Reply:
     def __init__(self, response: http.client.HTTPResponse) -> None:
         self.status = response.status
         self.headers = response.headers
-        self.body = response.read()
+        kind = self.headers.get("Content-Type", "")
+        # A stream does not end by itself.
+        self.body = b"" if kind == "text/event-stream" else response.read()
 
     @property
     def values(self) -> Dict[str, Any]:
@@ -49,14 +51,19 @@ class Site:
         reported: Exceptions that no error of the project is.
     """
 
-    def __init__(self, routes: Sequence[Route], static: Path = STATIC) -> None:
+    def __init__(
+        self,
+        routes: Sequence[Route],
+        static: Path = STATIC,
+        find: Callable[[str, str], Person] = find_person,
+    ) -> None:
         self.reported: List[BaseException] = []
         self.loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
         async def begin() -> None:
-            self.server = HttpServer(tuple(routes), static, find_person, self.reported.append)
+            self.server = HttpServer(tuple(routes), static, find, self.reported.append)
             self.port = self.server.listen("127.0.0.1", 0, None)
 
         self.call(begin())

@@ -1,0 +1,172 @@
+"""Who may what: a table that was written by hand, and every cell of it over a real socket."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence
+from uuid import uuid4
+
+import pytest
+from login_kit import OTHER_PASSWORD, PASSWORD
+from test_commands import PLAN, SURVEY
+from whole_page_kit import WholePage, is_without_right
+
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.mid.remote_plan import plan_id
+from gpr20_web.roles import Role
+
+NOBODY, VIEW, OPERATE, ADMIN = Role
+PRESS = {"press": "0" * 32}
+# What the path of a request has for {folder}: a stored survey.
+S = "/api/surveys/{folder}"
+
+
+class Row(NamedTuple):
+    """A route, who may use it, and a request that the page sends."""
+
+    method: str
+    path: str
+    right: Role
+    values: Mapping[str, Any] = {}
+
+
+STOP = Row("POST", "/api/stop", VIEW, PRESS)
+TABLE = (
+    # Before the login there is the form alone.
+    Row("GET", "/api/words", NOBODY),
+    Row("GET", "/api/colours.css", NOBODY),
+    Row("POST", "/api/login", NOBODY, {"name": "vera", "password": PASSWORD}),
+    # Everybody with an account watches, and has a session and a password.
+    Row("GET", "/api/live", VIEW),
+    Row("GET", "/api/me", VIEW),
+    Row("POST", "/api/logout", VIEW),
+    Row("POST", "/api/logout_everywhere", VIEW),
+    Row("POST", "/api/password", VIEW, {"old": PASSWORD, "new": OTHER_PASSWORD}),
+    Row("GET", "/api/ground", VIEW),
+    Row("GET", "/api/ground/map.png", VIEW),
+    Row("GET", "/api/ground/section.png", VIEW),
+    Row("GET", "/api/ground/bar.png", VIEW),
+    Row("GET", "/api/ground/sign.png", VIEW),
+    Row("GET", "/api/robots", VIEW),
+    Row("GET", "/api/service", VIEW),
+    # The stored surveys: search, verdict, candidates, downloads.
+    Row("GET", "/api/surveys", VIEW),
+    Row("GET", S, VIEW),
+    Row("GET", f"{S}/candidates", VIEW),
+    Row("POST", f"{S}/candidates", VIEW),
+    Row("GET", f"{S}/zip", VIEW),
+    Row("GET", f"{S}/files/survey.json", VIEW),
+    Row("POST", "/api/ground/focus", VIEW),
+    # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
+    Row("POST", f"{S}/notes", VIEW, {"text": "wet"}),
+    Row("POST", f"{S}/markers", VIEW, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
+    Row("POST", f"{S}/found", VIEW, {"what": "mine", "candidate": "c", "list": "l"}),
+    Row("POST", "/api/pause", VIEW, PRESS),
+    STOP,
+    # START and RESUME, and control over them.
+    Row("POST", "/api/start", OPERATE, {**PRESS, "plan": plan_id(PLAN)}),
+    Row("POST", "/api/resume", OPERATE, {**PRESS, "survey": SURVEY}),
+    Row("POST", "/api/control/take", OPERATE),
+    Row("POST", "/api/control/release", OPERATE),
+    Row("POST", "/api/control/pass", OPERATE),
+    Row("POST", "/api/control/keep", OPERATE),
+    # What takes the robot's computer minutes, or tells of its inside.
+    Row("POST", "/api/ground/hide", OPERATE, {"target": "pmn"}),
+    Row("POST", "/api/ground/cancel", OPERATE),
+    Row("POST", "/api/service/bundle", OPERATE),
+    Row("GET", "/api/service/bundle", OPERATE),
+    # Users, audit.
+    Row("GET", "/api/users", ADMIN),
+    Row("POST", "/api/users", ADMIN, {"name": "eva", "role": "view", "password": PASSWORD}),
+    Row("POST", "/api/users/eva", ADMIN, {"role": "operate"}),
+    Row("DELETE", "/api/users/eva", ADMIN),
+    Row("GET", "/api/audit", ADMIN),
+)
+# Of requests that another page can make a browser send.
+OF_OTHERS: Sequence[Mapping[str, Optional[str]]] = (
+    {"Origin": None},
+    {"Origin": "null"},
+    {"Origin": "https://other.example"},
+    {"Content-Type": "text/plain"},
+    {"Content-Type": None},
+)
+CHANGES = [row for row in TABLE if row.method != "GET"]
+
+
+def _named(row: Any) -> Any:
+    return f"{row.method} {row.path}" if isinstance(row, Row) else None
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Mapping[bool, WholePage]]:
+    made = {
+        may_stop: WholePage(tmp_path_factory.mktemp("page"), may_stop) for may_stop in (True, False)
+    }
+    yield made
+    for page in made.values():
+        page.close()
+        assert page.foreign == []
+
+
+def _path(page: WholePage, row: Row) -> str:
+    return row.path.format(folder=page.surveys.whole)
+
+
+def test_the_table_has_every_route_and_every_route_is_in_the_table(
+    pages: Mapping[bool, WholePage],
+) -> None:
+    page = pages[True]
+    found = {
+        _named(row): [
+            one for one in page.routes if one.method == row.method and one.match(path) is not None
+        ]
+        for row, path in ((row, _path(page, row)) for row in TABLE)
+    }
+    assert [row for row, routes in found.items() if len(routes) != 1] == []
+    known = {id(routes[0]) for routes in found.values()}
+    assert [one.pattern for one in page.routes if id(one) not in known] == []
+
+
+@pytest.mark.parametrize("row", TABLE, ids=_named)
+def test_each_route_is_for_the_roles_of_the_table(
+    pages: Mapping[bool, WholePage], row: Row
+) -> None:
+    for (view_may_stop, page), role in product(pages.items(), Role):
+        least = OPERATE if row is STOP and not view_may_stop else row.right
+        page.renew()
+        before = page.done()
+        reply = page.ask(row.method, _path(page, row), role, row.values)
+        assert is_without_right(reply) is (role < least)
+        if role < least:
+            assert reply.status == (401 if role is NOBODY else 403)
+            assert page.done() == before
+
+
+@pytest.mark.parametrize("row", CHANGES, ids=_named)
+def test_nothing_is_done_for_another_page(pages: Mapping[bool, WholePage], row: Row) -> None:
+    page = pages[True]
+    page.renew()
+    before = page.done()
+    for headers in OF_OTHERS:
+        reply = page.ask(row.method, _path(page, row), ADMIN, row.values, headers=headers)
+        assert (reply.status, reply.values["code"]) == (403, "web.bad_request")
+    assert page.done() == before
+
+
+# These need traces or a search, which other tests have.
+NOT_HERE = ("/api/ground/focus", "/api/ground/hide", "/api/ground/cancel", f"{S}/found")
+STATES = {"/api/pause": SurveyState.SURVEYING, "/api/resume": SurveyState.PAUSED}
+
+
+@pytest.mark.parametrize("row", [one for one in CHANGES if one.path not in NOT_HERE], ids=_named)
+def test_who_may_do_something_does_it(pages: Mapping[bool, WholePage], row: Row) -> None:
+    page, role = pages[True], max(row.right, VIEW)
+    page.renew()
+    page.be(STATES.get(row.path, SurveyState.CONFIGURED))
+    page.controller.holder = page.person(role)
+    if row.path == "/api/users/eva" and page.accounts.find("eva") is None:
+        page.accounts.add("eva", VIEW, PASSWORD)
+    before = page.done()
+    reply = page.ask(row.method, _path(page, row), role, {**row.values, "press": uuid4().hex})
+    assert reply.status == 200, reply.body
+    assert page.done() != before

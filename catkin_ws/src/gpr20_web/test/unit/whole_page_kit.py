@@ -1,0 +1,202 @@
+"""The whole table of routes without ROS: real accounts, sessions and surveys, fakes for the robot.
+
+Every fake records what it is asked, so that a test sees whether a request has done something.
+"""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Dict, List, Tuple
+
+from ground_kit import Storage
+from login_kit import PASSWORD, make_accounts
+from result_kit import Requests
+from robot_views import ManualClock, state_of
+from surveys_kit import Surveys
+from test_commands import PLAN, SURVEY, Control
+from web_kit import Reply, Site
+
+from gpr20_common.message import Message
+from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
+from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.calls import Call, Person
+from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.mid.all_pages import Surroundings, all_pages
+from gpr20_web.mid.audit import Audit
+from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.sessions import Sessions
+from gpr20_web.mid.shell import Shell
+from gpr20_web.roles import Role
+
+PEOPLE = {Role.VIEW: "vera", Role.OPERATE: "otto", Role.ADMIN: "ada"}
+ADDRESS = "127.0.0.1"
+CLOSE_LIMIT_S = 5.0
+
+
+class CountedAudit(Audit):
+    """Keeps what those did who were logged in."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.added: List[Tuple[str, str]] = []
+
+    def add(
+        self, call: Call, what: str, outcome: str = "", survey: str = "", **values: object
+    ) -> None:
+        """Note an entry."""
+        if call.person is not None:
+            self.added.append((call.person.name, what))
+        super().add(call, what, outcome, survey, **values)
+
+
+class _Errors(logging.Handler):
+    """Collects what a library calls an error: an exception that nobody has taken."""
+
+    def __init__(self, found: List[Any]) -> None:
+        super().__init__(logging.ERROR)
+        self._found = found
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep it."""
+        self._found.append(record.getMessage())
+
+
+class WholePage:
+    """The node without ROS, at a port of its own.
+
+    Attributes:
+        foreign: Exceptions that no error of the project is, whoever has caught them.
+    """
+
+    def __init__(self, folder: Path, view_may_stop: bool = True) -> None:
+        self.clock, self.folder = ManualClock(), folder
+        self.surveys = Surveys(folder / "data")
+        self.control, self.storage, self.requests = Control(), Storage(), Requests()
+        self.acts: List[Any] = []
+        self.accounts = make_accounts(folder)
+        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0)
+        self._tokens: Dict[Role, str] = {}
+        notes: List[Any] = []
+        self.audit = CountedAudit(
+            folder / "audit.jsonl", lambda *one: notes.append(one), self.acts.append, self.clock
+        )
+        self.model = SurveyModel(self.clock)
+        self.controller = Controller(self.clock, lambda _session: True)
+        robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
+        self.commands = Commands(robot, self.controller, self.audit.add, view_may_stop)
+        self.shell = Shell(all_pages(self._surroundings(view_may_stop)))
+        self.routes = tuple(self.shell.all_routes())
+        self.site = Site(self.routes, find=self.sessions.find)
+        self.foreign: List[Any] = self.site.reported
+        self._errors = _Errors(self.foreign)
+        logging.getLogger().addHandler(self._errors)
+        self.renew()
+        self.be(SurveyState.CONFIGURED)
+
+    def _surroundings(self, view_may_stop: bool) -> Surroundings:
+        return Surroundings(
+            name="",
+            data=self.surveys.data,
+            clock=self.clock,
+            accounts=self.accounts,
+            sessions=self.sessions,
+            audit=self.audit,
+            commands=self.commands,
+            controller=self.controller,
+            source=self.storage,
+            requests=self.requests,
+            services=self.surveys.services,
+            in_background=lambda work: work(),
+            robots=Robots("/", False, lambda _watched: None),
+            watch=lambda _watched: None,
+            examine=lambda _ticket, **_wanted: None,
+            make_bundle=self._make_bundle,
+            send=lambda _news: None,
+            warn=lambda _reason: None,
+            view_may_stop=view_may_stop,
+        )
+
+    def _make_bundle(self) -> bytes:
+        self.acts.append("bundle")
+        return b"zip"
+
+    def close(self) -> None:
+        """End all of it."""
+        self.site.close()
+        logging.getLogger().removeHandler(self._errors)
+        self.audit.close(CLOSE_LIMIT_S)
+        self.surveys.kit.processing.shut_down()
+
+    def be(self, code: SurveyState, armed: bool = True) -> None:
+        """Let the robot be in a state, and somebody beside it allow START and RESUME."""
+
+        async def take() -> None:
+            # Nothing is asked for any more, and the last survey has ended.
+            events = [
+                *(Answer(one, False, Message("no")) for one in Request),
+                *(state_of(one, survey=SURVEY) for one in (SurveyState.STOPPED, code)),
+                RemoteArmed(armed, 600.0, PLAN),
+            ]
+            for event in events:
+                self.model.handle(event)
+                self.shell.on_event(event)
+            self.shell.refresh(self.model.snapshot())
+
+        self.site.call(take())
+
+    def renew(self) -> None:
+        """Let everybody have an account with the known password, and be logged in."""
+        for role, name in PEOPLE.items():
+            account = self.accounts.find(name)
+            if account is None:
+                account = self.accounts.add(name, role, PASSWORD)
+            if account.role is not role or not PasswordHash.parse(account.hash).fits(PASSWORD):
+                account = self.accounts.change(name, role, PASSWORD, keep_admin=False)
+            if not self.is_logged_in(role):
+                self._tokens[role] = self.sessions.begin(account)
+
+    def session(self, role: Role) -> str:
+        """Return the session of the person of a role; it may be over."""
+        return self._tokens.get(role, "")
+
+    def is_logged_in(self, role: Role) -> bool:
+        """Return whether the session that a role had is still one."""
+        try:
+            return self.sessions.find(self.session(role), ADDRESS).role is role
+        except PermissionError:
+            return False
+
+    def person(self, role: Role) -> Person:
+        """Return who has a role."""
+        return self.sessions.find(self.session(role), ADDRESS)
+
+    def ask(self, method: str, path: str, role: Role, values: Any = None, **more: Any) -> Reply:
+        """Ask as the browser of a person of a role."""
+        return self.site.ask(method, path, values, self.session(role), **more)
+
+    def done(self) -> Tuple[Any, ...]:
+        """Return everything that a request can change."""
+        held = SimpleNamespace(**vars(self.controller))
+        files = (self.folder / "web" / "accounts.json", *self.surveys.data.rglob("*"))
+        return (
+            tuple(map(repr, self.control.asked)),
+            tuple(map(repr, self.surveys.services.asked)),
+            (len(self.storage.asked), len(self.requests.asked), len(self.requests.cancelled)),
+            (held.holder, held.asked),
+            (tuple(self.audit.added), tuple(map(str, self.acts))),
+            tuple((str(one), one.stat().st_size, one.stat().st_mtime_ns) for one in files),
+            tuple(self.is_logged_in(role) for role in PEOPLE),
+        )
+
+
+def is_without_right(reply: Reply) -> bool:
+    """Return whether a request was refused because of who has sent it."""
+    if reply.status not in (401, 403):
+        return False
+    return reply.values.get("code") in ("web.not_logged_in", "web.not_allowed")
