@@ -117,15 +117,6 @@ def test_a_notice_has_reason_remedy_percent_and_picture() -> None:
     assert (news.percent, news.picture) == (34, b"png")
 
 
-def test_only_a_site_that_allows_it_learns_what_was_found() -> None:
-    allowed = Out(candidates=lambda: Message("2 objects: at X 310 mm, Y 120 mm"))
-    for out, learns in ((allowed, True), (Out(), False)):
-        out.show(_snapshot("it measures", "a", 0), _snapshot("it has finished", "a", 0))
-        assert ("310" in str(out.sent[0].text)) is learns
-        out.show(_snapshot("it has failed", "a", 0))
-        assert "310" not in str(out.sent[0].text)
-
-
 def test_browsers_are_sent_the_last_notice_while_it_is_true() -> None:
     out = Out()
     out.show(_snapshot("it measures", "a", 0))

@@ -31,7 +31,6 @@ WRONG = {
     "idle_minutes": (0, 0.5, 1441, float("nan"), "30"),
     "session_hours": (0, 169, float("inf"), True),
     "view_may_stop": (1, "yes"),
-    "tell_candidates": (0, None),
     "notify": (["mailto://me:password@example.org"],),
 }
 

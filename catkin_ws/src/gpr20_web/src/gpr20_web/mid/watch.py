@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Hashable, Mapping, Optional, Set, Tuple
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 from gpr20_operator.robot.condition import condition_of, lost
 from gpr20_operator.robot.job import percent_of
 from gpr20_operator.robot.notices import fault_notice
@@ -21,13 +21,12 @@ Key = Tuple[Hashable, ...]
 class Watch(WebPage):
     """Finds out what is new by the codes of snapshots.
 
-    What was so before the first report is not new, except a fault. Nothing says what was found
-    in the ground, unless the site gives `candidates` and a picture with it.
+    What was so before the first report is not new, except a fault. No notice says what was found
+    in the ground: it passes through the networks of others.
 
     Args:
         send: Takes each notice for those who have no page open; it does not wait.
         picture: Makes a PNG of the map; None: the notices have none.
-        candidates: Says what was found, for who is allowed to learn it from a notice.
     """
 
     words: Mapping[str, Message] = {
@@ -41,10 +40,9 @@ class Watch(WebPage):
         clock: Clock,
         send: Callable[[News], None] = lambda _news: None,
         picture: Callable[[], Optional[bytes]] = lambda: None,
-        candidates: Callable[[], Optional[Message]] = lambda: None,
     ) -> None:
         self._clock, self._send = clock, send
-        self._picture, self._candidates = picture, candidates
+        self._picture = picture
         self._known: Optional[Set[Key]] = None
         self._last: Optional[News] = None
         self._last_key: Key = ()
@@ -90,9 +88,6 @@ class Watch(WebPage):
         elif occasion is Occasion.FAULT and snapshot.state is not None:
             card = fault_notice(snapshot.state)
             title, said, first = card.title, card.text, card.first
-        more = self._candidates() if occasion is Occasion.FINISHED else None
-        if more is not None:
-            said = in_a_row((said, more))
         number = self._clock.time_of_day_us()
         return News(number, occasion, title, said, first, percent_of(snapshot), self._picture())
 

@@ -32,7 +32,6 @@ class WebParameters:
         idle_minutes: Who did nothing for this long must log in again [min].
         session_hours: Everybody must log in again after this long [h].
         view_may_stop: Whether who may only watch and pause may also stop a survey.
-        tell_candidates: Whether notifications say how many objects were found, and where.
     """
 
     address: str = "127.0.0.1"
@@ -41,7 +40,6 @@ class WebParameters:
     idle_minutes: float = bounded(1.0, 1440.0, 30.0)
     session_hours: float = bounded(0.1, 168.0, 12.0)
     view_may_stop: bool = True
-    tell_candidates: bool = False
 
     def __post_init__(self) -> None:
         if ":" in self.address:
