@@ -10,15 +10,19 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
 
-from ground_kit import Storage
+from ground_kit import PLANNED, Storage
 from login_kit import PASSWORD, make_accounts
 from result_kit import Requests
 from robot_views import ManualClock, state_of
 from surveys_kit import Surveys
-from test_commands import PLAN, SURVEY, Control
+from test_commands import PLAN, Control
+from view_kit import SURVEY, depth_echo, description, trace_at
 from web_kit import Reply, Site
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.grid import grid_from_description
+from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.robots import Robots
@@ -91,6 +95,7 @@ class WholePage:
         robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
         self.commands = Commands(robot, self.controller, self.audit.add, view_may_stop)
         self.shell = Shell(all_pages(self._surroundings(view_may_stop)))
+        self._measure()
         self.routes = tuple(self.shell.all_routes())
         self.site = Site(self.routes, find=self.sessions.find)
         self.foreign: List[Any] = self.site.reported
@@ -133,6 +138,16 @@ class WholePage:
         self.audit.close(CLOSE_LIMIT_S)
         self.surveys.kit.processing.shut_down()
 
+    def _measure(self) -> None:
+        """Let the ground of the running survey be known."""
+        grid = grid_from_description(description())
+        events = [SurveyDescribed(description()), CoverageRuns(SURVEY, PLANNED, (0,), (1,))]
+        for event in [
+            *events,
+            *(trace_at(grid, one, s21=depth_echo(0.1)) for one in range(PLANNED)),
+        ]:
+            self.shell.on_event(event)
+
     def be(self, code: SurveyState, armed: bool = True) -> None:
         """Let the robot be in a state, and somebody beside it allow START and RESUME."""
 
@@ -149,6 +164,15 @@ class WholePage:
             self.shell.refresh(self.model.snapshot())
 
         self.site.call(take())
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        self.clock.time_s += seconds
+
+        async def refresh() -> None:
+            self.shell.refresh(self.model.snapshot())
+
+        self.site.call(refresh())
 
     def renew(self) -> None:
         """Let everybody have an account with the known password, and be logged in."""
@@ -179,6 +203,13 @@ class WholePage:
     def ask(self, method: str, path: str, role: Role, values: Any = None, **more: Any) -> Reply:
         """Ask as the browser of a person of a role."""
         return self.site.ask(method, path, values, self.session(role), **more)
+
+    def forget(self) -> None:
+        """Forget what was done until now."""
+        kept = (self.control.asked, self.surveys.services.asked, self.storage.asked)
+        for one in (*kept, self.requests.asked, self.requests.cancelled, self.audit.added):
+            one.clear()
+        self.acts.clear()
 
     def done(self) -> Tuple[Any, ...]:
         """Return everything that a request can change."""
