@@ -17,6 +17,8 @@ from gpr20_web.errors import NotAllowedError, NotLoggedInError
 MAX_STREAMS = 64
 MAX_STREAMS_OF_PERSON = 30
 BEAT_S = 0.2
+# While nobody watches.
+REST_S = 0.5
 # Without a change; a browser shows what it has as old after 5 s.
 SIGN_OF_LIFE_S = 1.0
 # How often a stream asks whether its person may still watch.
@@ -66,7 +68,6 @@ class EventStreams:
     ) -> None:
         self._check, self._report = check, report
         self._watchers: List[Watcher] = []
-        self._watched = asyncio.Event()
         self._sending: List[asyncio.Future[None]] = []
 
     def __len__(self) -> int:
@@ -83,7 +84,6 @@ class EventStreams:
             raise NotAllowedError(Message("too many pages are open; close one"))
         watcher = Watcher(sender, stream, person, time.monotonic())
         self._watchers.append(watcher)
-        self._watched.set()
         return watcher
 
     def has(self, session: str) -> bool:
@@ -93,8 +93,6 @@ class EventStreams:
     def remove(self, watcher: Watcher) -> None:
         """Remove a browser that has left."""
         self._watchers.remove(watcher)
-        if not self._watchers:
-            self._watched.clear()
 
     def end(self) -> None:
         """End all."""
@@ -104,8 +102,7 @@ class EventStreams:
     async def run(self) -> None:
         """Send what changes until this is cancelled."""
         while True:
-            await asyncio.sleep(BEAT_S)
-            await self._watched.wait()
+            await asyncio.sleep(BEAT_S if self._watchers else REST_S)
             now_s = time.monotonic()
             # By the identity of a document, which is kept with it: browsers of one language share
             # it, and its text is made once.
