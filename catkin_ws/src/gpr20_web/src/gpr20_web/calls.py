@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from hashlib import sha256
-from typing import Any, Callable, Iterator, Mapping, Optional, Protocol, Tuple, Union
+from typing import Any, Callable, FrozenSet, Iterator, Mapping, Optional, Protocol, Tuple, Union
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
@@ -89,9 +89,11 @@ class Stream:
 
     Attributes:
         document: Returns what the person sees now; it is asked again with every beat.
+        seldom: Parts of it that change all the time; they alone are sent once a second.
     """
 
     document: Callable[[], Mapping[str, Any]]
+    seldom: FrozenSet[str] = frozenset()
 
 
 Answer = Union[Mapping[str, Any], Body, Cookie, Stream]

@@ -12,7 +12,7 @@ from gpr20_common.message import Message
 from gpr20_web.calls import Person, Stream
 from gpr20_web.errors import NotAllowedError, NotLoggedInError
 from gpr20_web.low import event_streams
-from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, EventStreams
+from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, SIGN_OF_LIFE_S, EventStreams
 from gpr20_web.roles import Role
 
 LIMIT_S = 10.0
@@ -28,9 +28,9 @@ class Browser:
         if not slow:
             self._free.set()
 
-    def write(self, chunk: str) -> None:
-        assert chunk.startswith("data: ") and chunk.endswith("\n\n")
-        self.sent.append(json.loads(chunk[len("data: ") :]))
+    def write(self, chunk: bytes) -> None:
+        assert chunk.startswith(b"data: ") and chunk.endswith(b"\n\n")
+        self.sent.append(json.loads(chunk[len(b"data: ") :]))
 
     async def flush(self) -> None:
         await self._free.wait()
@@ -92,6 +92,28 @@ def test_only_what_changed_is_sent_and_a_sign_of_life_each_second() -> None:
         assert [one["sent_ms"] for one in browser.sent] == sorted(
             one["sent_ms"] for one in browser.sent
         )
+
+    run(work)
+
+
+def test_what_changes_all_the_time_waits_for_a_second_or_for_what_matters() -> None:
+    document = {"state": "works", "stored": 0}
+
+    async def work() -> None:
+        streams, browser = EventStreams(lambda _one: None, print), Browser()
+        streams.add(browser, Stream(lambda: dict(document), frozenset({"stored"})), person())
+        running = asyncio.ensure_future(streams.run())
+        await until(lambda: len(browser.sent) == 1)
+        document["stored"] = 1
+        await until(lambda: browser.known.get("stored") == 1)
+        document["stored"] = 2
+        document["state"] = "stopped"
+        await until(lambda: browser.known.get("state") == "stopped")
+        running.cancel()
+        times_ms = [one["sent_ms"] for one in browser.sent]
+        assert times_ms[1] - times_ms[0] >= 1000.0 * SIGN_OF_LIFE_S - 1.0
+        assert times_ms[2] - times_ms[1] < 1000.0 * SIGN_OF_LIFE_S
+        assert browser.known["stored"] == 2
 
     run(work)
 

@@ -6,7 +6,8 @@ import asyncio
 import json
 import time
 from dataclasses import dataclass, field
-from typing import Any, Awaitable, Callable, Dict, List, Mapping, Protocol, Tuple
+from functools import partial
+from typing import Any, Awaitable, Callable, Dict, List, Mapping, NamedTuple, Protocol, Tuple
 
 from tornado.iostream import StreamClosedError
 
@@ -19,7 +20,7 @@ MAX_STREAMS_OF_PERSON = 30
 BEAT_S = 0.2
 # While nobody watches.
 REST_S = 0.5
-# Without a change; a browser shows what it has as old after 5 s.
+# Without a change that matters at once; a browser shows what it has as old after 5 s.
 SIGN_OF_LIFE_S = 1.0
 # How often a stream asks whether its person may still watch.
 SESSION_CHECK_S = 5.0
@@ -28,11 +29,51 @@ SESSION_CHECK_S = 5.0
 class Sender(Protocol):
     """An answer that is not finished."""
 
-    def write(self, chunk: str) -> Any:
+    def write(self, chunk: bytes) -> Any:
         """Add to what is sent."""
 
     def flush(self) -> Awaitable[Any]:
         """Return when the browser's connection has taken it."""
+
+
+class Change(NamedTuple):
+    """What leads from one state of a document to another.
+
+    Attributes:
+        known: The state before, which is kept as long as its identity is a key.
+        matters: Whether a browser is to have it at once.
+        members: Of the JSON object that is sent.
+    """
+
+    known: Mapping[str, str]
+    matters: bool
+    members: str
+
+
+@dataclass(frozen=True)
+class Beat:
+    """What is made once for all browsers that need the same, by the identity of what it is of."""
+
+    now_s: float
+    texts: Dict[int, Tuple[Mapping[str, Any], Mapping[str, str]]] = field(default_factory=dict)
+    changes: Dict[Tuple[int, int], Change] = field(default_factory=dict)
+
+    def parts(self, stream: Stream) -> Mapping[str, str]:
+        """Return the JSON texts of a document; browsers of one language share it."""
+        document = stream.document()
+        if id(document) not in self.texts:
+            texts = {name: json_text(one) for name, one in document.items()}
+            self.texts[id(document)] = (document, texts)
+        return self.texts[id(document)][1]
+
+    def change(self, known: Mapping[str, str], parts: Mapping[str, str], stream: Stream) -> Change:
+        """Return what leads from what a browser knows to what is so now."""
+        key = id(known), id(parts)
+        if key not in self.changes:
+            changed = {name: one for name, one in parts.items() if known.get(name) != one}
+            members = "".join(f"{json_text(name)}:{one}," for name, one in changed.items())
+            self.changes[key] = Change(known, not stream.seldom.issuperset(changed), members)
+        return self.changes[key]
 
 
 @dataclass(eq=False)
@@ -68,7 +109,6 @@ class EventStreams:
     ) -> None:
         self._check, self._report = check, report
         self._watchers: List[Watcher] = []
-        self._sending: List[asyncio.Future[None]] = []
 
     def __len__(self) -> int:
         return len(self._watchers)
@@ -103,54 +143,41 @@ class EventStreams:
         """Send what changes until this is cancelled."""
         while True:
             await asyncio.sleep(BEAT_S if self._watchers else REST_S)
-            now_s = time.monotonic()
-            # By the identity of a document, which is kept with it: browsers of one language share
-            # it, and its text is made once.
-            texts: Dict[int, Tuple[Mapping[str, Any], Mapping[str, str]]] = {}
+            beat = Beat(time.monotonic())
             for watcher in [one for one in self._watchers if not one.busy]:
                 try:
-                    self._send_changes(watcher, texts, now_s)
+                    self._send_changes(watcher, beat)
                 except NotLoggedInError:
                     watcher.gone.set()
                 except Exception as error:  # one browser's trouble is not that of the others
                     self._report(error)
                     watcher.gone.set()
 
-    def _send_changes(
-        self,
-        watcher: Watcher,
-        texts: Dict[int, Tuple[Mapping[str, Any], Mapping[str, str]]],
-        now_s: float,
-    ) -> None:
+    def _send_changes(self, watcher: Watcher, beat: Beat) -> None:
+        now_s, stream = beat.now_s, watcher.stream
         if now_s - watcher.checked_s > SESSION_CHECK_S:
             watcher.checked_s = now_s
             self._check(watcher.person)
-        document = watcher.stream.document()
-        if id(document) not in texts:
-            texts[id(document)] = (
-                document,
-                {name: json_text(one) for name, one in document.items()},
-            )
-        parts = texts[id(document)][1]
-        changed = {name: one for name, one in parts.items() if watcher.sent.get(name) != one}
-        if not changed and now_s - watcher.sent_s < SIGN_OF_LIFE_S:
+        parts = beat.parts(stream)
+        change = beat.change(watcher.sent, parts, stream)
+        if not change.matters and now_s - watcher.sent_s < SIGN_OF_LIFE_S:
             return
         watcher.sent, watcher.sent_s, watcher.busy = parts, now_s, True
-        members = [f"{json_text(name)}:{one}" for name, one in changed.items()]
-        members.append(f'"sent_ms":{now_s * 1000.0:.0f}')
-        watcher.sender.write(f"data: {{{','.join(members)}}}\n\n")
-        sending = asyncio.ensure_future(_flushed(watcher))
-        self._sending.append(sending)
-        sending.add_done_callback(self._sending.remove)
+        watcher.sender.write(
+            f'data: {{{change.members}"sent_ms":{now_s * 1000.0:.0f}}}\n\n'.encode()
+        )
+        sending = asyncio.ensure_future(watcher.sender.flush())
+        sending.add_done_callback(partial(self._sent, watcher))
 
-
-async def _flushed(watcher: Watcher) -> None:
-    """Wait until the browser has taken what was sent: a slow one gets the newest state later."""
-    try:
-        await watcher.sender.flush()
-        watcher.busy = False
-    except StreamClosedError:
+    def _sent(self, watcher: Watcher, sending: asyncio.Future[Any]) -> None:
+        """Note that a browser has taken what was sent: a slow one gets the newest state later."""
+        error = None if sending.cancelled() else sending.exception()
+        if error is None:
+            watcher.busy = False
+            return
         watcher.gone.set()
+        if not isinstance(error, StreamClosedError):
+            self._report(error)
 
 
 def json_text(value: Any) -> str:

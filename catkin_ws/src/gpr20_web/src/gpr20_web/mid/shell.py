@@ -13,6 +13,9 @@ from gpr20_web.calls import Body, Call, Route, Stream
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
+# What changes with each trace: nobody reads it faster, and each change costs every browser work.
+SELDOM = frozenset({"job", "ground"})
+
 WORDS: Mapping[str, Message] = {
     "shell.pages": Message("Pages"),
     "shell.language": Message("Language"),
@@ -82,7 +85,7 @@ class Shell(WebPage):
         }
 
     def _live(self, call: Call) -> Stream:
-        return Stream(lambda: self.document(call.language))
+        return Stream(lambda: self.document(call.language), SELDOM)
 
 
 def _colours() -> Body:
