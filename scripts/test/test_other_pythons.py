@@ -64,6 +64,10 @@ CHOSEN = {
         *("test_bag_file", "test_data_processing", "test_mcap_file"),
         *("test_old_surveys", "test_reopening", "test_survey_archive"),
     ],
+    "gpr20_web": [
+        *("test_accounts", "test_certificate", "test_event_streams", "test_http_server"),
+        *("test_notifier", "test_web_downloads"),
+    ],
     "gpr20": [],
     "gpr20_viewer": ["test_view_command", "test_view_picks"],
 }
