@@ -98,14 +98,8 @@ class Fuzz:
     def _send_raw(self) -> None:
         """Send bytes without a session: nothing may be done."""
         before = self._page.done()
-        with socket.create_connection(("127.0.0.1", self._page.site.port), LIMIT_S) as connection:
-            sent = self._raw()
-            try:
-                connection.sendall(sent)
-                connection.shutdown(socket.SHUT_WR)
-                answer = b"".join(iter(lambda: connection.recv(65536), b""))
-            except ConnectionError:
-                answer = b""
+        sent = self._raw()
+        answer = self._page.exchange(sent, ends=True)
         status = answer[9:12]
         self.answers[int(status) if status.isdigit() else 0] += 1
         assert self._page.done() == before, sent

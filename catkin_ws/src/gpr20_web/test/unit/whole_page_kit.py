@@ -6,6 +6,7 @@ Every fake records what it is asked, so that a test sees whether a request has d
 from __future__ import annotations
 
 import logging
+import socket
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
@@ -17,7 +18,7 @@ from robot_views import ManualClock, state_of
 from surveys_kit import Surveys
 from test_commands import PLAN, Control
 from view_kit import SURVEY, depth_echo, description, trace_at
-from web_kit import Reply, Site
+from web_kit import LIMIT_S, Reply, Site
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import CoverageRuns
@@ -203,6 +204,23 @@ class WholePage:
     def ask(self, method: str, path: str, role: Role, values: Any = None, **more: Any) -> Reply:
         """Ask as the browser of a person of a role."""
         return self.site.ask(method, path, values, self.session(role), **more)
+
+    def exchange(self, sent: bytes, ends: bool = False) -> bytes:
+        """Send bytes; return all that comes back until the server closes the connection.
+
+        Args:
+            sent: Requests.
+            ends: Whether the server learns that no more bytes come: it waits for them else.
+        """
+        address = ("127.0.0.1", self.site.port)
+        with socket.create_connection(address, LIMIT_S) as connection:
+            try:
+                connection.sendall(sent)
+                if ends:
+                    connection.shutdown(socket.SHUT_WR)
+                return b"".join(iter(lambda: connection.recv(65536), b""))
+            except ConnectionError:
+                return b""
 
     def forget(self) -> None:
         """Forget what was done until now."""

@@ -151,8 +151,7 @@ class TableHandler(web.RequestHandler):
         accepted = self.request.headers.get("Accept-Language", "")
         language = language_of(query.pop("language", ""), accepted)
         self._text = read_catalogue(language).text
-        if route.method != "GET":
-            self._check_origin()
+        self._check_origin(route.method)
         address = str(self.request.remote_ip)
         person = None
         if route.right is not Role.NOBODY:
@@ -171,15 +170,20 @@ class TableHandler(web.RequestHandler):
             values = object_of(self.request.body)
         return Call(person, address, values, parts, language, self._text)
 
-    def _check_origin(self) -> None:
+    def _check_origin(self, method: str) -> None:
         """Refuse what another page has made a browser send.
 
         Raises:
             NotAllowedError: The request names another origin than this page's, or none.
         """
+        headers = self.request.headers
         own = f"{self.request.protocol}://{self.request.host}"
-        kind = self.request.headers.get("Content-Type", "").partition(";")[0].strip()
-        if self.request.headers.get("Origin", "") != own or kind != JSON:
+        kind = headers.get("Content-Type", "").partition(";")[0].strip()
+        # Every present browser says so; a page at another port has the cookie sent too.
+        is_foreign = headers.get("Sec-Fetch-Site") in ("same-site", "cross-site")
+        if method != "GET":
+            is_foreign |= headers.get("Origin", "") != own or kind != JSON
+        if is_foreign:
             raise NotAllowedError(
                 Message("the request does not come from this page"), fault=faults.BAD_REQUEST
             )
