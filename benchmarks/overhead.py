@@ -12,13 +12,18 @@ to the answer at the main control; `next goal`, from there to the first goal of 
 `goal to result` of the axes; `settle`, from there to the request of the sweep; `request`, from
 there to the trigger. Beside it: `height`, `confirm` and `store`, each from request to answer, and
 `write`, the part of `store` that writes and flushes the files.
+
+With `--watchers N`, each round also measures a robot whose page is watched by N clients over TLS.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import tempfile
 import threading
 import time
+from itertools import product
 from pathlib import Path
 from typing import Dict, List, Sequence, Tuple
 
@@ -37,6 +42,7 @@ from graph_kit import (
     samples,
     workspaces,
 )
+from page_kit import new_page, watchers
 from robot_kit import MASTER, NODES, LaunchedRobot
 
 LAUNCH = ("time_scale:=2000", "seconds_per_point:=0")
@@ -128,9 +134,23 @@ class ProcessorTimes:
         return {name: processor_s(process) for name, process in self._robot.processes().items()}
 
 
-def measure(root: Path, columns: int) -> Stages:
-    """Run one survey; return the times of its stages, and the processor's per sample [s]."""
-    with launched(root, *LAUNCH, tap=True) as robot:
+def measure(root: Path, columns: int, count: int = 0) -> Stages:
+    """Run one survey; return the times of its stages, and the processor's per sample [s].
+
+    Args:
+        root: The checkout.
+        columns: Stops of each row.
+        count: How many watch the page; 0: there is none.
+    """
+    with contextlib.ExitStack() as stack:
+        options: Tuple[str, ...] = LAUNCH
+        if count:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="gpr20_page_"))
+            page = new_page(Path(folder))
+            options = (*LAUNCH, *page.options)
+        robot = stack.enter_context(launched(root, *options, tap=True))
+        if count:
+            stack.enter_context(watchers(page, count))
         stop_mm = 100.0 + STEP_MM * (columns - 1)
         times = ProcessorTimes(robot)
         survey = run_survey(
@@ -152,10 +172,13 @@ def run(chosen: argparse.Namespace) -> Dict[str, Stages]:
     roots = workspaces(chosen)
     merged: Dict[str, Stages] = {}
     for number in range(chosen.rounds):
-        for root in roots:
-            found = measure(root, chosen.columns)
-            print(f"round {number + 1}: {root}: {1e3 * median(found['sample']):.2f} ms", flush=True)
-            total = merged.setdefault(str(root), {name: [] for name in found})
+        for root, count in product(roots, sorted({0, chosen.watchers})):
+            found = measure(root, chosen.columns, count)
+            label = f"{root}, {count} watchers" if chosen.watchers else str(root)
+            print(
+                f"round {number + 1}: {label}: {1e3 * median(found['sample']):.2f} ms", flush=True
+            )
+            total = merged.setdefault(label, {name: [] for name in found})
             for name, values in found.items():
                 total[name] += values
     return merged
@@ -164,6 +187,7 @@ def run(chosen: argparse.Namespace) -> Dict[str, Stages]:
 def main() -> None:
     parser = arguments(__doc__ or "")
     parser.add_argument("--columns", type=int, default=100, help="stops of each of 3 rows (100)")
+    parser.add_argument("--watchers", type=int, default=0, help="of the page, in every other run")
     chosen = parser.parse_args()
     merged = run(chosen)
     print(

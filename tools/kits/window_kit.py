@@ -26,7 +26,8 @@ from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 
-TIME_LIMIT_S = 60.0
+# Homing from the far end of an axis takes more than a minute.
+TIME_LIMIT_S = 180.0
 SCREEN = "800x480x24"
 
 
