@@ -2,6 +2,8 @@
 
 const REQUEST_LIMIT_MS = 30000;
 const AGAIN_MS = 2000;
+// A connection that was silent for so long is made again: TCP waits ever longer.
+const SILENT_MS = 10000;
 
 export class ServerError extends Error {
   constructor(values, status) {
@@ -41,40 +43,48 @@ export class Live {
     this.onChange = onChange;
     this.onEnd = onEnd;
     this.state = {};
+    // Between the clocks of both computers, by the fastest way between them.
+    this.offsetMs = Infinity;
+    this.sentMs = null;
     this.open();
   }
 
   open() {
-    // Between the clocks of both computers, and the fastest way between them.
-    this.offsetMs = Infinity;
-    this.sentMs = null;
+    this.askedMs = performance.now();
     this.source = new EventSource(this.server.address("/api/live"));
     this.source.onmessage = (message) => this.take(JSON.parse(message.data));
-    this.source.onopen = () => {
-      this.offsetMs = Infinity;
-    };
-    this.source.onerror = () => {
-      // The browser connects again by itself unless the answer was a refusal.
-      if (this.source.readyState === EventSource.CLOSED) setTimeout(() => this.again(), AGAIN_MS);
-    };
+    this.source.onerror = () => this.again(AGAIN_MS);
+    this.waitFor(SILENT_MS);
   }
 
-  async again() {
-    if (this.closed) return;
+  waitFor(limitMs) {
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.again(0), limitMs);
+  }
+
+  async again(delayMs) {
+    this.source.close();
+    if (delayMs) {
+      this.waitFor(delayMs);
+      return;
+    }
     try {
-      await this.server.ask("GET", "/api/me");
+      await this.server.ask("GET", "/api/me", null, SILENT_MS);
     } catch (error) {
       if (error.status === 401) {
         this.onEnd();
         return;
       }
     }
-    this.open();
+    if (!this.closed) this.open();
   }
 
   take(changes) {
     this.sentMs = changes.sent_ms;
+    // It was sent after it was asked for: if not, the clock of the robot's computer began again.
+    if (this.askedMs - this.sentMs > this.offsetMs) this.offsetMs = Infinity;
     this.offsetMs = Math.min(this.offsetMs, performance.now() - this.sentMs);
+    this.waitFor(SILENT_MS);
     delete changes.sent_ms;
     Object.assign(this.state, changes);
     this.onChange(this.state, changes);
@@ -92,6 +102,7 @@ export class Live {
 
   close() {
     this.closed = true;
+    clearTimeout(this.waiting);
     this.source.close();
   }
 }

@@ -5,7 +5,8 @@ import { ask, button, element, write } from "./dom.js";
 export const SIGNS = {
   working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
 };
-export const STALE_MS = 5000;
+// Before 5 s: it was on its way for a while, and the tick may be late.
+export const STALE_MS = 4500;
 const PRESS_LIMIT_MS = 5000;
 const STOP_AGAIN_MS = 2000;
 const STOP_TRIES = 30;
