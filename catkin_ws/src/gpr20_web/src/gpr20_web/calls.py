@@ -9,6 +9,7 @@ from typing import Any, Callable, FrozenSet, Iterator, Mapping, Optional, Protoc
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
+from gpr20_web.errors import BadRequestError
 from gpr20_web.roles import Role
 
 
@@ -58,6 +59,18 @@ class Call:
         if self.person is None:
             raise LookupError("this route is for persons who are logged in")
         return self.person
+
+
+def text_of(call: Call, name: str) -> str:
+    """Return a text that a page has sent.
+
+    Raises:
+        BadRequestError: It is no text.
+    """
+    value = call.values.get(name)
+    if not isinstance(value, str):
+        raise BadRequestError(Message("{name} must be a text", name=name))
+    return value
 
 
 @dataclass(frozen=True)

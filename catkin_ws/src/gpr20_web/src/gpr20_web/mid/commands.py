@@ -64,20 +64,22 @@ class Commands(WebPage):
         "pause": Message("PAUSE"),
         "resume": Message("RESUME"),
         "start": Message("START"),
-        "armed": Message("A person at the robot allows remote control for {time}.", time=""),
+        "armed": Message("A person at the robot allows remote control for {time}.", time="{time}"),
         "confirm_start": Message("Start this survey?"),
         "confirm_resume": Message("Resume the survey?"),
         "confirm": Message("Yes"),
         "cancel": Message("No"),
-        "sent": Message("{command} was sent. It is not known yet whether it arrived.", command=""),
+        "sent": Message(
+            "{command} was sent. It is not known yet whether it arrived.", command="{command}"
+        ),
         "lost": Message(
             "No answer to {command}: it is unknown whether it arrived. The state of the robot "
             "decides.",
-            command="",
+            command="{command}",
         ),
-        "done": Message("{command}: done", command=""),
-        "refused": Message("{command}: refused", command=""),
-        "unknown": Message("{command}: unknown", command=""),
+        "done": Message("{command}: done", command="{command}"),
+        "refused": Message("{command}: refused", command="{command}"),
+        "unknown": Message("{command}: unknown", command="{command}"),
     }
 
     def __init__(

@@ -121,14 +121,16 @@ class ControlPage(WebPage):
 
     words: Mapping[str, Message] = {
         "take": Message("Take control"),
-        "ask": Message("Ask {name} for control", name=""),
+        "ask": Message("Ask {name} for control", name="{name}"),
         "release": Message("Give control up"),
-        "pass": Message("Pass control to {name}", name=""),
+        "pass": Message("Pass control to {name}", name="{name}"),
         "keep": Message("Keep control"),
         "nobody": Message("Nobody is in control."),
         "you": Message("You are in control."),
-        "other": Message("{name} is in control.", name=""),
-        "asked": Message("{name} asks for control. It passes in {seconds} s.", name="", seconds=""),
+        "other": Message("{name} is in control.", name="{name}"),
+        "asked": Message(
+            "{name} asks for control. It passes in {seconds} s.", name="{name}", seconds="{seconds}"
+        ),
     }
 
     def __init__(self, controller: Controller, clock: Clock, audit: Audited) -> None:

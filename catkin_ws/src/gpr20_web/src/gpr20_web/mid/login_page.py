@@ -6,28 +6,15 @@ import dataclasses
 from typing import Any, Mapping
 
 from gpr20_common.message import Message
-from gpr20_web.calls import Call, Cookie, Route
-from gpr20_web.errors import AccountError, BadRequestError, WrongLoginError
+from gpr20_web.calls import Audited, Call, Cookie, Route, text_of
+from gpr20_web.errors import AccountError, WrongLoginError
 from gpr20_web.low.account_file import Account
 from gpr20_web.low.passwords import check_password
 from gpr20_web.mid.accounts import Accounts
-from gpr20_web.mid.commands import Audited
 from gpr20_web.mid.login_limits import LoginLimits
 from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
-
-
-def text_of(call: Call, name: str) -> str:
-    """Return a text that a page has sent.
-
-    Raises:
-        BadRequestError: It is no text.
-    """
-    value = call.values.get(name)
-    if not isinstance(value, str):
-        raise BadRequestError(Message("{name} must be a text", name=name))
-    return value
 
 
 class LoginPage(WebPage):

@@ -42,7 +42,7 @@ class NowPage(WebPage):
     words: Mapping[str, Message] = {
         "title": Message("Now"),
         "stored": Message("Stored"),
-        "traces": Message("{stored} of {planned} traces", stored="", planned=""),
+        "traces": Message("{stored} of {planned} traces", stored="{stored}", planned="{planned}"),
         "survey": Message("Survey"),
         "area": Message("Area"),
         "line": Message("Line"),

@@ -10,7 +10,7 @@ from typing import Any, Callable, List, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_operator.robot.events import Answer, Request
-from gpr20_web.calls import Call
+from gpr20_web.calls import Call, text_of
 from gpr20_web.errors import BadRequestError
 
 # The browser makes a new one for each press.
@@ -109,7 +109,7 @@ def press_of(call: Call) -> str:
     Raises:
         BadRequestError: It has none.
     """
-    press = call.values.get("press")
-    if not isinstance(press, str) or not _PRESS_ID.fullmatch(press):
+    press = text_of(call, "press")
+    if not _PRESS_ID.fullmatch(press):
         raise BadRequestError(Message("the request has no mark of its press"))
     return press

@@ -35,7 +35,7 @@ class RobotsPage(WebPage):
         "title": Message("Robots"),
         "name": Message("Name"),
         "state": Message("State"),
-        "since": Message("since {time}", time=""),
+        "since": Message("since {time}", time="{time}"),
         "shown": Message("shown on this page"),
     }
 

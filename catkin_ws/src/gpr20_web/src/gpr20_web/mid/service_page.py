@@ -14,9 +14,8 @@ from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.robot.notices import node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.calls import Body, Call, Route
+from gpr20_web.calls import Audited, Body, Call, Route
 from gpr20_web.errors import NotFoundError, NotNowError
-from gpr20_web.mid.commands import Audited
 from gpr20_web.mid.interest import Interest
 from gpr20_web.mid.now_page import notice_values, sentence
 from gpr20_web.mid.web_page import WebPage

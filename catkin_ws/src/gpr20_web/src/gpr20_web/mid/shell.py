@@ -25,7 +25,7 @@ WORDS: Mapping[str, Message] = {
     "shell.connecting": Message("Connecting to the robot's computer."),
     "shell.stale": Message(
         "NO CONNECTION: what you see is {seconds} s old. The robot may have moved since.",
-        seconds="",
+        seconds="{seconds}",
     ),
     "shell.no_answer": Message("The robot's computer does not answer. Check the network."),
 }
@@ -76,12 +76,11 @@ class Shell(WebPage):
         words = dict(WORDS)
         for name, page in self.pages.items():
             words.update({f"{name}.{key}": one for key, one in page.words.items()})
-        template = read_catalogue(call.language).template
         return {
             "language": call.language.value,
             "languages": [[one.value, one.own_name] for one in languages()],
-            # Templates, not sentences: the script knows the values.
-            "words": {name: template(one.template) for name, one in words.items()},
+            # With their fields, which the script fills in.
+            "words": {name: call.text(one) for name, one in words.items()},
         }
 
     def _live(self, call: Call) -> Stream:

@@ -72,7 +72,7 @@ class SurveysPage(WebPage):
         "found": Message("Found"),
         "candidates": Message("Candidates"),
         "find": Message("Search for candidates"),
-        "searching": Message("Searching for places: {seconds} s", seconds=""),
+        "searching": Message("Searching for places: {seconds} s", seconds="{seconds}"),
         "downloads": Message("Downloads"),
         "whole": Message("whole survey as ZIP"),
         **{one.value: text for one, text in texts.FINDS.items()},

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any, Mapping
 
 from gpr20_common.message import Message
-from gpr20_web.calls import Call, Route
+from gpr20_web.calls import Audited, Call, Route, text_of
 from gpr20_web.errors import BadRequestError
 from gpr20_web.low.account_file import role_of
 from gpr20_web.mid.accounts import Accounts
-from gpr20_web.mid.commands import Audited
-from gpr20_web.mid.login_page import text_of
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
@@ -37,8 +35,8 @@ class UsersPage(WebPage):
         "add": Message("ADD A USER"),
         "change": Message("CHANGE"),
         "remove": Message("REMOVE"),
-        "remove_user": Message("Remove the user {name}?", name=""),
-        "change_user": Message("Change the user {name}?", name=""),
+        "remove_user": Message("Remove the user {name}?", name="{name}"),
+        "change_user": Message("Change the user {name}?", name="{name}"),
         "over": Message("Everybody who is logged in with this account must log in again."),
         "new_password": Message("New password, at least 12 characters"),
         "same_password": Message("New password, or empty: it stays"),
