@@ -10,61 +10,17 @@ from typing import Any, Dict, Iterator, List
 
 import pytest
 import rospy
+from accessibility_kit import press_by_keyboard, tab_reaches_all, violations
 from browser_kit import HEIGHTS, Browser
+from other_origin_kit import TRIES, other_origin
 from robot_kit import WEB, LaunchedRobot, free_port
-
-from gpr20_common.low.clock import Clock
-from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.remote_control import WebPageClient
-from gpr20_operator.robot.remote_control import Arming, RemotePlan
-from gpr20_operator.robot.senders import Senders
-from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.plan.annotation import EMPTY
-from gpr20_survey.plan.survey_parameters import SurveyParameters
+from touchscreen_kit import Touchscreen
 
 pytestmark = pytest.mark.real_time
 
 PASSWORD = "correct horse battery staple"
 PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
-PLAN = SurveyParameters(
-    vna_address="127.0.0.1",
-    start_frequency_hz=600e6,
-    stop_frequency_hz=6e9,
-    frequency_points=101,
-    x_start_mm=100.0,
-    x_stop_mm=300.0,
-    x_points=6,
-    y_start_mm=100.0,
-    y_stop_mm=300.0,
-    y_points=6,
-)
-
-
-class Touchscreen:
-    """The window of the robot as far as the page needs it: it allows remote control."""
-
-    def __init__(self) -> None:
-        self.model = SurveyModel(Clock())
-        senders = Senders("/")
-        self.control = ControlClient(self._take, senders)
-        self.web = WebPageClient(self._take, senders)
-        self.arming = Arming(Clock(), self.web.send)
-        for client in (self.control, self.web):
-            client.listen()
-        self.control.set_watched(True)
-
-    def _take(self, event: object) -> None:
-        self.model.handle(event)
-        self.arming.take(event)
-
-    def note(self) -> None:
-        """Take what is known now, as the window does five times a second."""
-        self.arming.note(self.model.snapshot(), RemotePlan(PLAN, EMPTY, "", 4.0))
-
-    def close(self) -> None:
-        self.control.close()
-        self.web.close()
 
 
 class Site:
@@ -215,6 +171,66 @@ def test_every_page_fits_every_screen_and_asks_nobody_else(site: Site, language:
     assert all(one.startswith((site.address, "data:")) for one in addresses), addresses
 
 
+@pytest.mark.parametrize("theme", ["sun", "night"])
+def test_every_page_keeps_the_rules_of_accessibility(site: Site, theme: str) -> None:
+    browser = site.browser
+    browser.open(f"{site.address}/")
+    browser.run("localStorage.setItem('theme', arguments[0])", theme)
+    browser.driver.delete_all_cookies()
+    browser.open(f"{site.address}/")
+    browser.find("form")
+    found = {"login": violations(browser)}
+    site.log_in("ada")
+    for page in PAGES:
+        site.show(page)
+        browser.find("#page section > *")
+        if page == "surveys":
+            browser.press("#page .list button")
+            browser.wait_for_text("Notes", "#page")
+        for width_px in (360, 1440):
+            browser.resize(width_px)
+            found[f"{page} {width_px}"] = violations(browser)
+    browser.run("localStorage.removeItem('theme')")
+    assert {name: one for name, one in found.items() if one} == {}
+
+
+def test_every_control_is_reached_by_tab_and_stop_by_the_keyboard(site: Site) -> None:
+    browser = site.browser
+    site.log_in("ada")
+    browser.resize(800)
+    for page in PAGES:
+        site.show(page)
+        browser.find("#page section > *")
+        browser.wait(
+            lambda: tab_reaches_all(browser),
+            f"Tab reaches every control of {page} in its order",
+        )
+    press_by_keyboard(browser, "stop")
+    browser.wait_for_text("ada: STOP: ", "#top")
+
+
+def test_a_page_of_another_origin_reads_nothing_and_does_nothing(site: Site) -> None:
+    browser, folder = site.browser, site.folder / "page"
+    site.log_in("ada")
+    audit = (folder / "audit.jsonl").read_text()
+    with other_origin(folder / "certificate.pem", folder / "key.pem") as address:
+        browser.open(address)
+        browser.driver.get_log("performance")
+        found = browser.driver.execute_async_script(TRIES, site.address)
+        assert set(found.values()) == {"refused"}, found
+        log = [
+            json.loads(one["message"])["message"] for one in browser.driver.get_log("performance")
+        ]
+    assert (folder / "audit.jsonl").read_text() == audit
+    # It is the page that refuses: the browser has sent what it may, and the cookie with it.
+    sent = [one["params"] for one in log if one["method"] == "Network.requestWillBeSentExtraInfo"]
+    assert any("__Host-session" in json.dumps(one["associatedCookies"]) for one in sent)
+    answers = [one["params"] for one in log if one["method"] == "Network.responseReceivedExtraInfo"]
+    assert 403 in {one["statusCode"] for one in answers}
+    site.log_in("ada")
+    assert "ada" in browser.text("footer")
+
+
 def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Site) -> None:
     browser = site.browser
     site.log_in("vera")
@@ -238,9 +254,11 @@ def test_a_person_who_may_watch_sees_nothing_to_start_and_nothing_of_accounts(si
     browser = site.browser
     site.log_in("vera")
     assert browser.find("#stop").is_displayed()
-    titles = browser.text("nav")
-    assert "Users" not in titles and "Audit" not in titles
+    assert "Audit" not in browser.text("nav")
     assert not browser.run("return document.querySelector('#take')")
+    site.show("users")
+    browser.find("#page form")
+    assert "otto" not in browser.text("#page")
 
 
 def test_operator_of_the_window_sees_who_watches(site: Site) -> None:
