@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import uuid
 from dataclasses import replace
 from typing import Any, Dict, List, Optional
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
+from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, ControlState, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
@@ -234,15 +236,29 @@ def test_press_without_a_proper_mark_is_refused(press: Any) -> None:
     assert desk.control.asked == []
 
 
-def test_answer_becomes_the_outcome_and_is_noted_in_the_log_of_the_survey() -> None:
+def test_answer_becomes_the_outcome() -> None:
     desk = armed()
     desk.start()
     assert desk.shown["command"]["outcome"] == "sent"
     desk.commands.on_event(Answer(Request.START, True, Message("started"), survey_id=SURVEY))
     assert desk.shown["command"]["outcome"] == "done"
-    assert {"who": "ana", "what": "start", "outcome": "done: started", "survey": SURVEY} in (
-        desk.audited
-    )
+
+
+@pytest.mark.parametrize("described_first", [False, True])
+def test_start_is_noted_in_the_log_of_the_survey_once_there_is_one(described_first: bool) -> None:
+    desk = armed()
+    desk.start()
+    events = [
+        Answer(Request.START, True, Message("started"), survey_id=SURVEY),
+        SurveyDescribed(json.dumps({"survey_id": SURVEY})),
+    ]
+    note = {"who": "ana", "what": "start", "outcome": "begun", "survey": SURVEY}
+    for event in reversed(events) if described_first else events:
+        assert note not in desk.audited
+        desk.commands.on_event(event)
+    assert desk.audited.count(note) == 1
+    desk.commands.on_event(events[1])
+    assert desk.audited.count(note) == 1
 
 
 def test_lost_answer_is_unknown() -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Mapping, Optional, Protocol
+from typing import Any, Callable, Dict, Mapping, Optional, Protocol
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
+from gpr20_operator.robot.job import survey_name
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
@@ -89,6 +91,9 @@ class Commands(WebPage):
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
         self._refusal: Optional[Refusal] = None
+        # Who has started a survey that the storage has not opened yet, by its id.
+        self._starts: Dict[str, Call] = {}
+        self._described = ""
         self._stop = StopConfirmation(robot.clock)
         self.routes = (
             Route("POST", "/api/stop", Role.VIEW if view_may_stop else Role.OPERATE, self._on_stop),
@@ -104,11 +109,23 @@ class Commands(WebPage):
         if isinstance(event, Answer):
             for one in self._presses.end(event):
                 said = f"{one.outcome.value}: {event.message}"
-                self._audit(one.call, one.request.value, said, event.survey_id or self._survey)
+                self._audit(one.call, one.request.value, said, self._survey)
+                if event.survey_id:
+                    self._starts[event.survey_id] = one.call
+                    self._note_start()
+        elif isinstance(event, SurveyDescribed):
+            self._described = survey_name(event.text)[0]
+            self._note_start()
         elif isinstance(event, AxisStopAnswer):
             answer = "answered" if event.answered else "did not answer"
             for one in self._presses.waiting(Request.STOP):
                 self._audit(one.call, "stop", f"{event.axis.value} axis {answer}", self._survey)
+
+    def _note_start(self) -> None:
+        """Note who has started a survey in its own log, once the storage has opened it."""
+        call = self._starts.pop(self._described, None)
+        if call is not None:
+            self._audit(call, Request.START.value, "begun", self._described)
 
     def take_refusal(self, refusal: Optional[Refusal]) -> None:
         """Take what failed after it was accepted, as the state shows; None: nothing."""
