@@ -193,3 +193,4 @@ HEIGHT_NOT_MEASURED = Fault(
     Message("A survey measures it; or measure it on ROBOT."),
     Severity.NOTE,
 )
+FOLDER_CHANGED = Fault("storage.folder_changed", remedies.TRY_LATER)

@@ -22,6 +22,8 @@ class WebError(Gpr20Error):
 class BadRequestError(WebError, ValueError):
     """A request is not as the page sends it."""
 
+    fault = faults.BAD_REQUEST
+
 
 class NotLoggedInError(WebError, PermissionError):
     """Nobody is logged in, or no longer."""

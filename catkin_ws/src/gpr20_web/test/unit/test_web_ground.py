@@ -4,12 +4,12 @@ import contextlib
 
 import numpy as np
 import pytest
-from ground_kit import FOLDER, PAST, PERIOD_S, SURVEY, Server
 from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import MARKER, focused
 from view_kit import depth_echo, description, past_survey, trace_at
+from web_ground_kit import FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim

@@ -10,6 +10,7 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey import faults
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.file_sums import regular_files
 from gpr20_survey.files.regular_file import open_regular
@@ -20,6 +21,8 @@ PIECE_BYTES = 1 << 18
 
 class FolderChangedError(ProcessingError):
     """A folder was changed while it was read."""
+
+    fault = faults.FOLDER_CHANGED
 
 
 class _Parts:
