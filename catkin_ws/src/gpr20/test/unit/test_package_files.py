@@ -39,12 +39,13 @@ ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
 # pyqtgraph, PyVISA-py by PyVISA.
 INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-pip"}
 INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
-# The program ssh-keygen, which signs surveys.
-INDIRECT_KEYS |= {"openssh-client"}
+# The programs that sign surveys and make the certificate of the web page.
+INDIRECT_KEYS |= {"openssh-client", "openssl"}
 # The description of the robot, which the check of its configuration reads.
 INDIRECT_KEYS |= {"gpr20_visualization"}
-# Needed by the window, which a machine without a screen does not start, and by the viewer.
-NOT_EVERYWHERE = {"PyQt5", "pyqtgraph"}
+# Needed by the window, which a machine without a screen does not start, by the viewer, and by the
+# web page, without which the robot works.
+NOT_EVERYWHERE = {"PyQt5", "apprise", "pyqtgraph", "tornado"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
 # in noetic/distribution.yaml). Look a key up there before you add it here.
 OFFICIAL_ROS_KEYS = {
@@ -82,6 +83,7 @@ OFFICIAL_ROS_KEYS = {
 }
 OFFICIAL_KEYS = OFFICIAL_ROS_KEYS | {
     "openssh-client",
+    "openssl",
     "python3-numpy",
     "python3-psutil",
     "python3-pyqt5",
