@@ -15,7 +15,7 @@ def clock() -> FakeClock:
 
 @pytest.fixture
 def storage():
-    from window_helpers import Storage
+    from asked_storage import Storage
 
     return Storage()
 

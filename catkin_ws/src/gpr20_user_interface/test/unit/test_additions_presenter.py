@@ -1,7 +1,7 @@
 import pytest
+from asked_storage import Storage
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from view_kit import SURVEY
-from window_helpers import Storage
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim

@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from asked_storage import Storage
 from candidate_examples import candidate, candidate_list
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from map_kit import MARKER
 from view_kit import PAST, SURVEY, add_trace, depth_echo, echo, make_grid, trace_at
-from window_helpers import Storage
 
 from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead
 from gpr20_operator.ground.coverage import CoverageRuns

@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from asked_storage import Storage
 from view_kit import (
     FOLDER,
     PAST,
@@ -14,7 +15,6 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import Storage
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+from asked_storage import Storage
 from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, make_grid, trace_at
-from window_helpers import Storage
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState

@@ -222,8 +222,8 @@ def test_every_text_is_found_by_itself_in_capitals_and_small_letters(text):
 @pytest.fixture(scope="module")
 def touched(application, tmp_path_factory):
     """A window with 300 surveys, touched through its screen by a finger of its own clock."""
+    from asked_storage import Storage
     from fake_clock import FakeClock
-    from window_helpers import Storage
 
     clock = FakeClock()
     window = new_window(

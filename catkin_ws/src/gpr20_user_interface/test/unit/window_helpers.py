@@ -2,6 +2,7 @@
 
 import time
 
+from asked_storage import Storage
 from fake_clock import FakeClock
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
@@ -79,31 +80,6 @@ class Survey:
 
     def end(self):
         pass
-
-
-class Storage:
-    """Answers nothing, remembers what it was asked."""
-
-    def __init__(self):
-        self.asked = []
-
-    def list_surveys(self, before):
-        self.asked.append(("list", before))
-
-    def read_survey(self, folder):
-        self.asked.append(("survey", folder))
-
-    def read_traces(self, survey, indices):
-        self.asked.append(("traces", survey, indices))
-
-    def read_additions(self, survey):
-        self.asked.append(("additions", survey))
-
-    def add_marker(self, survey, marker):
-        self.asked.append(("add marker", survey, marker))
-
-    def remove_marker(self, survey, marker_id, author):
-        self.asked.append(("remove marker", survey, marker_id, author))
 
 
 class ServiceTools:

@@ -68,7 +68,7 @@ TABLE = (
     Row("POST", "/api/control/release", OPERATE),
     Row("POST", "/api/control/pass", OPERATE),
     Row("POST", "/api/control/keep", OPERATE),
-    # What takes the robot's computer minutes, or tells of its inside.
+    # What takes the robot's computer minutes, or shows how it is set up.
     Row("POST", "/api/ground/hide", OPERATE, {"target": "pmn"}),
     Row("POST", "/api/ground/cancel", OPERATE),
     Row("POST", "/api/service/bundle", OPERATE),

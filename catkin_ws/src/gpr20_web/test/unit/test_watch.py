@@ -41,7 +41,7 @@ REPLAY = ReplayView(ReplayMark())
 
 
 def _snapshot(name: str, survey: str, number: int) -> Snapshot:
-    code, fault, alive, _told = TABLE[name]
+    code, fault, alive, _expected = TABLE[name]
     silent_s = 0.1 if alive else 6.0 + number
     return view(state_of(code, fault, survey, number), alive, control_silent_s=silent_s)
 
@@ -132,7 +132,7 @@ def test_browsers_are_sent_the_last_notice_while_it_is_true() -> None:
 
 @pytest.mark.parametrize("occasion", Occasion)
 def test_every_occasion_is_in_the_table(occasion: Occasion) -> None:
-    assert any(occasion in told for *_state, told in TABLE.values())
+    assert any(occasion in news for *_state, news in TABLE.values())
 
 
 def test_a_state_without_a_code_is_judged_by_its_fault_alone() -> None:

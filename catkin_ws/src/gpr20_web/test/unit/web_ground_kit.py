@@ -4,6 +4,7 @@ import io
 import json
 
 import numpy as np
+from asked_storage import Storage
 from PIL import Image
 from result_kit import Requests
 from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
@@ -25,33 +26,6 @@ from gpr20_web.roles import Role
 
 PLANNED = 40
 ANA = Person("Ana", Role.VIEW, "secret", "10.0.0.7")
-
-
-class Storage:
-    """Answers nothing, remembers what it was asked."""
-
-    def __init__(self):
-        self.asked = []
-
-    def list_surveys(self, before):
-        self.asked.append(("list", before))
-
-    def read_survey(self, folder):
-        self.asked.append(("survey", folder))
-
-    def read_traces(self, survey, indices):
-        self.asked.append(("traces", survey, indices))
-
-    def read_additions(self, survey):
-        self.asked.append(("additions", survey))
-
-    def add_marker(self, survey, marker):
-        raise AssertionError("the surveys page adds markers")
-
-    remove_marker = add_marker
-
-    def of(self, kind):
-        return [one[1:] for one in self.asked if one[0] == kind]
 
 
 class Server:

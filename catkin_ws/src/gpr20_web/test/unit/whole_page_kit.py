@@ -11,13 +11,14 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
 
+from asked_storage import Storage
 from login_kit import PASSWORD, make_accounts
 from result_kit import Requests
 from robot_views import ManualClock, state_of
 from surveys_kit import Surveys
 from test_commands import PLAN, Control
 from view_kit import SURVEY, depth_echo, description, trace_at
-from web_ground_kit import PLANNED, Storage
+from web_ground_kit import PLANNED
 from web_kit import LIMIT_S, Reply, Site
 
 from gpr20_common.message import Message

@@ -1,0 +1,40 @@
+"""In place of the storage, for what shows surveys: it is asked without an answer."""
+
+from __future__ import annotations
+
+from typing import Any, List, Tuple
+
+
+class Storage:
+    """Answers nothing, remembers what it was asked."""
+
+    def __init__(self) -> None:
+        self.asked: List[Tuple[Any, ...]] = []
+
+    def of(self, kind: str) -> List[Tuple[Any, ...]]:
+        """Return what was asked of a kind."""
+        return [one[1:] for one in self.asked if one[0] == kind]
+
+    def list_surveys(self, before: str) -> None:
+        """Note it, as the others do."""
+        self.asked.append(("list", before))
+
+    def read_survey(self, folder: str) -> None:
+        """Note it."""
+        self.asked.append(("survey", folder))
+
+    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
+        """Note it."""
+        self.asked.append(("traces", survey, indices))
+
+    def read_additions(self, survey: str) -> None:
+        """Note it."""
+        self.asked.append(("additions", survey))
+
+    def add_marker(self, survey: str, marker: Any) -> None:
+        """Note it."""
+        self.asked.append(("add marker", survey, marker))
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
+        """Note it."""
+        self.asked.append(("remove marker", survey, marker_id, author))
