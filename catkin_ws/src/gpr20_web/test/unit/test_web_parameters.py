@@ -70,3 +70,11 @@ def test_a_file_that_cannot_be_read_is_an_error(page, tmp_path, content):
         file.write_bytes(content)
     with raises_fault(CONFIGURATION, NOTIFY_FILE, error=InvalidValueError):
         page.notified()
+
+
+@pytest.mark.parametrize(
+    ("address", "reached"),
+    [("192.168.7.2", "192.168.7.2"), ("::1", "::1"), ("0.0.0.0", "server"), ("::", "server")],
+)
+def test_people_read_an_address_that_a_browser_can_open(address, reached):
+    assert WebParameters(address=address).reached_at("server") == reached

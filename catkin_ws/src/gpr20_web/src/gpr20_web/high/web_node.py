@@ -213,7 +213,8 @@ class WebNode:
         for client in (self._control, self._storage):
             client.set_watched(watchers > 0)
         status = WebStatusReported(
-            *(self._parameters.address, self._parameters.port, self._certificate.fingerprint),
+            self._parameters.reached_at(socket.gethostname()),
+            *(self._parameters.port, self._certificate.fingerprint),
             *(watchers, "" if holder is None else holder.name),
         )
         if status != self._said:

@@ -62,6 +62,15 @@ class WebParameters:
         """The folder, of the person or the service that runs the page."""
         return Path(self.folder).expanduser()
 
+    def reached_at(self, host: str) -> str:
+        """Return what people write into a browser.
+
+        Args:
+            host: Name of this computer: no browser finds "all its networks".
+        """
+        everywhere = ipaddress.ip_address(self.address).is_unspecified
+        return host if everywhere else self.address
+
     def notified(self) -> Tuple[str, ...]:
         """Return the URLs of apprise of those that are notified; none without the file.
 
