@@ -15,6 +15,8 @@ import rostest
 from survey_client import LIMIT_S, SurveyClient
 
 from gpr20_analysis import verify_survey
+from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_msgs.msg import ControlStatus
 from gpr20_msgs.srv import CancelImaging, ExportSurvey, FindCandidates, FocusSurvey, ListVolumes
 from gpr20_survey.no_clearance import NO_CLEARANCE
@@ -121,6 +123,12 @@ class FocusExportTest(unittest.TestCase):
             archive.extractall(str(self.stick / "copy"))
         (copy,) = (self.stick / "copy").iterdir()
         self.assertIn("complete and intact", str(verify_survey(copy).verdict))
+
+    def test_5b_without_a_stick_the_answer_has_the_report(self):
+        answer = self.export_survey("page", self.survey, ["report-html"], PERMITTIVITY, "es", "")
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("SIMULATED_report.html", answer.files[0])
+        self.assertIn(read_catalogue(Language.SPANISH).text(NO_CLEARANCE), answer.content.decode())
 
     def test_6_a_stick_that_is_not_there_is_refused(self):
         answer = self.export_survey("gone", self.survey, ["survey-zip"], 0.0, "en", "/media/gone")

@@ -10,6 +10,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from imaging_kit import store_survey
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files
@@ -65,6 +66,25 @@ def test_the_zip_file_holds_the_whole_survey(tmp_path, exporter, sticks):
     for path in (one for one in folder.rglob("*") if one.is_file()):
         copy = tmp_path / "copy" / path.relative_to(folder.parent)
         assert copy.read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("kind", [one for one in ExportKind if one.analysis])
+def test_without_a_stick_the_file_is_in_the_answer(tmp_path, exporter, sticks, kind):
+    folder = store_survey(tmp_path / "data")
+    name, content = exporter.make(request_for(folder, "", kind), Cancellation())
+    assert name == f"{folder.name}_SIMULATED_{kind.ending}"
+    assert content.decode().startswith(f"{folder} 4.0 es")
+
+
+@pytest.mark.parametrize(
+    "kinds",
+    [(ExportKind.SURVEY_ZIP,), (ExportKind.REPORT_PDF, ExportKind.REPORT_HTML)],
+    ids=["whole survey", "two files"],
+)
+def test_without_a_stick_it_is_one_file_that_the_analysis_makes(tmp_path, exporter, kinds):
+    folder = store_survey(tmp_path / "data")
+    with raises_fault(NOT_ALLOWED, error=ImagingError):
+        exporter.make(request_for(folder, "", *kinds), Cancellation())
 
 
 def test_a_second_export_replaces_the_first(tmp_path, exporter, sticks):

@@ -143,7 +143,7 @@ def test_without_the_analysis_the_node_says_what_is_missing(tmp_path, sticks, su
         imaging.focus("a", survey.name, 4.0)
     # The data themselves need no analysis.
     stick = sticks.plug_in()
-    assert imaging.export("b", survey.name, ["survey-zip"], 0.0, "en", str(stick))
+    assert imaging.export("b", survey.name, ["survey-zip"], 0.0, "en", str(stick))[0]
     imaging.close()
 
 

@@ -32,7 +32,7 @@ TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
 ANSWERS = {
     Service.FOCUS: focus_fields(focused()),
     Service.HIDE: {"hiding_json": hiding_json(a_map([[[1]]], [[[6]]]))},
-    Service.EXPORT: {"files": ["GPR20/a.pdf"]},
+    Service.EXPORT: {"files": ["GPR20/a.pdf"], "content": b""},
     Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
     Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
     Service.LIST: {"surveys": [], "more": False},
@@ -125,7 +125,7 @@ def test_the_answers_are_what_pages_work_with(imaging, events):
     assert found[Service.FOCUS].found == candidate_list(
         focused().found.candidates, survey_id=SURVEY
     )
-    assert found[Service.EXPORT] == ("GPR20/a.pdf",)
+    assert found[Service.EXPORT].files == ("GPR20/a.pdf",)
     assert found[Service.STICKS].computer == "server"
     assert [one.path for one in found[Service.STICKS].volumes] == [BLUE.path]
     assert found[Service.READ] == StoredSurvey("{}", 2)

@@ -14,6 +14,7 @@ from view_kit import SURVEY, snapshot, state_of
 from window_helpers import show
 
 from gpr20_common.message import Fault, Message, verbatim
+from gpr20_operator.jobs.pictures import Exported
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.found import What
@@ -146,7 +147,7 @@ def test_the_stick_fits_in_every_state(spoken, page):
     page.stick_sheet.sticks[1].click()
     spoken.node.ticket("export").progress(verbatim("copying to the USB stick"))
     check(spoken, page, page.stick_sheet)
-    spoken.node.ticket("export").done(("GPR20/a.pdf", "GPR20/b.zip"))
+    spoken.node.ticket("export").done(Exported(("GPR20/a.pdf", "GPR20/b.zip")))
     check(spoken, page, page.stick_sheet)
     page.stick_sheet.other.click()
     check(spoken, page, page.stick_sheet)

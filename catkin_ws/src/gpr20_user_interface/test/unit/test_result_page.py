@@ -15,6 +15,7 @@ from window_helpers import click, hold, show
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import JobState
+from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
@@ -310,7 +311,7 @@ def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, no
     assert len(node.of("export")) == 1 and done.stick_sheet.progress.isVisible()
     node.ticket("export").progress(verbatim("copying"))
     assert "Copying" in window_text(refreshed(done).stick_sheet)
-    node.ticket("export").done(("GPR20/a.pdf",))
+    node.ticket("export").done(Exported(("GPR20/a.pdf",)))
     before = done.stick_sheet.title.text()
     assert refreshed(done).stick_sheet.title.text() != before and "GPR20" in window_text(
         done.stick_sheet

@@ -28,6 +28,7 @@ from view_kit import PAST, SURVEY
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.job import JobState
+from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result import BESIDE_MM, CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
 from gpr20_operator.jobs.result_texts import (
     headline,
@@ -405,7 +406,7 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     search(result, requests)
     result.begin_export("en")
     plug_in(requests, BLUE)
-    requests.ticket("export").done(("GPR20/a.pdf",))
+    requests.ticket("export").done(Exported(("GPR20/a.pdf",)))
     result.export.choose_parts()
     result.export.toggle(ExportPart.SURVEY_ZIP)
     now.s += LIST_PERIOD_S

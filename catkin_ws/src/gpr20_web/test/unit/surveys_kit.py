@@ -13,7 +13,7 @@ from trace_examples import STARTED_US, SURVEY
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.pictures import StoredSurvey
+from gpr20_operator.jobs.pictures import Exported, StoredSurvey
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.candidates import Flag
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
@@ -33,6 +33,7 @@ class Services:
         self._processing, self._archive = kit.processing, SurveyArchive(data)
         self.asked, self.cancelled = [], []
         self.focus = lambda survey: focused(PLACES, survey)
+        self.export = lambda survey, _fields: Exported((f"{survey}_report.pdf",), b"%PDF")
         self.failure = None
 
     def ask(self, service, survey="", **fields):
@@ -52,6 +53,8 @@ class Services:
             removed = fields.pop("remove", False)
             change = self._processing.remove_marker if removed else self._processing.add_marker
             return MarkersStored(survey, change(survey, **fields))
+        if service is Service.EXPORT:
+            return self.export(survey, fields)
         assert service is Service.FOCUS
         return self.focus(survey)
 

@@ -8,15 +8,21 @@ import zipfile
 
 import pytest
 from fault_kit import raises_fault
+from storage_kit import OTHER_SURVEY
 from surveys_kit import Surveys
+from view_kit import snapshot, state_of
 from web_kit import Site
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import verbatim
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
-from gpr20_web.errors import NotFoundError, NotNowError
+from gpr20_web.errors import BusyError, NotFoundError, NotNowError
 from gpr20_web.low.table_handler import COOKIE
 from gpr20_web.mid.survey_files import FILES, folder_of
 
@@ -154,3 +160,44 @@ def test_a_download_that_fails_is_never_taken_for_a_whole_one(surveys, site):
         response.read()
     connection.close()
     assert site.reported == []
+
+
+def test_a_report_is_made_as_the_window_makes_it_and_saved(surveys):
+    body = surveys.get(surveys.whole, "/made/report-pdf")
+    assert (body.content, body.name) == (b"%PDF", f"{surveys.whole}_report.pdf")
+    service, survey, fields = surveys.services.asked[-1]
+    assert (service, survey) == (Service.EXPORT, surveys.whole)
+    assert (fields["kinds"], fields["volume"]) == (["report-pdf"], "")
+    assert (fields["language"], fields["permittivity"]) == ("en", NOT_KNOWN)
+
+
+def test_what_the_analysis_does_not_make_is_no_report(surveys):
+    for kind in ("survey-zip", "report", "..%2f", "report-pdf/"):
+        with pytest.raises(LookupError):
+            surveys.get(surveys.whole, f"/made/{kind}")
+
+
+def test_no_report_is_made_while_a_survey_runs_and_one_that_is_made_ends(surveys):
+    runs = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
+
+    def survey_begins(_survey, fields):
+        surveys.page.refresh(runs)
+        assert surveys.services.cancelled == [fields["request_id"]]
+        raise NotNowError(verbatim("cancelled"))
+
+    surveys.services.export = survey_begins
+    for _ in range(2):
+        with pytest.raises(NotNowError):
+            surveys.get(surveys.whole, "/made/report-html")
+    assert [one for one, *_ in surveys.services.asked].count(Service.EXPORT) == 1
+
+
+def test_one_report_is_made_at_a_time(surveys):
+    def second(_survey, _fields):
+        with pytest.raises(BusyError):
+            surveys.get(surveys.whole, "/made/candidates-csv")
+        return Exported(("a.pdf",), b"%PDF")
+
+    surveys.services.export = second
+    for _ in range(2):
+        assert surveys.get(surveys.whole, "/made/report-pdf").name == "a.pdf"

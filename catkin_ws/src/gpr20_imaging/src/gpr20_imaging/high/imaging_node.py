@@ -95,7 +95,7 @@ class ImagingNode:
         )
 
     def _export(self, request: Any) -> ExportSurveyResponse:
-        files = self._imaging.export(
+        files, content = self._imaging.export(
             request.request_id,
             request.survey,
             request.kinds,
@@ -103,6 +103,9 @@ class ImagingNode:
             request.language,
             request.volume,
         )
+        if content:
+            made = message_fields(Message("the file is made"))
+            return ExportSurveyResponse(success=True, **made, files=files, content=content)
         message = Message("{count} files are on the USB stick", count=len(files))
         not_noted = self._notes.add(request.survey, files, request.volume)
         if not_noted is not None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, List, Optional, Sequence, Tuple
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_imaging import faults
@@ -101,6 +102,21 @@ class Exporter:
                 if isinstance(error, ImagingError):
                     raise
                 raise self._refusal(volume, error) from error
+
+    def make(self, request: ExportRequest, cancellation: Cancellation) -> Tuple[str, bytes]:
+        """Return the name and the content of the only file of a request, without a stick.
+
+        Raises:
+            ImagingError: It cannot be made, or the analysis makes no such file.
+        """
+        with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
+            paths = [self._made(kind, request, Path(made), cancellation) for kind in request.kinds]
+            if len(paths) == 1 and paths[0] is not None:
+                return paths[0].name, paths[0].read_bytes()
+        raise ImagingError(
+            Message("without a USB stick only one report or list of candidates can be made"),
+            fault=NOT_ALLOWED,
+        )
 
     def _made(
         self, kind: ExportKind, request: ExportRequest, folder: Path, cancellation: Cancellation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.catalogue_file import languages
@@ -149,7 +149,7 @@ class Imaging:
         permittivity: float,
         language: str,
         volume: str,
-    ) -> List[str]:
+    ) -> Tuple[List[str], bytes]:
         """Write parts of a survey to a stick; return the names of the files.
 
         Args:
@@ -158,7 +158,7 @@ class Imaging:
             kinds: Values of `ExportKind`.
             permittivity: Relative permittivity of the ground; 0: not known.
             language: Code of the language of reports.
-            volume: Path of the stick.
+            volume: Path of the stick; empty: the content of the only file is returned too.
 
         Raises:
             Gpr20Error: The export failed; the message says why.
@@ -176,7 +176,10 @@ class Imaging:
         exporter = Exporter(
             self._analysis, self._volumes, lambda stage: self._progress(request_id, stage)
         )
-        return self._run(request_id, lambda stop: exporter.export(request, stop))
+        if not volume:
+            name, content = self._run(request_id, lambda stop: exporter.make(request, stop))
+            return [name], content
+        return self._run(request_id, lambda stop: exporter.export(request, stop)), b""
 
     def volumes(self) -> List[Volume]:
         """Return the sticks that are mounted on this computer.

@@ -29,7 +29,7 @@ from gpr20_operator.high.ros_events import (
     in_background,
 )
 from gpr20_operator.jobs.job import Delivery, Service, Ticket
-from gpr20_operator.jobs.pictures import Sticks, StoredSurvey
+from gpr20_operator.jobs.pictures import Exported, Sticks, StoredSurvey
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.results.analyzer_test import analyzer_test_of
@@ -81,7 +81,8 @@ OFFERS: Dict[Service, _Offer] = {
         lambda one: hiding_from(accepted(one).hiding_json),
     ),
     Service.EXPORT: _Offer(
-        *(srv.ExportSurvey, LONG_TIMEOUT_S, IMAGING_SILENT), lambda one: tuple(accepted(one).files)
+        *(srv.ExportSurvey, LONG_TIMEOUT_S, IMAGING_SILENT),
+        lambda one: Exported(tuple(accepted(one).files), one.content),
     ),
     Service.STICKS: _Offer(
         *(srv.ListVolumes, SHORT_TIMEOUT_S, IMAGING_SILENT),

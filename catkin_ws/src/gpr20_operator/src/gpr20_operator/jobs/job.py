@@ -24,7 +24,7 @@ class Service(enum.Enum):
     HIDE = "map_hidden"
     """The answer is a HidingMap."""
     EXPORT = "export_survey"
-    """The answer are the names of files on the stick."""
+    """The answer is an Exported."""
     STICKS = "list_volumes"
     READ = "read_survey"
     """The answer is a StoredSurvey."""

@@ -30,6 +30,13 @@ class Sticks(NamedTuple):
     volumes: Tuple[Volume, ...]
 
 
+class Exported(NamedTuple):
+    """The names of files on a stick; without one, of the only file, and its content."""
+
+    files: Tuple[str, ...]
+    content: bytes = b""
+
+
 class StoredSurvey(NamedTuple):
     """What the storage has of a survey: survey.json, and how many traces."""
 

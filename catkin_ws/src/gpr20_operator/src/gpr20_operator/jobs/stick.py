@@ -7,7 +7,7 @@ from typing import Any, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, JobState, Service
-from gpr20_operator.jobs.pictures import Imaging, Sticks
+from gpr20_operator.jobs.pictures import Exported, Imaging, Sticks
 from gpr20_survey.results.volume import Volume
 
 # A stick that is plugged in shows within this time [s].
@@ -33,7 +33,7 @@ class StickExport:
     """One export at a time. Belongs to one thread.
 
     Attributes:
-        job: The export; its result are the names of the files on the stick.
+        job: The export.
         choosing: Whether a person chooses the parts; else the only stick is written at once.
     """
 
@@ -41,7 +41,7 @@ class StickExport:
         self._now_s = imaging.now_s
         self._listed_s = -LIST_PERIOD_S
         self._order: Dict[str, Any] = {}
-        self.job: Job[Tuple[str, ...]] = imaging.job(Service.EXPORT)
+        self.job: Job[Exported] = imaging.job(Service.EXPORT)
         self.listing: Job[Sticks] = imaging.job(Service.STICKS, self._take_sticks)
         self.sticks = NO_STICKS
         self.parts: FrozenSet[ExportPart] = REPORT

@@ -16,7 +16,9 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import NOT_KNOWN
 from gpr20_operator.jobs.result import SURVEY_RUNS, list_sum
+from gpr20_operator.jobs.stick import ExportPart
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
@@ -26,7 +28,7 @@ from gpr20_survey.results.found import What
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Route
-from gpr20_web.errors import BadRequestError, NotFoundError, NotNowError
+from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid import survey_files, survey_values
 from gpr20_web.mid.candidate_search import CandidateSearches, SurveyServices
 from gpr20_web.mid.now_page import sentence
@@ -37,6 +39,7 @@ SURVEYS_PER_PAGE = 50
 MOST_CHARACTERS = 2000
 SURVEY = f"/api/surveys/(?P<folder>{FOLDER_NAME.pattern})"
 FORMS = "|".join(map(re.escape, survey_files.FILES))
+MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_ZIP)
 OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")
 
 
@@ -75,6 +78,11 @@ class SurveysPage(WebPage):
         "searching": Message("Searching for places: {seconds} s", seconds="{seconds}"),
         "downloads": Message("Downloads"),
         "whole": Message("whole survey as ZIP"),
+        "report-pdf": Message("report as PDF"),
+        "report-html": Message("report as HTML"),
+        "candidates-csv": Message("candidates as CSV"),
+        "candidates-geojson": Message("candidates as GeoJSON"),
+        "making": Message("The file is being made; this takes about a minute."),
         **{one.value: text for one, text in texts.FINDS.items()},
     }
 
@@ -91,6 +99,7 @@ class SurveysPage(WebPage):
         self._running, self._replay = "", False
         # A note is added to those that were read just before.
         self._noting = threading.Lock()
+        self._making, self._making_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
             Route(method, pattern, Role.VIEW, answer, blocking=True)
             for method, pattern, answer in (
@@ -103,6 +112,7 @@ class SurveysPage(WebPage):
                 ("GET", f"{SURVEY}/candidates", self._searched),
                 ("GET", f"{SURVEY}/files/(?P<name>{FORMS})", self._form),
                 ("GET", f"{SURVEY}/zip", self._whole),
+                ("GET", f"{SURVEY}/made/(?P<kind>{MADE})", self._made),
             )
         )
 
@@ -110,6 +120,8 @@ class SurveysPage(WebPage):
         """Follow which survey runs: nothing is searched meanwhile."""
         if snapshot.running_survey and not self._running:
             self._searches.end()
+            if self._making.locked():
+                self._services.cancel(self._making_id)
         self._running, self._replay = snapshot.running_survey, snapshot.replay is not None
 
     def _folder(self, call: Call) -> Path:
@@ -131,6 +143,12 @@ class SurveysPage(WebPage):
         if survey is None:
             raise NotFoundError(Message("there is no survey {survey}", survey=folder))
         return past, survey
+
+    def _analysed(self, call: Call) -> SurveySummary:
+        past, survey = self._survey(call)
+        if past.can_analyze(survey):
+            return survey
+        raise NotNowError(SURVEY_RUNS if self._running else past.ending(survey))
 
     def _list(self, call: Call) -> Mapping[str, Any]:
         before, text = _text(call, "before"), _text(call, "text")
@@ -213,10 +231,7 @@ class SurveysPage(WebPage):
         return {}
 
     def _find(self, call: Call) -> Mapping[str, Any]:
-        past, survey = self._survey(call)
-        if not past.can_analyze(survey):
-            raise NotNowError(SURVEY_RUNS if self._running else past.ending(survey))
-        self._searches.begin(survey.folder)
+        self._searches.begin(self._analysed(call).folder)
         return {}
 
     def _searched(self, call: Call) -> Mapping[str, Any]:
@@ -238,6 +253,20 @@ class SurveysPage(WebPage):
 
     def _whole(self, call: Call) -> Body:
         return survey_files.whole_of(self._folder(call))
+
+    def _made(self, call: Call) -> Body:
+        """Return a file that the imaging node makes, one at a time: each takes a thread."""
+        folder = self._analysed(call).folder
+        if not self._making.acquire(blocking=False):
+            raise BusyError(Message("another report is being made"))
+        try:
+            permittivity = self._searches.read(folder).result.permittivity or NOT_KNOWN
+            options = {"permittivity": permittivity, "language": call.language.value, "volume": ""}
+            wanted = {"request_id": self._making_id, "kinds": [call.parts["kind"]], **options}
+            made = self._services.ask(Service.EXPORT, survey=folder, **wanted)
+        finally:
+            self._making.release()
+        return Body(made.content, survey_files.BYTES, made.files[0])
 
 
 def _just_after(folder: str) -> str:

@@ -1,5 +1,7 @@
 // Requests to the robot's computer, and the state that it sends as it changes.
 
+import { element } from "./dom.js";
+
 const REQUEST_LIMIT_MS = 30000;
 const AGAIN_MS = 2000;
 // A connection that was silent for so long is made again: TCP waits ever longer.
@@ -33,6 +35,16 @@ export class Server {
     const answer = await response.json();
     if (!response.ok) throw new ServerError(answer, response.status);
     return answer;
+  }
+
+  // Let the browser save what takes too long to be made for a plain link.
+  async save(path) {
+    const response = await fetch(this.address(path));
+    if (!response.ok) throw new ServerError(await response.json(), response.status);
+    const [, name] = response.headers.get("Content-Disposition").match(/filename="(.*)"/);
+    const href = URL.createObjectURL(await response.blob());
+    element("a", { href, download: name }).click();
+    URL.revokeObjectURL(href);
   }
 }
 

@@ -93,8 +93,9 @@ class StickSheet(ResultSheet):
             waiting = self.tr("Waiting for the computer of the storage.")
             text = waiting if stage is None else sentence_text(stage)
             return self.tr("Do not remove the stick."), text
-        files = export.job.result
-        if files:
+        exported = export.job.result
+        if exported is not None:
+            files = exported.files
             text = self.tr("Files: {count}, in its folder {folder}.")
             where = text.format(count=len(files), folder=files[0].split("/")[0])
             return self.tr("Done. Remove the stick."), where

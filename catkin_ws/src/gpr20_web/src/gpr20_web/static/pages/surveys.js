@@ -4,6 +4,7 @@ import { ask, button, element, field, write } from "../dom.js";
 
 const LISTED = ["all", "not complete", "imported"];
 const FINDS = ["nothing", "scrap", "device"];
+const MADE = ["report-pdf", "report-html", "candidates-csv", "candidates-geojson"];
 const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
 // A page of the list may have few that fit.
 const ENOUGH = 20;
@@ -268,8 +269,22 @@ export default {
     );
   },
 
-  downloads({ files, bytes }) {
+  // A report takes a while to be made, and may be refused with a reason.
+  async make(kind, making, said) {
+    making.disabled = true;
+    write(said, this.word("making"));
+    await this.act(() => this.app.server.save(this.path(`/made/${kind}`)));
+    write(said, "");
+    making.disabled = false;
+  },
+
+  downloads({ files, bytes, can_search: can }) {
     if (!files.length) return "";
+    const said = element("p", { role: "status" });
+    const made = MADE.map((one) => {
+      const making = button(this.word(one), () => this.make(one, making, said), { disabled: !can });
+      return making;
+    });
     const link = (rest, name, count) => element("li", {}, element(
       "a", { href: this.app.server.address(this.path(rest)), download: true },
       `${name} (${size(count)})`,
@@ -278,6 +293,7 @@ export default {
       this.word("downloads"),
       element("ul", {}, link("/zip", this.word("whole"), bytes),
         ...files.map((one) => link(`/files/${one.name}`, one.name, one.bytes))),
+      element("div", { class: "row" }, ...made), said,
     );
   },
 };
