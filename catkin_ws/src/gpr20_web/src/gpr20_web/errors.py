@@ -60,13 +60,6 @@ class NotNowError(WebError, RuntimeError):
     fault = faults.NOT_NOW
 
 
-class TooLargeError(WebError, ValueError):
-    """A request is larger than any that the page sends."""
-
-    status = 413
-    fault = faults.TOO_LARGE
-
-
 class TooManyLoginsError(WebError, PermissionError):
     """Logins failed too often; the next one is taken later."""
 

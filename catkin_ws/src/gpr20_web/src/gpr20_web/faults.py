@@ -19,7 +19,6 @@ NOT_IN_CONTROL = Fault("web.not_in_control", Message("Take control first."))
 NOT_NOW = Fault("web.not_now", Message("Look at the state of the robot, then decide."))
 BAD_REQUEST = Fault("web.bad_request", Message("Load the page again."))
 NOT_FOUND = Fault("web.not_found", Message("Load the page again."))
-TOO_LARGE = Fault("web.too_large", Message("Send less at once."))
 ACCOUNT = Fault("web.account", remedies.CORRECT_VALUE)
 ACCOUNTS_FILE = Fault(
     "web.accounts_file",
