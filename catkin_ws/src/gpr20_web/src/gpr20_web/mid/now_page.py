@@ -79,14 +79,16 @@ class NowPage(WebPage):
         snapshot = self._snapshot
         if snapshot is None:
             return {}
+        band = self._band(snapshot, text)
         return {
             "robot": {
                 "name": self._robot,
+                "level": band["level"],
                 "simulated": snapshot.simulated,
                 "replay": snapshot.replay is not None,
                 "contact": snapshot.control_alive and snapshot.master_alive,
             },
-            "band": self._band(snapshot, text),
+            "band": band,
             "job": self._job(snapshot, text),
             "fault": self._last_fault(snapshot, text),
         }

@@ -14,7 +14,8 @@ from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
 # What changes with each trace: nobody reads it faster, and each change costs every browser work.
-SELDOM = frozenset({"job", "ground"})
+# Another level of the band is in `robot`, and is sent at once.
+SELDOM = frozenset({"band", "job", "ground"})
 
 WORDS: Mapping[str, Message] = {
     "shell.pages": Message("Pages"),

@@ -16,7 +16,7 @@ import users from "./pages/users.js";
 const OPERATE = 2;
 const ADMIN = 3;
 const PAGES = [now, map, radar, surveys, robots, service, users, audit];
-const TICK_MS = 200;
+const TICK_MS = 400;
 
 class App {
   constructor() {

@@ -84,7 +84,7 @@ export class Top {
     this.tick();
   }
 
-  // What time alone changes, five times a second.
+  // What time alone changes.
   tick() {
     const { state } = this.app.live;
     const ageMs = this.app.live.ageMs();
