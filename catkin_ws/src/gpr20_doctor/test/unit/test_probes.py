@@ -225,6 +225,18 @@ def test_masters_nodes_and_launches_are_found(tmp_path):
     assert found.configuration("http://nobody:11311") is None
 
 
+def test_a_folder_is_known_from_where_its_launch_was_started_if_that_can_be_seen(tmp_path):
+    rows = [
+        (number, 1, "python3 roslaunch gpr20 config:=mole", f"ROS_MASTER_URI=http://{name}:11311")
+        for number, name in ((14, "own"), (15, "other"))
+    ]
+    (tmp_path / "proc" / "14").mkdir(parents=True)
+    (tmp_path / "proc" / "14" / "cwd").symlink_to("/etc")
+    found = processes(tmp_path, *rows)
+    assert found.configuration("http://own:11311") == Path("/etc/mole")
+    assert found.configuration("http://other:11311") is None
+
+
 def test_a_node_is_left_over_when_no_launch_is_above_it(tmp_path):
     found = processes(
         tmp_path,

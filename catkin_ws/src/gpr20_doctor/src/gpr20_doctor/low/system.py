@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
 import time
@@ -123,9 +124,14 @@ def ros_processes(root: Path) -> RosProcesses:
                 left_over = bool(_after("__log:=", words)) and not _has_launch(process)
                 found.nodes.append(RosNode(int(process.name), master, address, left_over))
             elif folder:
-                path = Path(os.path.realpath(str(process / "cwd"))) / Path(folder).expanduser()
-                found.configurations.append((master, path))
+                with contextlib.suppress(OSError):  # where another user is, nobody else may see
+                    found.configurations.append((master, _seen_from(process, folder)))
     return found
+
+
+def _seen_from(process: Path, folder: str) -> Path:
+    path = Path(folder).expanduser()
+    return path if path.is_absolute() else Path(os.readlink(str(process / "cwd"))) / path
 
 
 def _has_launch(process: Path) -> bool:
